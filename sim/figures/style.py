@@ -24,9 +24,6 @@ NAMED = dict(zip(("black", "blue", "red", "green", "pink", "sky", "orange"), COL
 DASHES = ("-", (0, (5, 2)), (0, (5, 2, 1, 2)), (0, (1, 1.5)), (0, (5, 2, 1, 2, 1, 2)))
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "p")
 
-#: Number of different styles that `cycle_style` returns.
-LOOKS = len(COLOURS) * len(DASHES)
-
 SHORT_DASH = (0, (3, 1.5))
 LONG_DASH = DASHES[1]
 DOTTED = DASHES[3]

@@ -39,6 +39,10 @@ KEYS = {
     "profiles": "x: velocity, curves: friction, panels: angle",
     "time_series": "curves: friction, panels: angle",
     "distribution": "x: friction, curves: angle",
+    "scatter": "x: friction, colour: angle",
+    "pairs": "y: velocity, parameters: [friction, angle]",
+    "parallel": "log: [y]",
+    "main_effects": "y: velocity",
 }
 
 #: Replicates that have completed: all, one, none.

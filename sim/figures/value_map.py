@@ -1,0 +1,229 @@
+"""A map of an observable: cells of a grid, or contours between scattered points.
+
+Flows that are not shown to be steady are hatched.
+"""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+from matplotlib.ticker import LogLocator, MaxNLocator
+from scipy.interpolate import griddata
+from scipy.spatial import QhullError
+
+from sim.figures.caption import unsteady_sentence
+from sim.figures.data import FigureData, varying_parameters
+from sim.figures.plot import Panels, missing_value_note
+from sim.figures.style import is_undecided
+from sim.figures.variables import SHADES, Colours, Variable, known_rows, observable
+from sim.parameters import SYSTEMS
+from sim.study.plot_contents import in_words, parameter_phrase
+
+#: Least share of the places of a grid at which points are.
+_FILLED = 0.5
+
+#: Most cells of a panel whose values are written, and contour lines.
+MOST_WRITTEN, _LINES = 36, 7
+
+#: Points of the fine grid between scattered points, along each axis.
+_FINE = 200
+
+#: Hatches of flows that are not steady, and of runs too short to tell.
+_DENSE, _WIDE = "////", "/"
+
+#: Most decimals of a value in a cell.
+_DECIMALS = 4
+
+
+def draw_values(data: FigureData, figure: Figure, shown: Panels) -> None:
+    """Draw the cells or contours of all panels, and a colour bar; open or empty without a value."""
+    shade, _ = observable(data, "show", "colour")
+    norm = Colours(shade).norm
+    for axes, rows in shown:
+        axes.grid(visible=False)
+        points = rows.loc[known_rows(data, [shade]).index.intersection(rows.index)]
+        if is_grid(rows, data.spec.axes):
+            _draw_cells(axes, data, rows, shade, norm)
+        elif len(points) > 2 and not _others(data):
+            _draw_contours(axes, data, points, shade, norm)
+        else:
+            _draw_markers(axes, data, points, shade, 60.0)
+        missing = rows.drop(points.index)
+        x, y = data.spec.axes
+        axes.plot(missing[x], missing[y], "x", color="#888888", zorder=4)
+    Colours(shade).explain(figure, [axes for axes, _ in shown])
+
+
+def is_grid(rows: pd.DataFrame, plane: tuple[str, ...]) -> bool:
+    """Return whether points fill most places of a grid."""
+    x, y = (rows[name].nunique() for name in plane)
+    return min(x, y) > 1 and len(rows) >= _FILLED * x * y
+
+
+def _others(data: FigureData) -> list[str]:
+    """Return the parameters that vary besides those of axes and panels."""
+    shown = {*data.spec.axes, *data.spec.curves}
+    names = [name for name in SYSTEMS[data.spec.system].model_fields if name not in shown]
+    return varying_parameters(data.rows, names)
+
+
+def _hatches(rows: pd.DataFrame) -> pd.Series:
+    """Return the hatches of points: dense where not steady, wide where too short to tell."""
+    dense = pd.Series(_DENSE, rows.index).where(rows["regime"] != "steady", "")
+    return dense.mask(is_undecided(rows), _WIDE)
+
+
+def _ink(value: float, norm: Normalize) -> tuple[float, float, float]:
+    """Return the colour, black or white, that stands out from that of a value."""
+    red, green, blue, _ = SHADES(norm(value))
+    return (1, 1, 1) if 0.3 * red + 0.59 * green + 0.11 * blue < 0.55 else (0, 0, 0)
+
+
+def _edges(values: np.ndarray, *, log: bool) -> np.ndarray:
+    """Return the edges of cells around sorted values, halfway between them on the axis."""
+    places = np.log(values) if log else values
+    between = (places[1:] + places[:-1]) / 2
+    edges = np.r_[2 * places[0] - between[0], between, 2 * places[-1] - between[-1]]
+    return np.exp(edges) if log else edges
+
+
+def _draw_cells(
+    axes: Axes, data: FigureData, rows: pd.DataFrame, shade: Variable, norm: Normalize
+) -> None:
+    """Draw a cell per point, with its value where there are few, else with contour lines."""
+    (x, y), log = data.spec.axes, data.spec.options["log"]
+    table = rows.assign(value=shade.values, mark=_hatches(rows)).pivot(
+        index=y, columns=x, values=["value", "mark"]
+    )
+    values = table["value"].to_numpy(float)
+    columns, lines = (np.array(sorted(set(rows[name])), float) for name in (x, y))
+    edges = _edges(columns, log="x" in log), _edges(lines, log="y" in log)
+    axes.pcolormesh(*edges, values, cmap=SHADES, norm=norm, edgecolors="white", linewidth=0.6)
+    marks = table["mark"].to_numpy()
+    for (down, across), value in np.ndenumerate(values):
+        if np.isfinite(value) and marks[down, across]:
+            (left, right), (low, high) = edges[0][across:][:2], edges[1][down:][:2]
+            cell = Rectangle((left, low), right - left, high - low, fill=False, linewidth=0)
+            cell.set(hatch=marks[down, across], edgecolor=(*_ink(value, norm), 0.55))
+            axes.add_patch(cell)
+    if values.size <= MOST_WRITTEN:
+        _write_values(axes, columns, lines, values, norm)
+    elif min(values.shape) > 1:
+        _draw_lines(axes, columns, lines, values, norm)
+
+
+def _write_values(
+    axes: Axes, columns: np.ndarray, lines: np.ndarray, values: np.ndarray, norm: Normalize
+) -> None:
+    """Write each value into its cell, in the colour that stands out, all with as many decimals."""
+    size = np.nanmax(np.abs(values)) if np.isfinite(values).any() else 0
+    decimals = 1 - int(np.floor(np.log10(size))) if size else 0
+    is_plain = type(norm) is Normalize and 0 <= decimals <= _DECIMALS
+    for (down, across), value in np.ndenumerate(values):
+        if np.isfinite(value):
+            text = f"{round(value, decimals) + 0.0:.{decimals}f}" if is_plain else f"{value:.2g}"
+            box = {"facecolor": SHADES(norm(value)), "edgecolor": "none", "pad": 1.0}
+            axes.text(
+                float(columns[across]),
+                float(lines[down]),
+                text.replace("-", "\N{MINUS SIGN}"),
+                color=_ink(value, norm),
+                ha="center",
+                va="center",
+                fontsize=8,
+                bbox=box,
+                zorder=4,
+            )
+
+
+def _draw_lines(
+    axes: Axes, columns: np.ndarray, lines: np.ndarray, values: np.ndarray, norm: Normalize
+) -> None:
+    """Draw contour lines with their values."""
+    known = np.ma.masked_invalid(norm(values))
+    levels = _levels(norm)
+    drawn = axes.contour(
+        columns, lines, norm.inverse(known), levels, colors="black", linewidths=0.6
+    )
+    axes.clabel(drawn, fontsize=7, fmt=lambda level: f"{level:.3g}")
+
+
+def _levels(norm: Normalize) -> np.ndarray:
+    """Return round values of contour lines that divide the range of the colours."""
+    if norm.vmin == norm.vmax:
+        return np.array([float(norm.vmin or 0)])
+    low, high = float(norm.vmin or 0), float(norm.vmax or 0)
+    if type(norm) is not Normalize and high > 100 * low:
+        return np.asarray(LogLocator(subs=(1, 3)).tick_values(low, high))
+    return np.asarray(MaxNLocator(_LINES, steps=[1, 2, 5, 10]).tick_values(low, high))
+
+
+def _draw_contours(
+    axes: Axes, data: FigureData, rows: pd.DataFrame, shade: Variable, norm: Normalize
+) -> None:
+    """Draw filled contours over a triangulation of the points, its lines, and the points."""
+    log = data.spec.options["log"]
+    places = [
+        (np.log if axis in log else np.asarray)(rows[name].to_numpy(float))
+        for axis, name in zip("xy", data.spec.axes, strict=True)
+    ]
+    fine = [np.linspace(place.min(), place.max(), _FINE) for place in places]
+    at = np.column_stack(places), tuple(np.meshgrid(*fine))
+    value = norm(shade.values[rows.index].to_numpy(float))
+    marks = _hatches(rows).map({"": 0, _WIDE: 1, _DENSE: 2}).to_numpy(float)
+    try:
+        between = griddata(at[0], value, at[1], method="linear", rescale=True)
+        nearest = griddata(at[0], marks, at[1], method="nearest", rescale=True)
+    except QhullError:
+        _draw_markers(axes, data, rows, shade, 60.0)
+        return
+    mesh = [np.exp(one) if axis in log else one for axis, one in zip("xy", fine, strict=True)]
+    x, y = mesh
+    axes.contourf(x, y, norm.inverse(between), _shades(norm), cmap=SHADES, norm=norm)
+    _draw_lines(axes, x, y, norm.inverse(between), norm)
+    if marks.any():
+        hatched = np.ma.masked_array(nearest, np.isnan(between))
+        hatches: dict[str, Any] = {"colors": "none", "hatches": [_WIDE, _DENSE]}
+        axes.contourf(x, y, hatched, [0.5, 1.5, 2.5], **hatches)
+    _draw_markers(axes, data, rows, shade, 16.0)
+
+
+def _shades(norm: Normalize) -> np.ndarray:
+    """Return the bounds of the filled contours, so many that they look continuous."""
+    return np.asarray(norm.inverse(np.linspace(0, 1, 65)))
+
+
+def _draw_markers(
+    axes: Axes, data: FigureData, rows: pd.DataFrame, shade: Variable, size: float
+) -> None:
+    """Draw a marker of its colour per point, ``size`` square points."""
+    x, y = data.spec.axes
+    colours = Colours(shade).of(shade.values[rows.index])
+    axes.scatter(rows[x], rows[y], s=size, c=colours, edgecolors="black", linewidths=0.6, zorder=3)
+
+
+def value_notes(data: FigureData) -> list[str]:
+    """Return the sentences of the caption on cells, contours, hatching and gaps."""
+    shade, _ = observable(data, "show", "colour")
+    known, panel = known_rows(data, [shade]), data.spec.options["panels"]
+    parts = [part for _, part in data.rows.groupby(panel)] if panel else [data.rows]
+    others = [parameter_phrase(data.spec.system, name) for name in _others(data)]
+    grids = {is_grid(part, data.spec.axes) for part in parts}
+    hatched = "hatched (wide: of runs too short to tell)"
+    if grids == {True}:
+        what = "A cell per point, up to halfway to its neighbours."
+    elif others:
+        what = f"A marker per point, no contours, as {in_words(others)} vary, too."
+        hatched = "drawn all the same"
+    else:
+        what = "Contours: linear between neighbouring points (triangulation), which are the dots."
+    value = "a value above 0" if shade.log else "a value"
+    return [
+        what,
+        unsteady_sentence(known, hatched),
+        *missing_value_note(len(data.rows) - len(known), value, "Crosses"),
+    ]
