@@ -40,7 +40,7 @@ from sim.figures.quantity import Quantity, quantity_table
 from sim.figures.style import CurveStyle, Look
 from sim.figures.variables import is_number
 from sim.parameters import SYSTEMS
-from sim.study.plot_contents import parameter_phrase
+from sim.study.plot_contents import SCATTER_HINT, parameter_phrase
 from sim.study.plottable import numbers
 
 #: Shift between neighbouring curves, points of print.
@@ -235,7 +235,7 @@ def notes(data: FigureData) -> list[str]:
 
 def _hint(count: int) -> str:
     """Return what a plot of curves says that has points of a design."""
-    return f"{count} points, hardly two of them on one curve: kind: scatter suits a design better"
+    return f"{count} points, hardly two of them on one curve; {SCATTER_HINT}"
 
 
 def _notes_on_lines(along: list[str]) -> list[str]:

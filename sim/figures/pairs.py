@@ -16,7 +16,7 @@ from sim.figures.scatter import draw_points
 from sim.figures.variables import Colours, Variable, known_rows, observable, parameters
 
 #: Size of a panel, and room for labels, inches; most ticks of an axis; bins of a histogram.
-_PANEL, _ROOM, _TICKS, _BINS = 1.45, 0.9, 3, 10
+_PANEL, _ROOM, _TICKS, _BINS = 1.45, 0.9, 4, 10
 
 #: Area of a marker, square points.
 _MARKER_SIZE = 9.0

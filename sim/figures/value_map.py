@@ -35,8 +35,8 @@ _FINE = 200
 #: Hatches of flows that are not steady, and of runs too short to tell.
 _DENSE, _WIDE = "////", "/"
 
-#: Most decimals of a value in a cell.
-_DECIMALS = 4
+#: Digits of the largest value in a cell, and most decimals of all.
+_DIGITS, _DECIMALS = 3, 5
 
 
 def draw_values(data: FigureData, figure: Figure, shown: Panels) -> None:
@@ -109,6 +109,7 @@ def _draw_cells(
             (left, right), (low, high) = edges[0][across:][:2], edges[1][down:][:2]
             cell = Rectangle((left, low), right - left, high - low, fill=False, linewidth=0)
             cell.set(hatch=marks[down, across], edgecolor=(*_ink(value, norm), 0.55))
+            cell.set_hatch_linewidth(0.6)
             axes.add_patch(cell)
     if values.size <= MOST_WRITTEN:
         _write_values(axes, columns, lines, values, norm)
@@ -121,11 +122,15 @@ def _write_values(
 ) -> None:
     """Write each value into its cell, in the colour that stands out, all with as many decimals."""
     size = np.nanmax(np.abs(values)) if np.isfinite(values).any() else 0
-    decimals = 1 - int(np.floor(np.log10(size))) if size else 0
+    decimals = _DIGITS - 1 - int(np.floor(np.log10(size))) if size else 0
     is_plain = type(norm) is Normalize and 0 <= decimals <= _DECIMALS
     for (down, across), value in np.ndenumerate(values):
         if np.isfinite(value):
-            text = f"{round(value, decimals) + 0.0:.{decimals}f}" if is_plain else f"{value:.2g}"
+            text = (
+                f"{round(value, decimals) + 0.0:.{decimals}f}"
+                if is_plain
+                else f"{value:.{_DIGITS}g}"
+            )
             box = {"facecolor": SHADES(norm(value)), "edgecolor": "none", "pad": 1.0}
             axes.text(
                 float(columns[across]),

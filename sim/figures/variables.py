@@ -31,7 +31,7 @@ _WIDE = 8.0
 
 #: Most ticks of an axis in a small panel, and the ratio of its ends from which they are at powers
 #: of ten alone.
-_FEW, _DECADES = 3, 30
+_FEW, _DECADES = 4, 30
 
 #: Colours of numbers; the palest are left out, as points and lines lie on white.
 SHADES = ListedColormap(VIRIDIS(np.linspace(0, 0.93, 256)))
@@ -84,7 +84,7 @@ class Variable:
             along.set_ticklabels([escape_label(name) for name in self.choices])
             getattr(axes, f"set_{axis}lim")(-0.5, len(self.choices) - 0.5)
         else:
-            along.set_major_locator(MaxNLocator(ticks, steps=[1, 2, 5, 10]))
+            along.set_major_locator(MaxNLocator(ticks, steps=[1, 2, 2.5, 5, 10]))
 
     def text(self, value: float) -> str:
         """Write a value as ticks do."""

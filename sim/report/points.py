@@ -16,6 +16,7 @@ from sim.dataset.run_file import require_start_files
 from sim.parameters import complete_values
 from sim.study.cost import Estimate, estimate
 from sim.study.load import Point, Study, load_study
+from sim.study.plot_contents import SCATTER_HINT
 from sim.study.refine import PARTS, divide_range
 
 CORES = 2
@@ -145,6 +146,7 @@ def _plot_lines(study: Study) -> list[str]:
     """Return a line per plot that the study file defines."""
     return [
         f"plot {name}: {spec.title} ({count_text(len(study.figures[name]), 'point')})"
+        + f"; {SCATTER_HINT}" * bool(spec.options.get("scattered"))
         for name, spec in study.plots.items()
     ]
 

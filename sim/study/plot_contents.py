@@ -21,6 +21,9 @@ from sim.study.plottable import (
 #: Maximum number of panels of a plot.
 MAX_PANELS = 12
 
+#: What is said of curves that have points of a design.
+SCATTER_HINT = "kind: scatter suits a design better"
+
 #: Fewest points of a design, and the share of them above which each would be a curve of its own.
 MIN_SCATTERED, SCATTERED_SHARE = 8, 0.6
 
@@ -88,14 +91,15 @@ class PlotContents:
         if not self.plot.keys.several:
             return () if self.second else self.plot.axis_names
         named = getattr(self.plot, self.plot.keys.several)
-        return tuple(self._usual_axes() if named is None else named)
+        if named is None:
+            named = [name for name in self._varied() if name not in self.groups]
+        return tuple(named)
 
-    def _usual_axes(self) -> list[str]:
-        """Return the parameters that vary, for a kind that shows several."""
+    def _varied(self) -> list[str]:
+        """Return the parameters that vary, without a friction of the plane that is no other."""
         names = varying_parameters(self.parameters)
-        if all(same_plane(point) for point in self.parameters):
-            names = [name for name in names if name != "friction_plane"]
-        return [name for name in names if name not in self.groups]
+        is_same = all(map(same_plane, self.parameters))
+        return [name for name in names if name != "friction_plane" or not is_same]
 
     @property
     def coloured(self) -> str:
@@ -109,7 +113,7 @@ class PlotContents:
         plot, points = self.plot, self.parameters
         if plot.kind != "curves" or not self.axes or len(points) < MIN_SCATTERED:
             return False
-        names = [name for name in varying_parameters(points) if name not in self.axes]
+        names = [name for name in self._varied() if name not in self.axes]
         groups = {tuple(getattr(point, name) for name in names) for point in points}
         return len(groups) > SCATTERED_SHARE * len(points)
 
