@@ -8,6 +8,7 @@ from typing import Any
 
 from sim.base.additions import Plugin
 from sim.parameters import Parameters
+from sim.study.design import Axis, Design
 from sim.study.entries import DecideFile
 from sim.study.figure_spec import FigureSpec
 from sim.study.plot_kinds import Shown
@@ -83,6 +84,10 @@ class Study:
         Ids of the points of each series (or boundary), in order.
     boundaries : tuple of Boundary
         Boundaries to be found.
+    axes : dict
+        The parameters that the points of each series vary, by grid, cases or design, in order.
+    designs : dict
+        The designs of the series that have one.
     entries : dict
         Figures that its points feed, by name: entries of the catalogue, then its own plots.
     readings : mapping
@@ -102,6 +107,8 @@ class Study:
     points: dict[str, Point]
     series: dict[str, tuple[str, ...]]
     boundaries: tuple[Boundary, ...]
+    axes: Mapping[str, tuple[Axis, ...]] = field(default_factory=dict)
+    designs: Mapping[str, Design] = field(default_factory=dict)
     entries: dict[str, FigureSpec] = field(default_factory=dict)
     readings: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
     decide: DecideFile | None = None
