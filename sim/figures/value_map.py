@@ -9,11 +9,12 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
+from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
-from matplotlib.patches import Rectangle
+from matplotlib.patches import Patch, Polygon, Rectangle
 from matplotlib.ticker import LogLocator, MaxNLocator
-from scipy.interpolate import griddata
-from scipy.spatial import QhullError
+from matplotlib.tri import Triangulation
+from scipy.spatial import Delaunay, QhullError
 
 from sim.figures.caption import unsteady_sentence
 from sim.figures.data import FigureData, varying_parameters
@@ -29,8 +30,9 @@ _FILLED = 0.5
 #: Most cells of a panel whose values are written, and contour lines.
 MOST_WRITTEN, _LINES = 36, 7
 
-#: Points of the fine grid between scattered points, along each axis.
-_FINE = 200
+#: Look of contour lines, and areas (square points) of markers alone and between contours.
+_LINE: dict[str, Any] = {"colors": "black", "linewidths": 0.6}
+_ALONE, _BETWEEN = 60.0, 16.0
 
 #: Hatches of flows that are not steady, and of runs too short to tell.
 _DENSE, _WIDE = "////", "/"
@@ -43,15 +45,16 @@ def draw_values(data: FigureData, figure: Figure, shown: Panels) -> None:
     """Draw the cells or contours of all panels, and a colour bar; open or empty without a value."""
     shade, _ = observable(data, "show", "colour")
     norm = Colours(shade).norm
+    is_varied = norm.vmin != norm.vmax
     for axes, rows in shown:
         axes.grid(visible=False)
         points = rows.loc[known_rows(data, [shade]).index.intersection(rows.index)]
         if is_grid(rows, data.spec.axes):
             _draw_cells(axes, data, rows, shade, norm)
-        elif len(points) > 2 and not _others(data):
+        elif len(points) > 2 and is_varied and not _others(data):
             _draw_contours(axes, data, points, shade, norm)
         else:
-            _draw_markers(axes, data, points, shade, 60.0)
+            _draw_markers(axes, data, points, shade, _ALONE)
         missing = rows.drop(points.index)
         x, y = data.spec.axes
         axes.plot(missing[x], missing[y], "x", color="#888888", zorder=4)
@@ -107,14 +110,13 @@ def _draw_cells(
     for (down, across), value in np.ndenumerate(values):
         if np.isfinite(value) and marks[down, across]:
             (left, right), (low, high) = edges[0][across:][:2], edges[1][down:][:2]
-            cell = Rectangle((left, low), right - left, high - low, fill=False, linewidth=0)
-            cell.set(hatch=marks[down, across], edgecolor=(*_ink(value, norm), 0.55))
-            cell.set_hatch_linewidth(0.6)
-            axes.add_patch(cell)
+            cell = Rectangle((left, low), right - left, high - low)
+            _hatch(axes, cell, marks[down, across], _ink(value, norm))
     if values.size <= MOST_WRITTEN:
         _write_values(axes, columns, lines, values, norm)
-    elif min(values.shape) > 1:
-        _draw_lines(axes, columns, lines, values, norm)
+    elif norm.vmin != norm.vmax:
+        known = np.ma.masked_invalid(values)
+        _label_lines(axes, axes.contour(columns, lines, known, _levels(norm), **_LINE))
 
 
 def _write_values(
@@ -122,8 +124,8 @@ def _write_values(
 ) -> None:
     """Write each value into its cell, in the colour that stands out, all with as many decimals."""
     size = np.nanmax(np.abs(values)) if np.isfinite(values).any() else 0
-    decimals = _DIGITS - 1 - int(np.floor(np.log10(size))) if size else 0
-    is_plain = type(norm) is Normalize and 0 <= decimals <= _DECIMALS
+    decimals = max(0, _DIGITS - 1 - int(np.floor(np.log10(size)))) if size else 0
+    is_plain = type(norm) is Normalize and decimals <= _DECIMALS and size < 10**_DECIMALS
     for (down, across), value in np.ndenumerate(values):
         if np.isfinite(value):
             text = (
@@ -145,16 +147,16 @@ def _write_values(
             )
 
 
-def _draw_lines(
-    axes: Axes, columns: np.ndarray, lines: np.ndarray, values: np.ndarray, norm: Normalize
-) -> None:
-    """Draw contour lines with their values."""
-    known = np.ma.masked_invalid(norm(values))
-    levels = _levels(norm)
-    drawn = axes.contour(
-        columns, lines, norm.inverse(known), levels, colors="black", linewidths=0.6
-    )
-    axes.clabel(drawn, fontsize=7, fmt=lambda level: f"{level:.3g}")
+def _label_lines(axes: Axes, lines: ContourSet) -> None:
+    """Write the values of contour lines on them."""
+    axes.clabel(lines, fontsize=7, fmt=lambda level: f"{level:.3g}")
+
+
+def _hatch(axes: Axes, patch: Patch, hatch: str, colour: tuple[float, float, float]) -> None:
+    """Add a patch that is a hatch alone."""
+    patch.set(fill=False, linewidth=0, hatch=hatch, edgecolor=(*colour, 0.55), zorder=1.5)
+    patch.set_hatch_linewidth(0.6)
+    axes.add_patch(patch)
 
 
 def _levels(norm: Normalize) -> np.ndarray:
@@ -170,31 +172,33 @@ def _levels(norm: Normalize) -> np.ndarray:
 def _draw_contours(
     axes: Axes, data: FigureData, rows: pd.DataFrame, shade: Variable, norm: Normalize
 ) -> None:
-    """Draw filled contours over a triangulation of the points, its lines, and the points."""
+    """Draw filled contours over a triangulation of the points, their lines, and the points."""
+    names = data.spec.axes
+    x, y = (rows[name].to_numpy(float) for name in names)
+    value, marks = shade.values[rows.index].to_numpy(float), _hatches(rows).to_numpy()
+    try:
+        triangles = Delaunay(_places(data, x, y)).simplices
+    except QhullError:
+        _draw_markers(axes, data, rows, shade, _ALONE)
+        return
+    plane = Triangulation(x, y, triangles)
+    axes.tricontourf(plane, value, _shades(norm), cmap=SHADES, norm=norm, extend="both")
+    _label_lines(axes, axes.tricontour(plane, value, _levels(norm), **_LINE))
+    for corners in triangles:
+        # The pattern of the least steady corner, which has the longest name.
+        if hatch := max(marks[corners], key=len):
+            _hatch(axes, Polygon(np.column_stack([x[corners], y[corners]])), hatch, (0, 0, 0))
+    _draw_markers(axes, data, rows, shade, _BETWEEN)
+    axes.margins(0.04)
+
+
+def _places(data: FigureData, *coordinates: np.ndarray) -> np.ndarray:
+    """Return where points lie between the ends of the axes, (N, 2)."""
     log = data.spec.options["log"]
     places = [
-        (np.log if axis in log else np.asarray)(rows[name].to_numpy(float))
-        for axis, name in zip("xy", data.spec.axes, strict=True)
+        np.log(one) if axis in log else one for axis, one in zip("xy", coordinates, strict=True)
     ]
-    fine = [np.linspace(place.min(), place.max(), _FINE) for place in places]
-    at = np.column_stack(places), tuple(np.meshgrid(*fine))
-    value = norm(shade.values[rows.index].to_numpy(float))
-    marks = _hatches(rows).map({"": 0, _WIDE: 1, _DENSE: 2}).to_numpy(float)
-    try:
-        between = griddata(at[0], value, at[1], method="linear", rescale=True)
-        nearest = griddata(at[0], marks, at[1], method="nearest", rescale=True)
-    except QhullError:
-        _draw_markers(axes, data, rows, shade, 60.0)
-        return
-    mesh = [np.exp(one) if axis in log else one for axis, one in zip("xy", fine, strict=True)]
-    x, y = mesh
-    axes.contourf(x, y, norm.inverse(between), _shades(norm), cmap=SHADES, norm=norm)
-    _draw_lines(axes, x, y, norm.inverse(between), norm)
-    if marks.any():
-        hatched = np.ma.masked_array(nearest, np.isnan(between))
-        hatches: dict[str, Any] = {"colors": "none", "hatches": [_WIDE, _DENSE]}
-        axes.contourf(x, y, hatched, [0.5, 1.5, 2.5], **hatches)
-    _draw_markers(axes, data, rows, shade, 16.0)
+    return np.column_stack([(one - one.min()) / np.ptp(one) for one in places])
 
 
 def _shades(norm: Normalize) -> np.ndarray:
