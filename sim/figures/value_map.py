@@ -12,8 +12,9 @@ from matplotlib.colors import Normalize
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Polygon, Rectangle
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, MaxNLocator
-from matplotlib.tri import Triangulation
+from matplotlib.tri import LinearTriInterpolator, Triangulation, UniformTriRefiner
 from scipy.spatial import Delaunay, QhullError
 
 from sim.figures.caption import unsteady_sentence
@@ -33,6 +34,9 @@ MOST_WRITTEN, _LINES = 36, 7
 #: Look of contour lines, and areas (square points) of markers alone and between contours.
 _LINE: dict[str, Any] = {"colors": "black", "linewidths": 0.6}
 _ALONE, _BETWEEN = 60.0, 16.0
+
+#: How often triangles are halved where an axis is logarithmic.
+_DIVISIONS = 3
 
 #: Hatches of flows that are not steady, and of runs too short to tell.
 _DENSE, _WIDE = "////", "/"
@@ -149,7 +153,8 @@ def _write_values(
 
 def _label_lines(axes: Axes, lines: ContourSet) -> None:
     """Write the values of contour lines on them."""
-    axes.clabel(lines, fontsize=7, fmt=lambda level: f"{level:.3g}")
+    for text in axes.clabel(lines, fontsize=7.5, fmt=lambda level: f"{level:.3g}") or ():
+        text.set_path_effects([withStroke(linewidth=1.6, foreground="white", alpha=0.75)])
 
 
 def _hatch(axes: Axes, patch: Patch, hatch: str, colour: tuple[float, float, float]) -> None:
@@ -161,8 +166,6 @@ def _hatch(axes: Axes, patch: Patch, hatch: str, colour: tuple[float, float, flo
 
 def _levels(norm: Normalize) -> np.ndarray:
     """Return round values of contour lines that divide the range of the colours."""
-    if norm.vmin == norm.vmax:
-        return np.array([float(norm.vmin or 0)])
     low, high = float(norm.vmin or 0), float(norm.vmax or 0)
     if type(norm) is not Normalize and high > 100 * low:
         return np.asarray(LogLocator(subs=(1, 3)).tick_values(low, high))
@@ -181,15 +184,31 @@ def _draw_contours(
     except QhullError:
         _draw_markers(axes, data, rows, shade, _ALONE)
         return
-    plane = Triangulation(x, y, triangles)
-    axes.tricontourf(plane, value, _shades(norm), cmap=SHADES, norm=norm, extend="both")
-    _label_lines(axes, axes.tricontour(plane, value, _levels(norm), **_LINE))
+    plane, between = _refined(data, Triangulation(x, y, triangles), value)
+    axes.tricontourf(plane, between, _shades(norm), cmap=SHADES, norm=norm, extend="both")
+    _label_lines(axes, axes.tricontour(plane, between, _levels(norm), **_LINE))
     for corners in triangles:
         # The pattern of the least steady corner, which has the longest name.
         if hatch := max(marks[corners], key=len):
             _hatch(axes, Polygon(np.column_stack([x[corners], y[corners]])), hatch, (0, 0, 0))
     _draw_markers(axes, data, rows, shade, _BETWEEN)
+    axes.use_sticky_edges = False
     axes.margins(0.04)
+
+
+def _refined(
+    data: FigureData, plane: Triangulation, values: np.ndarray
+) -> tuple[Triangulation, np.ndarray]:
+    """Divide triangles, so that values are linear along logarithmic axes as they are drawn."""
+    log = data.spec.options["log"]
+    if not {"x", "y"} & set(log):
+        return plane, values
+    x, y = (np.log(one) if axis in log else one for axis, one in (("x", plane.x), ("y", plane.y)))
+    drawn = Triangulation(x, y, plane.triangles)
+    linear = LinearTriInterpolator(drawn, values)
+    fine, between = UniformTriRefiner(drawn).refine_field(values, linear, subdiv=_DIVISIONS)
+    x, y = (np.exp(one) if axis in log else one for axis, one in (("x", fine.x), ("y", fine.y)))
+    return Triangulation(x, y, fine.triangles), np.asarray(between)
 
 
 def _places(data: FigureData, *coordinates: np.ndarray) -> np.ndarray:

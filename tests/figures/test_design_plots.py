@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.collections import LineCollection
-from matplotlib.contour import QuadContourSet
+from matplotlib.contour import ContourSet
 
 from sim.base.statistics import student_half_width
 from sim.figures.binned import binned_means
@@ -165,13 +165,13 @@ def test_cells_of_a_small_grid_have_their_values_and_hatches_where_not_steady():
 def test_cells_of_a_large_grid_have_contour_lines_with_labels():
     figure, _, _ = drawn(MAP, grid(7, 6))
     axes = figure.axes[0]
-    assert any(isinstance(one, QuadContourSet) for one in axes.collections)
+    assert any(isinstance(one, ContourSet) for one in axes.collections)
     assert axes.texts and len(axes.texts) < 42
 
 
 def test_contours_lie_between_scattered_points_unless_more_varies():
     figure, _, data = drawn(MAP, design(20))
-    contours = [one for one in figure.axes[0].collections if isinstance(one, QuadContourSet)]
+    contours = [one for one in figure.axes[0].collections if isinstance(one, ContourSet)]
     assert len(contours) == 2 and "triangulation" in caption(data)
     points = [
         made_point(
@@ -184,7 +184,7 @@ def test_contours_lie_between_scattered_points_unless_more_varies():
         for n in range(20)
     ]
     figure, _, data = drawn(MAP, points)
-    assert not [one for one in figure.axes[0].collections if isinstance(one, QuadContourSet)]
+    assert not [one for one in figure.axes[0].collections if isinstance(one, ContourSet)]
     assert "no contours, as depth n vary" in caption(data)
 
 
