@@ -17,11 +17,12 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 from matplotlib.tri import LinearTriInterpolator, Triangulation, UniformTriRefiner
 from scipy.spatial import Delaunay, QhullError
 
-from sim.figures.caption import unsteady_sentence
+from sim.figures.caption import regime_sentence, unsteady_sentence
 from sim.figures.data import FigureData, varying_parameters
 from sim.figures.plot import Panels, missing_value_note
+from sim.figures.scatter import draw_points
 from sim.figures.style import is_undecided
-from sim.figures.variables import SHADES, Colours, Variable, known_rows, observable
+from sim.figures.variables import SHADES, Colours, Variable, known_rows, observable, parameter
 from sim.parameters import SYSTEMS
 from sim.study.plot_contents import in_words, parameter_phrase
 
@@ -46,23 +47,42 @@ _DIGITS, _DECIMALS = 3, 5
 
 
 def draw_values(data: FigureData, figure: Figure, shown: Panels) -> None:
-    """Draw the cells or contours of all panels, and a colour bar; open or empty without a value."""
+    """Draw cells, contours or markers in all panels, and a colour bar."""
     shade, _ = observable(data, "show", "colour")
-    norm = Colours(shade).norm
-    is_varied = norm.vmin != norm.vmax
+    x, y = data.spec.axes
     for axes, rows in shown:
         axes.grid(visible=False)
         points = rows.loc[known_rows(data, [shade]).index.intersection(rows.index)]
         if is_grid(rows, data.spec.axes):
-            _draw_cells(axes, data, rows, shade, norm)
-        elif len(points) > 2 and is_varied and not _others(data):
-            _draw_contours(axes, data, points, shade, norm)
+            _draw_cells(axes, data, rows, shade)
+        elif (triangles := _triangles(data, points, shade)) is not None:
+            _draw_contours(axes, data, points, shade, triangles)
         else:
-            _draw_markers(axes, data, points, shade, _ALONE)
+            log = data.spec.options["log"]
+            place = [parameter(data, name, log=axis in log) for axis, name in (("x", x), ("y", y))]
+            draw_points(axes, points, *place, shade, _ALONE)
         missing = rows.drop(points.index)
-        x, y = data.spec.axes
         axes.plot(missing[x], missing[y], "x", color="#888888", zorder=4)
     Colours(shade).explain(figure, [axes for axes, _ in shown])
+
+
+def _triangles(data: FigureData, rows: pd.DataFrame, shade: Variable) -> np.ndarray | None:
+    """Return the triangles (T, 3) between scattered points, ``None`` where there are no contours.
+
+    That is where more parameters vary than those of axes and panels, all values are equal, or all
+    points are on one line.
+    """
+    if len(rows) < 3 or shade.values.nunique() < 2 or _others(data):
+        return None
+    places = []
+    for axis, name in zip("xy", data.spec.axes, strict=True):
+        values = rows[name].to_numpy(float)
+        along = np.log(values) if axis in data.spec.options["log"] else values
+        places.append((along - along.min()) / (np.ptp(along) or 1.0))
+    try:
+        return np.asarray(Delaunay(np.column_stack(places)).simplices)
+    except QhullError:
+        return None
 
 
 def is_grid(rows: pd.DataFrame, plane: tuple[str, ...]) -> bool:
@@ -98,10 +118,9 @@ def _edges(values: np.ndarray, *, log: bool) -> np.ndarray:
     return np.exp(edges) if log else edges
 
 
-def _draw_cells(
-    axes: Axes, data: FigureData, rows: pd.DataFrame, shade: Variable, norm: Normalize
-) -> None:
+def _draw_cells(axes: Axes, data: FigureData, rows: pd.DataFrame, shade: Variable) -> None:
     """Draw a cell per point, with its value where there are few, else with contour lines."""
+    norm = Colours(shade).norm
     (x, y), log = data.spec.axes, data.spec.options["log"]
     table = rows.assign(value=shade.values, mark=_hatches(rows)).pivot(
         index=y, columns=x, values=["value", "mark"]
@@ -173,17 +192,13 @@ def _levels(norm: Normalize) -> np.ndarray:
 
 
 def _draw_contours(
-    axes: Axes, data: FigureData, rows: pd.DataFrame, shade: Variable, norm: Normalize
+    axes: Axes, data: FigureData, rows: pd.DataFrame, shade: Variable, triangles: np.ndarray
 ) -> None:
     """Draw filled contours over a triangulation of the points, their lines, and the points."""
+    norm = Colours(shade).norm
     names = data.spec.axes
     x, y = (rows[name].to_numpy(float) for name in names)
     value, marks = shade.values[rows.index].to_numpy(float), _hatches(rows).to_numpy()
-    try:
-        triangles = Delaunay(_places(data, x, y)).simplices
-    except QhullError:
-        _draw_markers(axes, data, rows, shade, _ALONE)
-        return
     plane, between = _refined(data, Triangulation(x, y, triangles), value)
     axes.tricontourf(plane, between, _shades(norm), cmap=SHADES, norm=norm, extend="both")
     _label_lines(axes, axes.tricontour(plane, between, _levels(norm), **_LINE))
@@ -191,7 +206,8 @@ def _draw_contours(
         # The pattern of the least steady corner, which has the longest name.
         if hatch := max(marks[corners], key=len):
             _hatch(axes, Polygon(np.column_stack([x[corners], y[corners]])), hatch, (0, 0, 0))
-    _draw_markers(axes, data, rows, shade, _BETWEEN)
+    colours = Colours(shade).of(shade.values[rows.index])
+    axes.scatter(x, y, s=_BETWEEN, c=colours, edgecolors="black", linewidths=0.6, zorder=3)
     axes.use_sticky_edges = False
     axes.margins(0.04)
 
@@ -211,27 +227,9 @@ def _refined(
     return Triangulation(x, y, fine.triangles), np.asarray(between)
 
 
-def _places(data: FigureData, *coordinates: np.ndarray) -> np.ndarray:
-    """Return where points lie between the ends of the axes, (N, 2)."""
-    log = data.spec.options["log"]
-    places = [
-        np.log(one) if axis in log else one for axis, one in zip("xy", coordinates, strict=True)
-    ]
-    return np.column_stack([(one - one.min()) / np.ptp(one) for one in places])
-
-
 def _shades(norm: Normalize) -> np.ndarray:
     """Return the bounds of the filled contours, so many that they look continuous."""
     return np.asarray(norm.inverse(np.linspace(0, 1, 65)))
-
-
-def _draw_markers(
-    axes: Axes, data: FigureData, rows: pd.DataFrame, shade: Variable, size: float
-) -> None:
-    """Draw a marker of its colour per point, ``size`` square points."""
-    x, y = data.spec.axes
-    colours = Colours(shade).of(shade.values[rows.index])
-    axes.scatter(rows[x], rows[y], s=size, c=colours, edgecolors="black", linewidths=0.6, zorder=3)
 
 
 def value_notes(data: FigureData) -> list[str]:
@@ -240,18 +238,17 @@ def value_notes(data: FigureData) -> list[str]:
     known, panel = known_rows(data, [shade]), data.spec.options["panels"]
     parts = [part for _, part in data.rows.groupby(panel)] if panel else [data.rows]
     others = [parameter_phrase(data.spec.system, name) for name in _others(data)]
-    grids = {is_grid(part, data.spec.axes) for part in parts}
-    hatched = "hatched (wide: of runs too short to tell)"
-    if grids == {True}:
+    marks = unsteady_sentence(known, "hatched (wide: of runs too short to tell)")
+    if all(is_grid(part, data.spec.axes) for part in parts):
         what = "A cell per point, up to halfway to its neighbours."
-    elif others:
-        what = f"A marker per point, no contours, as {in_words(others)} vary, too."
-        hatched = "drawn all the same"
-    else:
+    elif _triangles(data, known, shade) is not None:
         what = "Contours: linear between neighbouring points (triangulation), which are the dots."
+    else:
+        why = f", without contours: they also differ in {in_words(others)}" if others else ""
+        what, marks = f"A marker per point{why}.", regime_sentence(known)
     value = "a value above 0" if shade.log else "a value"
     return [
         what,
-        unsteady_sentence(known, hatched),
+        marks,
         *missing_value_note(len(data.rows) - len(known), value, "Crosses"),
     ]

@@ -185,7 +185,7 @@ def test_contours_lie_between_scattered_points_unless_more_varies():
     ]
     figure, _, data = drawn(MAP, points)
     assert not [one for one in figure.axes[0].collections if isinstance(one, ContourSet)]
-    assert "no contours, as depth n vary" in caption(data)
+    assert "without contours: they also differ in depth n" in caption(data)
 
 
 def test_curves_of_a_design_say_that_a_scatter_suits_it_better():
