@@ -59,8 +59,8 @@ def draw_values(data: FigureData, figure: Figure, shown: Panels) -> None:
             _draw_contours(axes, data, points, shade, triangles)
         else:
             log = data.spec.options["log"]
-            place = [parameter(data, name, log=axis in log) for axis, name in (("x", x), ("y", y))]
-            draw_points(axes, points, *place, shade, _ALONE)
+            across = parameter(data, x, log="x" in log)
+            draw_points(axes, points, across, parameter(data, y, log="y" in log), shade, _ALONE)
         missing = rows.drop(points.index)
         axes.plot(missing[x], missing[y], "x", color="#888888", zorder=4)
     Colours(shade).explain(figure, [axes for axes, _ in shown])
