@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
+from matplotlib.colors import to_hex
 from matplotlib.container import ErrorbarContainer
 from matplotlib.markers import CARETDOWN, CARETLEFT, CARETRIGHT, CARETUP
 from matplotlib.ticker import FixedLocator, LogLocator, NullFormatter
@@ -167,6 +168,6 @@ def mark_cut_bars(axes: Axes) -> None:
                 ends = [(x < left, left, y, CARETLEFT), (far > right, right, y, CARETRIGHT)]
             for is_cut, *place, caret in ends:
                 if is_cut:
-                    look: dict[str, Any] = {"marker": caret, "color": bars.get_color()[0]}
+                    look: dict[str, Any] = {"marker": caret, "color": to_hex(bars.get_color()[0])}
                     (mark,) = axes.plot(*place, **look, scalex=False, scaley=False)
                     mark.set_transform(bars.get_transform())
