@@ -439,10 +439,11 @@ def test_doubtful_values_are_pointed_out(parse, tmp_path):
     study = parse(chute_study(base={"diameter": 100}, grid={"depth": [2, 5]}))
     (line,) = warnings(study, tmp_path)
     assert line == "diameter: 100 at 2 points is in metres; mm? Then write 0.1"
-    study = parse(chute_study(cases=[{"replicates": 2}, {"depth": 2, "replicates": 3}]))
-    (line,) = warnings(study, tmp_path)
-    assert line.startswith("replicates: 2 at 1 point: the 95 % interval of two is 12.7 standard ")
     assert not [*warnings(parse(chute_study(base={"diameter": 0.1})), tmp_path)]
+    line = "warning of replicates: 2 at 1 point: the 95 % interval of two is 12.7 standard errors"
+    cases = [{"replicates": 2}, {"depth": 2, "replicates": 3}]
+    assert line in as_table(parse(chute_study(cases=cases)))
+    assert "replicates" not in as_table(parse(chute_study(cases=cases[1:])))
 
 
 def test_points_that_differ_in_how_much_is_wanted_are_one_that_runs_the_more():
