@@ -141,6 +141,8 @@ def draw_points(
         edgecolors=list(map(tuple, colours)),
         linewidths=1.0,
         zorder=3,
+        # At the edge, too, a marker is whole.
+        clip_on=False,
     )
 
 
