@@ -168,6 +168,9 @@ def mark_cut_bars(axes: Axes) -> None:
                 ends = [(x < left, left, y, CARETLEFT), (far > right, right, y, CARETRIGHT)]
             for is_cut, *place, caret in ends:
                 if is_cut:
-                    look: dict[str, Any] = {"marker": caret, "color": to_hex(bars.get_color()[0])}
+                    look: dict[str, Any] = {
+                        "marker": caret,
+                        "color": to_hex(np.asarray(bars.get_color())[0]),
+                    }
                     (mark,) = axes.plot(*place, **look, scalex=False, scaley=False)
                     mark.set_transform(bars.get_transform())

@@ -154,8 +154,11 @@ def interval_sentence(rows: pd.DataFrame) -> str:
     return "Error bars: " + ", ".join(parts) + "."
 
 
-def regime_sentence(rows: pd.DataFrame) -> str:
-    """Explain filled, pale and open markers, with numbers of points; empty if all are steady."""
+def regime_sentence(rows: pd.DataFrame, *, has_bars: bool = True) -> str:
+    """Explain filled, pale and open markers, with numbers of points; empty if all are steady.
+
+    ``has_bars`` says whether the markers have error bars.
+    """
     shown = rows[rows["completed"] > 0]
     is_open = is_undecided(shown)
     steady = (shown["regime"] == "steady") & ~is_open
@@ -164,8 +167,8 @@ def regime_sentence(rows: pd.DataFrame) -> str:
     if is_open.any():
         subject = "pale ones may be" if parts else "pale markers are flows that may be steady"
         parts.append(
-            f"{subject}, their runs are too short to tell ({points_text(is_open.sum())}), "
-            "and their error bars may be too small"
+            f"{subject}, their runs are too short to tell ({points_text(is_open.sum())})"
+            + ", and their error bars may be too small" * has_bars
         )
     if unsteady:
         subject = "open ones are" if parts else "open markers are flows"

@@ -145,7 +145,8 @@ def _parameters_along(data: FigureData) -> list[str]:
     """Return the parameters that vary along the curves of one observable against another."""
     named = list(dict.fromkeys([*_keys(data), *data.spec.curves]))
     curves = [curve for _, curve in data.rows.groupby(named)] if named else [data.rows]
-    others = [name for name in SYSTEMS[data.spec.system].model_fields if name not in named]
+    shown = {*named, *data.spec.axes}
+    others = [name for name in SYSTEMS[data.spec.system].model_fields if name not in shown]
     varied = {name for curve in curves for name in varying_parameters(curve, others)}
     return [name for name in others if name in varied]
 

@@ -82,6 +82,6 @@ def notes(data: FigureData) -> list[str]:
     missing = int((data.rows["completed"] > 0).sum()) - len(rows)
     return [
         "Diagonal: numbers of points. Other panels: a marker per point, coloured by its value.",
-        regime_sentence(rows),
+        regime_sentence(rows, has_bars=False),
         *missing_value_note(missing),
     ]

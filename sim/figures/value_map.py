@@ -245,7 +245,7 @@ def value_notes(data: FigureData) -> list[str]:
         what = "Contours: linear between neighbouring points (triangulation), which are the dots."
     else:
         why = f", without contours: they also differ in {in_words(others)}" if others else ""
-        what, marks = f"A marker per point{why}.", regime_sentence(known)
+        what, marks = f"A marker per point{why}.", regime_sentence(known, has_bars=False)
     value = "a value above 0" if shade.log else "a value"
     return [
         what,
