@@ -25,6 +25,10 @@ _DASHES = ((2, 1), (9, 3), (9, 2, 2, 2))
 _LINES = tuple((colour, (0, dash)) for colour in ("#666666", "#aaaaaa") for dash in _DASHES)
 
 
+#: Most values of a parameter that have a tick each.
+MOST_TICKS = 12
+
+
 def draw_foreign_data(data: FigureData, shown: Panels) -> dict[str, Line2D]:
     """Draw the foreign data in all panels; return the legend entries by label."""
     entries = {}
@@ -58,12 +62,13 @@ def foreign_values(data: FigureData, axis: str) -> pd.Series:
 
 
 def set_run_ticks(axes: Axes, data: FigureData, name: str, length: float, axis: str = "x") -> None:
-    """Put ticks at the values of a parameter that were run, unless foreign data exceed their range.
+    """Put ticks at the values of a parameter that were run, unless there are many.
 
-    ``length`` is the approximate length of the axis, inches.
+    Nor where foreign data exceed their range. ``length`` is the approximate length of the axis,
+    inches.
     """
     values, others = data.rows[name], foreign_values(data, axis)
-    if others.between(values.min(), values.max()).all():
+    if values.nunique() <= MOST_TICKS and others.between(values.min(), values.max()).all():
         set_ticks(axes, values, length, vertical=axis == "y")
 
 

@@ -13,14 +13,13 @@ from matplotlib.figure import Figure
 
 from sim.base.statistics import MANY, share_of_rises, student
 from sim.figures.data import FigureData, split_curves
+from sim.figures.looks import legend, number_of_curves, shared_look
 from sim.figures.plot import (
     curve_keys,
     label_axes,
-    legend,
     panels,
     parameter_label,
     replicate_values,
-    shared_look,
     wrap_label,
     write_no_data,
 )
@@ -48,7 +47,7 @@ def draw(data: FigureData) -> Figure:
     along = parameter_label(spec.system, spec.axes[0])
     label_axes(figure, shown, along, wrap_label("probability to rise from here on"))
     write_no_data(shown, name)
-    legend(figure, shown)
+    legend(figure, shown, None, number_of_curves(data, curve_keys(data)))
     return figure
 
 

@@ -19,6 +19,7 @@ from sim.engine.shared_runs import SharedRun, describe, find_runs
 from sim.parameters import complete_values, field_info
 from sim.study.cost import Estimate, estimate
 from sim.study.load import Point, Study, load_study
+from sim.study.plot_contents import SCATTER_HINT
 from sim.study.refine import PARTS, divide_range
 
 CORES = 2
@@ -203,6 +204,7 @@ def _plot_lines(study: Study) -> list[str]:
     """Return a line per plot that the study file defines."""
     return [
         f"plot {name}: {spec.title} ({count_text(len(study.figures[name]), 'point')})"
+        + f"; {SCATTER_HINT}" * bool(spec.options.get("scattered"))
         for name, spec in study.plots.items()
     ]
 

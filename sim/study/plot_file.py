@@ -99,15 +99,16 @@ class PlotFile(Strict):
     kind: Kind = Field(
         "curves",
         description="`curves` of a number with intervals; `map` over two parameters; `profiles` "
-        "over the height; `time_series`; `distribution` of the replicates; or one of a plug-in",
+        "over the height; `time_series`; `distribution` of the replicates; of points scattered in "
+        "several parameters `scatter`, `pairs`, `parallel`, `main_effects`; or one of a plug-in",
     )
     system: Literal["chute", "belt", "conveyor"] = optional(
         "which system, where the series have several"
     )
     title: str = Field("", description="one line (omitted: made from what is shown)")
     x: str = optional(
-        "parameter on the horizontal axis, of `curves` also another observable; of `profiles` the "
-        "observable (velocity)",
+        "parameter on the horizontal axis, of `curves` and `scatter` also another observable; of "
+        "`profiles` the observable (velocity)",
         json_schema=_OBSERVABLE_EXAMPLES,
     )
     y: str = optional(
@@ -116,8 +117,15 @@ class PlotFile(Strict):
         json_schema=_OBSERVABLE_EXAMPLES,
     )
     colour: str = optional(
-        "of a `map`: observable that the colour shows, or `regime` (omitted)",
+        "of a `map`: observable that the colour shows, or `regime` (omitted); of a `scatter` also "
+        "a parameter (omitted: one colour)",
         json_schema=_OBSERVABLE_EXAMPLES,
+    )
+    parameters: Names = optional(
+        "of `pairs`, `parallel` and `main_effects`: parameters on the axes (omitted: all "
+        "that vary)",
+        json_schema={"allowed": "a name, or a list of names"},
+        min_length=1,
     )
     curves: Names = optional(
         "parameter, or list of them, that tells curves apart",
@@ -159,7 +167,7 @@ class PlotFile(Strict):
 
     @model_validator(mode="after")
     def _require_keys_of_kind(self) -> Self:
-        for key in ("x", "y", "colour", "curves", "panels", "between", "beside"):
+        for key in ("x", "y", "colour", "parameters", "curves", "panels", "between", "beside"):
             value = getattr(self, key)
             if value is not None and key not in self.keys_of_kind:
                 allowed = f"a key of {self.kind}: {', '.join(self.keys_of_kind)}"
@@ -212,7 +220,8 @@ class PlotFile(Strict):
         """Axes that can be logarithmic: where an observable is on one, or no regime."""
         second = [key for key in (self.keys.second,) if key and getattr(self, key)]
         axes = dict.fromkeys((*self.keys.log, *second))
-        return tuple(axis for axis in axes if (axis, self.observable) != ("colour", REGIME))
+        is_coloured = (self.colour or REGIME) != REGIME
+        return tuple(axis for axis in axes if axis != "colour" or is_coloured)
 
     @property
     def observable(self) -> str:
@@ -231,6 +240,7 @@ class PlotFile(Strict):
         return {
             "show": self.observable,
             "second": "",
+            "colour": self.colour or "",
             "between": tuple(self.between or ()),
             "beside": tuple(
                 (data.label, tuple(map(tuple, data.points)), data.line)

@@ -72,6 +72,10 @@ class Keys:
         Function: system → observables that can be shown (`sim.study.plottable`), by name.
     second : str
         Key of a second observable, for a kind that can show one against another.
+    several : str
+        Key of a list of parameters, of which each has an axis; all that vary where it is omitted.
+    most : int
+        Most parameters in that list.
     log : tuple of str
         Axes that can be logarithmic.
     others : tuple of str
@@ -93,8 +97,10 @@ class Keys:
     usual: str = "velocity"
     shows: Callable[[str], Mapping[str, Any]] = lambda system: {}
     second: Literal["", "x", "y"] = ""
+    several: Literal["", "parameters"] = ""
+    most: int = 12
     log: tuple[Literal["x", "y", "colour"], ...] = ()
-    others: tuple[Literal["curves", "panels", "between", "beside"], ...] = ()
+    others: tuple[Literal["curves", "colour", "panels", "between", "beside"], ...] = ()
     of_papers: tuple[str, ...] = ()
     systems: tuple[str, ...] = ()
     what: str = "{}"
@@ -106,7 +112,7 @@ class Keys:
     @property
     def every(self) -> tuple[str, ...]:
         """All keys of a study's plot of the kind, besides those of all kinds."""
-        named = *self.axes, self.observable, self.second, *self.others
+        named = *self.axes, self.several, self.observable, self.second, *self.others
         return tuple(dict.fromkeys(filter(None, named)))
 
     @property

@@ -40,6 +40,10 @@ KEYS = {
     "time_series": "curves: friction, panels: angle",
     "distribution": "x: friction, curves: angle",
     "likelihood": "x: friction, curves: angle",
+    "scatter": "x: friction, colour: angle",
+    "pairs": "y: velocity, parameters: [friction, angle]",
+    "parallel": "log: [y]",
+    "main_effects": "y: velocity",
 }
 
 #: Replicates that have completed: all, one, none.

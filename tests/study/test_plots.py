@@ -316,3 +316,61 @@ def test_panels_are_few(parse):
         parse, {"name": "v", "x": "depth", "panels": "friction"}, series=(series,)
     )
     assert message.startswith("panels: got 'friction with 13 values'; allowed: a parameter of at")
+
+
+SCATTER = {"name": "s", "kind": "scatter", "x": "friction"}
+SEVERAL = {"name": "s", "kind": "pairs"}
+
+
+def test_the_colour_of_a_scatter_is_a_parameter_an_observable_or_the_regime(parse):
+    for colour, said in {
+        "angle": "colour: angle θ.",
+        "shear_depth": "colour: shear depth.",
+        "regime": "colour: regime.",
+    }.items():
+        spec = parse(SCATTER | {"colour": colour}).entries["s"]
+        assert spec.options["colour"] == colour and spec.lead.endswith(said)
+        assert spec.title == f"Velocity against friction, by {colour.replace('_', ' ')}"
+    assert parse(SCATTER | {"x": "shear_depth"}).entries["s"].axes == ()
+
+
+def test_parameters_are_all_that_vary_unless_they_are_named(parse):
+    spec = parse(SEVERAL).entries["s"]
+    assert set(spec.axes) == {"friction", "angle", "law"}
+    spec = parse(SEVERAL | {"parameters": "angle"}).entries["s"]
+    assert spec.axes == ("angle",) and spec.title == "Velocity over angle"
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"colour": "anglee"}, "colour: got 'anglee'; allowed: did you mean angle"),
+        ({"colour": "depth"}, "colour: got 'depth, which is 5 throughout'; allowed: a param"),
+        ({"colour": "friction"}, "colour: got 'friction'; allowed: a parameter other than x"),
+        ({"colour": "backflow"}, "colour: got 'backflow'; allowed: an observable of the chute"),
+        ({"colour": "law", "log": ["colour"]}, "log[0]: got 'colour'; allowed: no log, as law"),
+        ({"colour": "regime", "log": ["colour"]}, "log[0]: got 'colour'; allowed: one of x, y"),
+        ({"parameters": ["friction"]}, "parameters: got ['friction']; allowed: a key of scatter"),
+        (SEVERAL | {"x": None, "parameters": ["fricton"]}, "parameters[0]: got 'fricton'; allo"),
+        (SEVERAL | {"x": None, "parameters": []}, "parameters: got []; allowed: a name, or a"),
+    ],
+)
+def test_mistakes_in_plots_of_designs_are_refused_by_their_key(parse, change, message):
+    plot = {key: value for key, value in (SCATTER | change).items() if value is not None}
+    assert error_message(parse, plot).startswith(message)
+
+
+def test_a_scatter_matrix_has_few_parameters(parse):
+    grid = {"friction": [0.3, 0.4], "angle": [16, 17], "depth": [1, 2], "restitution": [0.8, 0.9]}
+    grid |= {"stiffness": [100, 200], "diameter": [0.001, 0.002], "gravity": [9, 10]}
+    message = error_message(
+        parse, SEVERAL, series=({"name": "a", "system": "chute", "grid": grid},)
+    )
+    assert message.startswith("parameters: got '") and "1 to 6 parameters" in message
+
+
+def test_curves_of_a_design_are_told_from_curves_of_a_grid(parse):
+    cases = [{"friction": 0.3 + n / 50, "angle": 16 + n / 10} for n in range(9)]
+    series = {"name": "a", "system": "chute", "cases": cases}
+    assert parse({"name": "v", "x": "friction"}, series=(series,)).entries["v"].options["scattered"]
+    assert not parse(VALID_PLOT).entries["v"].options["scattered"]
