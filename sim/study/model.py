@@ -94,6 +94,8 @@ class Study:
         Whether each point has a page, except points of later rounds.
     plugins : tuple of Plugin
         The plug-ins that it and its parts name.
+    data : tuple of Path
+        CSV files of data from elsewhere that it names.
     """
 
     name: str
@@ -107,6 +109,7 @@ class Study:
     decide: DecideFile | None = None
     pages: bool = False
     plugins: tuple[Plugin, ...] = ()
+    data: tuple[Path, ...] = ()
 
     @cached_property
     def figures(self) -> dict[str, tuple[str, ...]]:
@@ -127,8 +130,9 @@ class Study:
 
     @property
     def sources(self) -> tuple[Path, ...]:
-        """The study file, the files of its parts, and those of the plug-ins beside them."""
-        return self.files + tuple(file for plugin in self.plugins for file in plugin.files)
+        """The study file, the files of its parts, and plug-ins and data beside them."""
+        plugins = tuple(file for plugin in self.plugins for file in plugin.files)
+        return self.files + plugins + self.data
 
     @property
     def path(self) -> Path:

@@ -172,8 +172,8 @@ def plot_kind(
     if keys is None:
         require_one_of(f"plot {name}: like", like, study_kinds())
         base = find_kind(like)
-        # Nothing draws data beside the plot of a plug-in.
-        others = tuple(key for key in base.keys.others if key != "beside")
+        # Nothing draws data beside the plot of a plug-in, or fits a law to it.
+        others = tuple(key for key in base.keys.others if key not in ("beside", "fit"))
         base = replace(base, keys=replace(base.keys, others=others))
     elif like or not isinstance(keys, Keys):
         raise AdditionError(
