@@ -29,7 +29,7 @@ class Predictor(Protocol):
     def scales(self) -> tuple[Scale, ...]: ...
 
     def predict(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return mean and its standard deviation (n,), in the observable's unit, at points (n, k)."""
+        """Return mean and its standard deviation, (n,) in the observable's unit, at (n, k)."""
 
 
 def scaled(shares: np.ndarray, bounds: np.ndarray, scales: Sequence[Scale]) -> np.ndarray:
