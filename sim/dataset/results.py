@@ -28,7 +28,7 @@ _PARAMETERS = tuple(dict.fromkeys(chain(*(model.model_fields for model in SYSTEM
 GROUP = "boundaries"
 
 #: All columns of a table without rows.
-_COLUMNS = ("name", "system", "of", "along", "unit", "figures", *RESULT_COLUMNS)
+COLUMNS = ("name", "system", "of", "along", "unit", "figures", *RESULT_COLUMNS)
 
 
 #: Fields that identify a boundary in a study and in its dataset.
@@ -243,7 +243,7 @@ def read_table(dataset: Path) -> pd.DataFrame:
     with checked_read(dataset, "dataset", replaceable=is_study_dataset(dataset), sealed=True):
         with netCDF4.Dataset(dataset) as file:
             if GROUP not in file.groups:
-                return pd.DataFrame(columns=_COLUMNS)
+                return pd.DataFrame(columns=COLUMNS)
         with xr.open_dataset(dataset, engine="netcdf4", group=GROUP) as group:
             table = group.to_dataframe()
     return table.assign(**added_columns({name: table[name].to_numpy() for name in table}))

@@ -67,7 +67,12 @@ def velocity_text(row: Mapping[str, Any]) -> str:
 
 
 def parameters_sentence(rows: pd.DataFrame, system: str, names: Sequence[str]) -> str:
-    """Write the parameters that the points of a figure share, or all their values."""
+    """Write the parameters that the points of a figure share, or all their values.
+
+    Empty where no parameter is named.
+    """
+    if not names:
+        return ""
     parts = [
         quantity(system, name, rows[name])
         if field_info(SYSTEMS[system])[name].unit

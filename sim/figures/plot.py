@@ -16,7 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from sim.dataset.results import Results
+from sim.dataset import observed
 from sim.figures.caption import points_text
 from sim.figures.data import FigureData, parameter_columns, varying_parameters
 from sim.figures.quantity import Quantity, label_with_unit, replicate_means, scale_of, unit_of
@@ -65,18 +65,8 @@ def replicate_values(data: FigureData, observable: Observable) -> list[np.ndarra
 
     Replicates without a finite value, such as failed ones, are left out.
     """
-    points, scale = data.rows["point"], _scale(data, observable)
-    if observable.is_mean:
-        values = [_means(data.results, point, observable.source) for point in points]
-    else:
-        dataset = data.results.dataset
-        table = (
-            dataset[observable.source].sel(point=points.values).values
-            if observable.source in dataset
-            else None
-        )
-        values = [np.zeros(0)] * len(points) if table is None else list(table)
-    return [row[np.isfinite(row)] / divisor for row, divisor in zip(values, scale, strict=True)]
+    values = observed.replicate_values(data.results, observable, data.rows["point"].tolist())
+    return [row / divisor for row, divisor in zip(values, _scale(data, observable), strict=True)]
 
 
 def _scale(data: FigureData, observable: Observable) -> pd.Series:
@@ -118,19 +108,6 @@ def rows_of_points(
     ]
     rows = pd.concat(parts) if parts else pd.DataFrame(columns=[*id_columns, *headings])
     return rows.rename(columns=headings)
-
-
-def _means(results: Results, point: str, profile: str) -> np.ndarray:
-    """Return the mean of a profile, weighted by packing, for each completed replicate, (R,).
-
-    Not-a-number where no slice has a value.
-    """
-    values, _ = results.profile(point, profile)
-    packing, _ = results.profile(point, "packing_profile")
-    weight = np.where(np.isfinite(values), packing, 0.0)
-    total = weight.sum(axis=1)
-    sums = (np.nan_to_num(values) * weight).sum(axis=1)
-    return np.divide(sums, total, out=np.full(len(total), np.nan), where=total > 0)
 
 
 def observable_label(data: FigureData, observable: Observable) -> str:

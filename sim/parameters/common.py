@@ -284,13 +284,18 @@ class Parameters(BaseModel):
         return self.most_contacts * (self.particles + self.glued_particles) if has_contacts else 0
 
     @property
-    def trajectory_bytes(self) -> int:
-        """Bytes of the frames of all replicates, of the longest run and before compression."""
+    def trajectory_frames(self) -> int:
+        """Frames of all replicates, of the longest run."""
         if not self.trajectory:
             return 0
-        frames = self.replicates * (self.longest_samples // self.trajectory_samples)
+        return self.replicates * (self.longest_samples // self.trajectory_samples)
+
+    @property
+    def trajectory_bytes(self) -> int:
+        """Bytes of these frames, before compression."""
         numbers = (self.particles + self.glued_particles) * self.state_numbers
-        return frames * SINGLE * (numbers + self.trajectory_room * (2 + self.axes))
+        numbers += self.trajectory_room * (2 + self.axes)
+        return self.trajectory_frames * SINGLE * numbers
 
     @model_validator(mode="after")
     def _require_rules(self) -> Self:

@@ -2,6 +2,7 @@
 
 import json
 import sys
+from collections import Counter
 from collections.abc import Container, Iterator, Mapping, Sequence
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from sim.base.program import program
 from sim.base.words import count_text, duration
 from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.run_file import require_start_files
-from sim.parameters import complete_values
+from sim.parameters import complete_values, field_info
 from sim.study.cost import Estimate, estimate
 from sim.study.load import Point, Study, load_study
 from sim.study.refine import PARTS, divide_range
@@ -23,6 +24,9 @@ MEGABYTE = 1e6
 
 #: Most points named in the line of a caveat.
 MOST_NAMED = 3
+
+#: Largest length (m) of a particle that is not taken for one in another unit.
+LARGEST_LENGTH = 0.1
 
 _HEADINGS = ("id", "system", "particles", "steps", "core time", "figures", "series")
 _RIGHT = {"particles", "steps", "core time"}
@@ -39,19 +43,23 @@ def show(study_path: Path, results: Path, format: str) -> str:
     points = {key: point.parameters for key, point in study.points.items()}
     sources = AdoptedPoints(study, results / study.name).sources(points)
     adopted = {key: source.dataset.stem for key, source in sources.items()}
-    return as_json(study, adopted) if format == "json" else as_table(study, adopted)
+    if format == "json":
+        return as_json(study, adopted)
+    return "\n".join((as_table(study, adopted), *_run_lines(study, results)))
 
 
 def as_table(study: Study, adopted: Mapping[str, str] = _NOTHING_ADOPTED) -> str:
-    """Return an aligned line per point, then plots, points that figures omit, caveats and totals.
+    """Return an aligned line per point, then what is known of the study, and totals.
 
-    ``adopted`` are the names of the datasets from which points are adopted, by id of the point.
-    ``steps`` and ``core time`` are sums over all replicates of a point.
+    That is designs, plots, points that figures omit, and caveats. ``adopted`` are the names of the
+    datasets from which points are adopted, by id of the point. ``steps`` and ``core time`` are sums
+    over all replicates of a point.
     """
     costs = _costs(study)
     rows = [_row(point, costs[point.id]) for point in study.points.values()]
     sections = [
         align_table(_HEADINGS, rows, _RIGHT),
+        _design_lines(study),
         _plot_lines(study),
         study.omission_notes,
         _caveat_lines(study),
@@ -81,6 +89,7 @@ def as_json(study: Study, adopted: Mapping[str, str] = _NOTHING_ADOPTED) -> str:
             "particles": costs[point.id].particles,
             "steps": costs[point.id].steps,
             "core_seconds": round(costs[point.id].core_seconds, 3),
+            "trajectory_frames": costs[point.id].frames,
             "trajectory_megabytes": round(costs[point.id].trajectory, 3),
             "parameters": complete_values(point.parameters),
         }
@@ -98,7 +107,11 @@ def as_json(study: Study, adopted: Mapping[str, str] = _NOTHING_ADOPTED) -> str:
 
 
 def warnings(study: Study, results: Path) -> Iterator[str]:
-    """Yield obstacles to a run of the study here: too little memory, or no permission to write."""
+    """Yield what to look at before a run of the study here.
+
+    That is too little memory, no permission to write, and values that are probably not meant.
+    """
+    yield from _doubtful_values(study)
     memory = psutil.virtual_memory().total / MEGABYTE
     for key, cost in _costs(study).items():
         if cost.memory > memory:
@@ -107,6 +120,28 @@ def warnings(study: Study, results: Path) -> Iterator[str]:
         require_writable(results / study.name, f"{study.path}: study")
     except InputError as error:
         yield str(error)
+
+
+def _doubtful_values(study: Study) -> Iterator[str]:
+    """Yield a warning of means over two replicates, and of each length in another unit."""
+    points = [point.parameters for point in study.points.values()]
+    if pairs := sum(parameters.replicates == 2 for parameters in points):
+        yield (
+            f"replicates: 2 at {count_text(pairs, 'point')}: the 95 % interval of two is 12.7 "
+            "standard errors to either side, of three 4.3; three or more are better"
+        )
+    lengths = Counter(
+        (row.name, getattr(parameters, row.name))
+        for parameters in points
+        for row in field_info(parameters).values()
+        if row.unit == "m"
+    )
+    for (name, value), count in lengths.items():
+        if value > LARGEST_LENGTH:
+            yield (
+                f"{name}: {value:g} at {count_text(count, 'point')} is in metres; mm? Then write "
+                f"{value / 1000:g}"
+            )
 
 
 def _costs(study: Study) -> dict[str, Estimate]:
@@ -139,6 +174,18 @@ def align_table(
         ]
         lines.append("  ".join(cells).rstrip())
     return lines
+
+
+def _design_lines(study: Study) -> list[str]:
+    """Return a line per design: its parameters, how many points differ, and how it grows."""
+    return [
+        f"design {name}: {design.kind}, {count_text(design.size, 'point')} over "
+        f"{', '.join(design.names)}"
+        + (f", of which {different:,} differ and are run once" if different < design.size else "")
+        + f"; more points later {'replace' if design.kind == 'latin_hypercube' else 'keep'} these"
+        for name, design in study.designs.items()
+        for different in [len({tuple(row.values()) for row in design.rows(design.size)})]
+    ]
 
 
 def _plot_lines(study: Study) -> list[str]:
@@ -191,10 +238,28 @@ def _trajectory_lines(costs: Sequence[Estimate]) -> list[str]:
     sizes = [cost.trajectory for cost in costs if cost.trajectory]
     if not sizes:
         return []
+    frames = sum(cost.frames for cost in costs)
     return [
-        f"trajectories of {len(sizes):,} points: at most {sum(sizes):,.1f} MB on the disk, "
+        f"trajectories of {count_text(len(sizes), 'point')}: at most "
+        f"{count_text(frames, 'frame')}, {sum(sizes):,.1f} MB on the disk, "
         f"{max(sizes):,.1f} MB of one point"
     ]
+
+
+def _run_lines(study: Study, results: Path) -> list[str]:
+    """Return a line with the number of points that have been run already, if there are any."""
+    folder = results / study.name
+    if not (folder / "runs").is_dir():
+        return []
+    # It needs the libraries of run files.
+    from sim.report.status import survey
+
+    status = survey(study, results)
+    ended = sum(status.points[point].state in ("done", "failed") for point in study.points)
+    return [
+        f"{ended:,} of {count_text(len(study.points), 'point')} have been run in {folder}; core "
+        f"time of the others {duration(status.core_seconds_left)}"
+    ] * (ended > 0)
 
 
 def _decision_line(budget: float) -> str:

@@ -15,7 +15,7 @@ from sim.base.files import is_of_system
 from sim.base.seals import UNREADABLE
 from sim.dataset.adopted import AdoptedPoint, AdoptedPoints
 from sim.dataset.caveats import caveat_of_run
-from sim.dataset.rounds import known_points, round_files
+from sim.dataset.rounds import known_points, rounds_to_come
 from sim.dataset.run_file import summary_of
 from sim.engine.identity import NUMERICS, numerics_of
 from sim.engine.progress import CREDIT, Progress, may_end_early, progress_file, read_progress
@@ -99,7 +99,8 @@ class StudyStatus:
     at_most : bool
         Whether these times are upper bounds, because runs may end early.
     rounds_left : int
-        Rounds of refinement whose points are not known yet; these times do not include them.
+        Rounds whose points are not known yet, one where their number is open; these times do not
+        include them.
     orphans : tuple of str
         Points no longer in the study that have run files, or states of a stopped run. Empty while
         rounds are to come, as these may need any of them.
@@ -181,7 +182,7 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
         key: _point_status(key, value, runs, present, adopted.get(key))
         for key, value in parameters.items()
     }
-    to_come = study.rounds - len(round_files(study, folder))
+    to_come = rounds_to_come(study, folder)
     stored = {match[1] or match[2] for name in present if (match := RUN_FILES.fullmatch(name))}
     orphans = () if to_come else tuple(sorted(stored - points.keys()))
     time_left = _time_left(points, parameters)

@@ -33,6 +33,8 @@ class Estimate:
         Threads of each of its runs.
     memory : int
         Memory (MB) to reserve.
+    frames : int
+        Maximum number of frames of its trajectories.
     trajectory : float
         Maximum disk space (MB) of its trajectories.
     """
@@ -42,6 +44,7 @@ class Estimate:
     core_seconds: float
     threads: int
     memory: int
+    frames: int
     trajectory: float
 
 
@@ -49,12 +52,13 @@ def estimate(parameters: Parameters) -> Estimate:
     """Estimate the cost of all replicates of a point together, glued particles included."""
     particles = parameters.effective_particles
     steps = parameters.replicates * (parameters.settling_steps + parameters.steps)
-    frames = 1e-6 * parameters.trajectory_bytes
+    megabytes = 1e-6 * parameters.trajectory_bytes
     return Estimate(
         particles=parameters.particles,
         steps=steps,
         core_seconds=PROCESS_TIME + steps * particles / parameters.rate,
         threads=parameters.cores,
-        memory=round(PROCESS_MEMORY + PARTICLE_MEMORY * particles + TRAJECTORY_MEMORY * frames),
-        trajectory=TRAJECTORY_DISK * frames,
+        memory=round(PROCESS_MEMORY + PARTICLE_MEMORY * particles + TRAJECTORY_MEMORY * megabytes),
+        frames=parameters.trajectory_frames,
+        trajectory=TRAJECTORY_DISK * megabytes,
     )

@@ -1,14 +1,15 @@
 """Third step of a study: expand its validated files to points, series and boundaries."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cached_property, partial
 from itertools import product
 from pathlib import Path
 from typing import Any
 
 from sim.base.errors import InputError
 from sim.parameters import (
+    AMOUNTS,
     RUN_FILE,
     SYSTEMS,
     Parameters,
@@ -20,6 +21,7 @@ from sim.parameters import (
     with_larger_amounts,
 )
 from sim.study.catalogue import FIGURES
+from sim.study.design import Axis, Design, axis_of
 from sim.study.file import MAX_POINTS, BoundaryFile, SeriesFile, StudyFile
 from sim.study.model import Boundary, Point, Study
 from sim.study.refine import divide_range
@@ -45,12 +47,19 @@ def expand(files: Sequence[tuple[Path, StudyFile]]) -> Study:
     points: dict[str, Point] = {}
     series: dict[str, tuple[str, ...]] = {}
     boundaries: list[Boundary] = []
+    axes: dict[str, tuple[Axis, ...]] = {}
+    designs: dict[str, Design] = {}
     for path, file in files:
         for key, entry in file.entries:
             family = _Family(file, entry, key, str(path))
             family_boundaries = list(family.boundaries())
-            series[entry.name] = family.add_to(points, family_boundaries)
+            series[entry.name] = ids = family.add_to(points, family_boundaries)
             boundaries += family_boundaries
+            if isinstance(entry, SeriesFile):
+                members = [points[one].parameters for one in ids]
+                axes[entry.name] = _axes(entry, members)
+            if family.design:
+                designs[entry.name] = family.design
     path, file = files[0]
     readings = _readings_by_system(file)
     _require_valid_points(points, file, str(path))
@@ -61,6 +70,8 @@ def expand(files: Sequence[tuple[Path, StudyFile]]) -> Study:
         points=points,
         series=series,
         boundaries=tuple(boundaries),
+        axes=axes,
+        designs=designs,
         readings=readings,
         decide=file.decide,
         pages=file.pages,
@@ -116,6 +127,14 @@ class _Family:
             ids[point.id] = points[point.id] = point
         return tuple(ids)
 
+    @cached_property
+    def design(self) -> Design | None:
+        """The design of a series, if it has one; its points are those under the first reading."""
+        if not isinstance(self.entry, SeriesFile) or not self.entry.design:
+            return None
+        place = self.source, f"{self.key}.design"
+        return self.entry.design.design(self._parameters_in_design, place)
+
     def boundaries(self) -> Iterator[Boundary]:
         """Yield the boundaries, after validating both ends of their ranges; none of a series."""
         if isinstance(self.entry, SeriesFile):
@@ -156,13 +175,16 @@ class _Family:
     def _drafts(self) -> Iterator[_Draft]:
         """Yield the drafts of the points of a series, or of boundaries."""
         cases = self.entry.cases if isinstance(self.entry, SeriesFile) else None
+        rows = self.design.rows(self.design.size) if self.design else []
         for base in self._bases():
+            for row in rows:
+                yield base.with_values(row, f"{self.key}.design.over")
             if self.entry.grid:
                 for _, draft in base.combinations(self.entry.grid_lists, f"{self.key}.grid"):
                     yield draft
             for index, case in enumerate(cases or []):
                 yield base.with_values(case.explicit_values(), f"{self.key}.cases[{index}]")
-            if not self.entry.grid and not cases:
+            if not self.entry.grid and not cases and not rows:
                 yield base
 
     def _bases(self) -> Iterator[_Draft]:
@@ -179,6 +201,11 @@ class _Family:
             if self.entry.base:
                 base = base.with_values(self.entry.base.explicit_values(), f"{self.key}.base")
             yield replace(base, other_readings=frozenset(others))
+
+    def _parameters_in_design(self, row: Mapping[str, Any]) -> Parameters:
+        """Return the parameters of a point of the design, under the first reading."""
+        base = next(self._bases())
+        return self._parameters(base.with_values(dict(row), f"{self.key}.design.over"))
 
     def _parameters_along(self, draft: _Draft, value: float, key: str = "range") -> Parameters:
         """Return the parameters of the point of a boundary at a value of the parameter along it."""
@@ -211,6 +238,24 @@ class _Family:
             raise InputError(
                 f"{self.source}: two different points have the id {point.id}; change either's seed"
             )
+
+
+def _axes(entry: SeriesFile, members: Sequence[Parameters]) -> tuple[Axis, ...]:
+    """Return the parameters that the points of a series vary, as its design, grid or cases give."""
+    if entry.design:
+        return entry.design.axes
+    in_cases = (name for case in entry.cases or [] for name in case.explicit_values())
+    model = SYSTEMS[entry.system]
+    columns = {
+        name: [getattr(one, name) for one in members]
+        for name in dict.fromkeys((*entry.grid_lists, *in_cases))
+        if name not in AMOUNTS
+    }
+    return tuple(
+        axis_of(name, values, model.model_fields[name].annotation is int)
+        for name, values in columns.items()
+        if len(set(values)) > 1
+    )
 
 
 def point_with_membership(

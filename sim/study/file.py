@@ -11,6 +11,7 @@ from sim.base.additions import additions
 from sim.base.plugins import ALLOWED, PATTERN
 from sim.parameters import AMOUNTS, SYSTEMS
 from sim.parameters.common import Real, broken_rule
+from sim.study.design_file import DesignFile
 from sim.study.entries import (
     ALLOWED_NAME,
     JUDGE,
@@ -27,6 +28,7 @@ from sim.study.papers import papers
 from sim.study.plot_file import PlotFile
 from sim.study.read import PART_NAME
 from sim.study.refine import MAX_ROUNDS, PARTS, further_rounds
+from sim.study.surrogate import SurrogateFile
 
 #: Maximum number of points of a study.
 MAX_POINTS = 100_000
@@ -66,12 +68,12 @@ class _Family(Strict):
 
     @model_validator(mode="after")
     def _require_overrides_outside_grid(self) -> Self:
-        grid_names = self.grid.model_fields_set if self.grid else set()
-        for index, override in enumerate(self.overrides):
-            for name in sorted(grid_names & override.set.model_fields_set):
-                key = f"overrides[{index}].set.{name}"
-                value = getattr(override.set, name)
-                raise broken_rule(key, value, f"parameters other than grid.{name} of the series")
+        for key, section in self.varied.items():
+            for index, override in enumerate(self.overrides):
+                for name in sorted(section.model_fields_set & override.set.model_fields_set):
+                    value = getattr(override.set, name)
+                    allowed = f"parameters other than {key}.{name} of the series"
+                    raise broken_rule(f"overrides[{index}].set.{name}", value, allowed)
         return self
 
     @model_validator(mode="after")
@@ -84,21 +86,42 @@ class _Family(Strict):
         return self
 
     @property
+    def varied(self) -> dict[str, Lists]:
+        """Parameters that vary all over it, by the key where they stand."""
+        return {"grid": self.grid} if self.grid else {}
+
+    @property
     def grid_lists(self) -> dict[str, list[Any]]:
         """Lists of values by parameter, empty without a grid."""
         return self.grid.explicit_values() if self.grid else {}
 
 
 class SeriesFile(_Family):
-    """A series of points. Without grid and cases, the base is its one point."""
+    """A series of points. Without grid, cases and design, the base is its one point."""
 
     cases: list[Some] = optional("further points, each with the parameters given", min_length=1)
+    design: DesignFile = optional("points spread over ranges, in place of grid and cases")
     overrides: list[Override] = Field([], description="changes at certain values")
     figures: list[str] = Field([], description="figures that the series feeds")
+
+    @model_validator(mode="after")
+    def _require_design_alone(self) -> Self:
+        for key in ("grid", "cases"):
+            if self.design and getattr(self, key):
+                got, allowed = f"design and {key}", f"one of both: {key} of another series"
+                raise broken_rule("design", got, allowed)
+        return self
+
+    @property
+    def varied(self) -> dict[str, Lists]:
+        """Parameters that vary all over it, by the key where they stand."""
+        return super().varied | ({"design.over": self.design.over} if self.design else {})
 
     @property
     def max_points(self) -> int:
         """Number of points under each reading, duplicates included."""
+        if self.design:
+            return self.design.max_points
         return (prod(map(len, self.grid_lists.values())) if self.grid else 0) + len(
             self.cases or []
         )
@@ -183,6 +206,9 @@ class StudyFile(Strict):
         "boundaries between regimes, found by refinement", min_length=1
     )
 
+    surrogate: list[SurrogateFile] = optional(
+        "observables anywhere between the points of a series, with their errors", min_length=1
+    )
     plots: list[PlotFile] = optional("plots of the study's own points", min_length=1)
     pages: bool = Field(
         False, description="a page on each point, linked by the report: what came out, pictures"
@@ -249,7 +275,8 @@ class StudyFile(Strict):
             total += prod(map(len, lists.values())) * entry.max_points
             if total > MAX_POINTS:
                 allowed = f"at most {MAX_POINTS:,} points in the study"
-                raise broken_rule(f"{key}.grid", f"{total:,} points", allowed)
+                section = "design" if getattr(entry, "design", None) else "grid"
+                raise broken_rule(f"{key}.{section}", f"{total:,} points", allowed)
         return self
 
     @property

@@ -8,10 +8,12 @@ from typing import Any
 
 from sim.base.additions import Plugin
 from sim.parameters import Parameters
+from sim.study.design import Axis, Design
 from sim.study.entries import DecideFile
 from sim.study.figure_spec import FigureSpec
 from sim.study.plot_kinds import Shown
 from sim.study.refine import further_rounds
+from sim.study.surrogate import MOST_ROUNDS, SurrogateSpec
 
 
 @dataclass(frozen=True)
@@ -83,6 +85,10 @@ class Study:
         Ids of the points of each series (or boundary), in order.
     boundaries : tuple of Boundary
         Boundaries to be found.
+    axes : dict
+        The parameters that the points of each series vary, by grid, cases or design, in order.
+    designs : dict
+        The designs of the series that have one.
     entries : dict
         Figures that its points feed, by name: entries of the catalogue, then its own plots.
     readings : mapping
@@ -96,6 +102,8 @@ class Study:
         The plug-ins that it and its parts name.
     data : tuple of Path
         CSV files of data from elsewhere that it names.
+    surrogates : tuple of SurrogateSpec
+        Its surrogates.
     """
 
     name: str
@@ -104,12 +112,15 @@ class Study:
     points: dict[str, Point]
     series: dict[str, tuple[str, ...]]
     boundaries: tuple[Boundary, ...]
+    axes: Mapping[str, tuple[Axis, ...]] = field(default_factory=dict)
+    designs: Mapping[str, Design] = field(default_factory=dict)
     entries: dict[str, FigureSpec] = field(default_factory=dict)
     readings: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
     decide: DecideFile | None = None
     pages: bool = False
     plugins: tuple[Plugin, ...] = ()
     data: tuple[Path, ...] = ()
+    surrogates: tuple[SurrogateSpec, ...] = ()
 
     @cached_property
     def figures(self) -> dict[str, tuple[str, ...]]:
@@ -141,7 +152,9 @@ class Study:
 
     @property
     def rounds(self) -> int:
-        """Maximum number of rounds of refinement after the first."""
+        """Maximum number of rounds after the first; they end with one that adds no point."""
+        if any(one.has_rounds for one in self.surrogates):
+            return MOST_ROUNDS
         return max((boundary.rounds for boundary in self.boundaries), default=0)
 
     def particles_shown(self, figures: Iterable[str]) -> Shown:
@@ -156,7 +169,8 @@ class Study:
     @cached_property
     def _later_particles(self) -> Shown:
         """What a point of a later round may need: the figures that it feeds are not known yet."""
-        return self.particles_shown(name for one in self.boundaries for name in one.figures)
+        growing = (*self.boundaries, *self.surrogates)
+        return self.particles_shown(name for one in growing for name in one.figures)
 
     def needs_run_file(self, point: str) -> bool:
         """Return whether a point needs its run file: for its page or a plot of time series."""
@@ -164,6 +178,7 @@ class Study:
             system, series = self.points[point].parameters.system, self.points[point].series
             return self.pages or any(spec.is_fed_by(system, series) for spec in self._time_series)
         names = {boundary.name for boundary in self.boundaries}
+        names |= {one.series for one in self.surrogates}
         return any(not names.isdisjoint(spec.series) for spec in self._time_series)
 
     @cached_property

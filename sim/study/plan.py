@@ -67,6 +67,8 @@ class Plan:
             {key: point.parameters for key, point in study.points.items()}
         )
         self._amount_texts: dict[str, str] = {}
+        #: Points of each round by its file and when that was written.
+        self._rounds: dict[tuple[Path, int], Mapping[str, Parameters]] = {}
         self._owner, self._batches = folder / ".study", folder / "runs" / ".batches"
         self._own_path = str(study.path.resolve())
 
@@ -74,19 +76,17 @@ class Plan:
         """Return the parameters of a point, from the study or any round of refinement."""
         if point in self.study.points:
             return self.study.points[point].parameters
-        rounds = (self.round_file(number) for number in range(1, self.study.rounds + 1))
-        for path in filter(Path.is_file, rounds):
-            if added := self._read_round(path).get(point):
+        for path in sorted((self.folder / "rounds").glob("*.json")):
+            version = path, path.stat().st_mtime_ns
+            if version not in self._rounds:
+                self._rounds[version] = self._read_round(path)
+            if added := self._rounds[version].get(point):
                 return added
         raise InputError(f"{point}: no point of {self.study.path}")
 
     def run_file(self, point: str) -> str:
         """Return the path of the run file of a point."""
         return f"{self.folder}/runs/{point}.nc"
-
-    def round_file(self, number: int) -> Path:
-        """Return the path of the file with the points that a round of refinement adds."""
-        return self.folder / "rounds" / f"{number}.json"
 
     def origin_files(self, point: str) -> list[str]:
         """Return a list with the run file that a point starts from; for most points it is empty."""
@@ -96,11 +96,13 @@ class Plan:
     def files_to_gather(self, rounds: Iterable[Path]) -> list[str]:
         """Return the run files of the study and of some rounds, and the adopted datasets.
 
-        ``rounds`` are the files of the rounds, each read before the next is asked for.
+        ``rounds`` are the files of the rounds, each read before the next is asked for. A round
+        that adds no point is the last one.
         """
         points = [point for point in self.study.points if point not in self.sources]
         for path in rounds:
-            added = self._read_round(path)
+            if not (added := self._read_round(path)):
+                break
             to_run = [point for point in added if not self._adopted.source(point, added[point])]
             for point in to_run:
                 self.needs_run(point)
@@ -213,6 +215,16 @@ class Plan:
             for name, spec in self.study.entries.items()
             for suffix in spec.suffixes
         ]
+
+    @property
+    def answer_files(self) -> list[str]:
+        """Paths of the files with the answers to the questions of the study: its surrogates."""
+        return [f"{self.folder}/{one.file}" for one in self.study.surrogates]
+
+    @property
+    def questions(self) -> list[tuple[Any, ...]]:
+        """Settings of the questions of the study; rules rerun when they change."""
+        return [one.settings for one in self.study.surrogates]
 
     @property
     def boundary_searches(self) -> list[tuple[Any, ...]]:

@@ -11,8 +11,9 @@ from pydantic import BaseModel, BeforeValidator, Field, ValidationError, create_
 
 from sim.base.errors import InputError
 from sim.base.messages import input_error
-from sim.parameters import SYSTEMS, Parameters, roles
+from sim.parameters import AMOUNTS, SYSTEMS, Parameters, roles
 from sim.study.catalogue import FIGURES
+from sim.study.design_file import DesignFile, Distribution, Over, read_values
 from sim.study.entries import (
     Lists,
     Override,
@@ -67,6 +68,12 @@ def _system_models(system: str) -> SystemModels:
         f"Parameters of the {system} that change at the points where others have certain values.",
         {"when": lists, "set": values},
     )
+    design = _with_field_types(
+        DesignFile,
+        system,
+        f"Points of the {system} that are spread over ranges of parameters.",
+        {"over": _with_parameters(Over, system, model.model_fields.keys() - AMOUNTS)},
+    )
     shared: dict[str, Any] = {
         "system": Literal[system],
         "base": values,
@@ -77,8 +84,9 @@ def _system_models(system: str) -> SystemModels:
     series = _with_field_types(
         SeriesFile,
         system,
-        f"A series of points of the {system}. Without grid and cases, the base is its one point.",
-        shared | {"cases": _list_type(values)},
+        f"A series of points of the {system}. Without grid, cases and design, the base is its one "
+        "point.",
+        shared | {"cases": _list_type(values), "design": design},
     )
     boundary = _with_field_types(
         BoundaryFile,
@@ -106,7 +114,9 @@ def _with_parameters(base: type[Some], system: str, names: Collection[str] | Non
         field = optional(parameter.description)
         if issubclass(base, Lists):
             value = Annotated[_list_type(value), Field(min_length=1)]
-            if parameter.annotation in (int, float):
+            if issubclass(base, Over):
+                value = Annotated[list[Any] | Distribution, BeforeValidator(read_values)]
+            elif parameter.annotation in (int, float):
                 expand = expand_integer_range if parameter.annotation is int else expand_range
                 value = Annotated[value, BeforeValidator(expand)]
                 field = Field(

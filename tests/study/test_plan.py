@@ -102,7 +102,7 @@ def write_run(plan, point, **held):
 
 
 def write_round(plan, number, *added):
-    path = plan.round_file(number)
+    path = plan.folder / "rounds" / f"{number}.json"
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps({point_id(point): canonical_values(point) for point in added}))
     return path

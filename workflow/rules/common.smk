@@ -54,7 +54,8 @@ def local_cores():
 def run_files(rounds):
     """Return the inputs of what reads the runs of the study and of its first ``rounds`` rounds.
 
-    Until the file of a round is up to date, ``checkpoints.refine.get`` raises an exception.
+    Rounds end with one that adds no point. Until the file of a round is up to date,
+    ``checkpoints.refine.get`` raises an exception.
     """
     refine = (checkpoints.refine.get(round=number) for number in range(1, rounds + 1))
     return PLAN.files_to_gather(Path(job.output[0]) for job in refine)

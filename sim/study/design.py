@@ -1,0 +1,297 @@
+"""Designs: points spread over ranges of parameters, in an order that more points go on with."""
+
+import operator
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from math import ceil, isfinite, log2, sqrt
+from statistics import median
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from sim.base.errors import InputError
+from sim.parameters import Parameters
+
+#: Digits of a value: so few that every machine rounds it to the same one.
+SIGNIFICANT_DIGITS = 6
+
+#: Kinds of design that keep their first points where more are wanted.
+GROWING = ("sobol", "random", "saltelli", "morris")
+
+#: Points of a sequence that are looked at before `where` may be given up, and the share of them
+#: that must satisfy it.
+_MIN_DRAWN, _MIN_SHARE = 2**16, 1e-3
+
+_COMPARISONS: dict[str, Callable[[Any, Any], Any]] = {
+    "<=": operator.le,
+    ">=": operator.ge,
+    "<": operator.lt,
+    ">": operator.gt,
+}
+OPERATORS = tuple(_COMPARISONS)
+_COMPARISON = re.compile(rf"\s*([\w.+-]+)\s*({'|'.join(OPERATORS)})\s*([\w.+-]+)\s*")
+
+
+class Comparison(NamedTuple):
+    """A condition on a point of a design; each side is a number or the name of a parameter."""
+
+    left: float | str
+    operator: str
+    right: float | str
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parameters on its sides."""
+        return tuple(side for side in (self.left, self.right) if isinstance(side, str))
+
+    def __str__(self) -> str:
+        """Return the text that says it."""
+        return " ".join(one if isinstance(one, str) else f"{one:.12g}" for one in self)
+
+    def satisfied(self, columns: Mapping[str, Sequence[Any]]) -> np.ndarray:
+        """Return which points satisfy it, from the values of each parameter."""
+        left, right = (
+            np.asarray(columns[side]) if isinstance(side, str) else side
+            for side in (self.left, self.right)
+        )
+        return np.asarray(_COMPARISONS[self.operator](left, right))
+
+
+def parse_comparison(text: str) -> Comparison | None:
+    """Return what a text such as ``friction < 0.5`` says, None where it is no comparison."""
+    if not (match := _COMPARISON.fullmatch(text)):
+        return None
+    left, sign, right = match.groups()
+    return Comparison(_number_or_name(left), sign, _number_or_name(right))
+
+
+def _number_or_name(text: str) -> float | str:
+    with suppress(ValueError):
+        if isfinite(number := float(text)):
+            return number
+    return text
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A parameter that the points of a series vary, and how its values are spread.
+
+    Attributes
+    ----------
+    name : str
+        The parameter.
+    low, high : float
+        Lowest and highest value, in the unit of a study file; of words and switches the first and
+        the last index of `choices`.
+    scale : str
+        ``linear`` or ``log``: in which scale values are evenly spread.
+    choices : tuple
+        The values that it takes; empty where it takes any between ``low`` and ``high``.
+    normal : tuple of two floats, optional
+        Mean and deviation of a normal distribution that is cut off at ``low`` and ``high``.
+    is_integer : bool
+        Whether it takes whole numbers alone.
+    """
+
+    name: str
+    low: float
+    high: float
+    scale: Literal["linear", "log"] = "linear"
+    choices: tuple[Any, ...] = ()
+    normal: tuple[float, float] | None = None
+    is_integer: bool = False
+
+    @property
+    def is_number(self) -> bool:
+        """Whether its values are numbers; if not, they are words or switches."""
+        return not any(isinstance(value, (str, bool)) for value in self.choices)
+
+    def values(self, shares: np.ndarray) -> list[Any]:
+        """Return the values below which shares of the distribution lie, shape (n,), from 0 to 1.
+
+        Numbers are rounded to `SIGNIFICANT_DIGITS`, those of integer parameters to integers.
+        """
+        if self.choices:
+            last = len(self.choices) - 1
+            return [self.choices[min(int(share * (last + 1)), last)] for share in shares]
+        # Half a unit more on both sides: the ends of a range of integers are as likely as others.
+        margin = 0.5 if self.is_integer else 0.0
+        low, high = self.low - margin, self.high + margin
+        if self.normal:
+            from scipy.stats import truncnorm
+
+            mean, deviation = self.normal
+            ends = (low - mean) / deviation, (high - mean) / deviation
+            values = truncnorm.ppf(shares, *ends, loc=mean, scale=deviation)
+        elif self.scale == "log":
+            values = low * (high / low) ** shares
+        else:
+            values = low + (high - low) * shares
+        if self.is_integer:
+            return [int(value) for value in np.clip(np.rint(values), self.low, self.high)]
+        rounded = (float(f"{value:.{SIGNIFICANT_DIGITS}g}") for value in values)
+        return [min(max(value, self.low), self.high) for value in rounded]
+
+
+def axis_of(name: str, values: Iterable[Any], is_integer: bool) -> Axis:
+    """Return the axis of a parameter with given values, as a grid has them.
+
+    It has no choices but words and switches. Its scale is ``log`` where the median of the values is
+    nearer to the geometric mean of the lowest and the highest than to their mean.
+    """
+    different = tuple(dict.fromkeys(values))
+    if any(isinstance(value, (str, bool)) for value in different):
+        return Axis(name, 0.0, len(different) - 1.0, choices=different)
+    low, high, middle = min(different), max(different), median(different)
+    is_log = low > 0 and abs(middle - sqrt(low * high)) < abs(middle - (low + high) / 2)
+    return Axis(name, low, high, "log" if is_log else "linear", is_integer=is_integer)
+
+
+@dataclass(frozen=True)
+class Design:
+    """Points of a series that are spread over the ranges of its axes.
+
+    Its points are a sequence: of the kinds that grow, further ones follow those of the study.
+
+    Attributes
+    ----------
+    kind : str
+        ``sobol``, ``latin_hypercube``, ``random``, ``zip``, ``saltelli`` or ``morris``.
+    axes : tuple of Axis
+        The parameters that it varies, in the order of the file.
+    size : int
+        Number of its points in the study. Equal ones count each.
+    seed : int
+        Seed of the sequence.
+    where : tuple of Comparison
+        Conditions that all points satisfy.
+    columns : mapping
+        Values of each parameter, of ``zip`` alone.
+    parameters_at : callable
+        Function: values by parameter → parameters of the point there, under the first reading.
+    place : tuple of two str
+        Study file and key of the design, for messages.
+    """
+
+    kind: str
+    axes: tuple[Axis, ...]
+    size: int
+    seed: int
+    where: tuple[Comparison, ...]
+    parameters_at: Callable[[Mapping[str, Any]], Parameters]
+    place: tuple[str, str]
+    columns: Mapping[str, Sequence[Any]] = field(default_factory=dict)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters, in order."""
+        return tuple(axis.name for axis in self.axes)
+
+    @property
+    def grows(self) -> bool:
+        """Whether further points follow those of the study, so that more points keep these."""
+        return self.kind in GROWING
+
+    def points(self, count: int, after: int = 0) -> list[Parameters]:
+        """Return the next points of the sequence, in order; equal ones stand there each time.
+
+        Parameters
+        ----------
+        count : int
+            Number of points. Fewer come back at the end of a design that does not grow.
+        after : int
+            Number of points before them; `size` for the first ones that the study does not have.
+
+        Raises
+        ------
+        InputError
+            If too few points satisfy ``where``, or a point is not valid.
+        """
+        return [self.parameters_at(row) for row in self.rows(after + count)[after:]]
+
+    def rows(self, count: int) -> list[dict[str, Any]]:
+        """Return the values by parameter of the first ``count`` points, as `points` does."""
+        return self._draw(count)[1]
+
+    def shares(self, count: int) -> np.ndarray:
+        """Return the first ``count`` points in the unit cube, shape (count, number of axes).
+
+        Each number is the share of the distribution below the value. With the bounds [0, 1], this
+        is the sample that SALib has made for ``saltelli`` (without second order) and ``morris``
+        (of four levels). It has no columns for ``zip``.
+        """
+        return self._draw(count)[0]
+
+    def _draw(self, count: int) -> tuple[np.ndarray, list[dict[str, Any]]]:
+        """Return the first points as shares and as values."""
+        shares: list[np.ndarray] = []
+        rows: list[dict[str, Any]] = []
+        drawn = 0
+        for chunk, columns in self._chunks(count if self.grows else self.size):
+            conditions = [comparison.satisfied(columns) for comparison in self.where]
+            chosen = np.flatnonzero(np.all(conditions, axis=0)) if conditions else range(len(chunk))
+            shares.append(chunk[chosen])
+            rows += [{name: values[i] for name, values in columns.items()} for i in chosen]
+            drawn += len(chunk)
+            if len(rows) >= count or (drawn >= _MIN_DRAWN and len(rows) < _MIN_SHARE * drawn):
+                break
+        if not rows or (self.grows and len(rows) < count):
+            given = [str(comparison) for comparison in self.where]
+            allowed = "conditions that at least 1 in 1,000 points of the design satisfies"
+            source, key = self.place
+            raise InputError.of_value(source, f"{key}.where", given, allowed)
+        return np.concatenate(shares)[:count], rows[:count]
+
+    def _chunks(self, count: int) -> Iterator[tuple[np.ndarray, Mapping[str, list[Any]]]]:
+        """Yield points of the sequence as shares, and the values of each parameter there."""
+        if self.columns:
+            columns = {name: list(values) for name, values in self.columns.items()}
+            yield np.empty((len(next(iter(columns.values()))), 0)), columns
+            return
+        for shares in _sequence(self.kind, len(self.axes), count, self.seed):
+            yield (
+                shares,
+                {
+                    axis.name: axis.values(column)
+                    for axis, column in zip(self.axes, shares.T, strict=True)
+                },
+            )
+
+
+def _sequence(kind: str, dimensions: int, count: int, seed: int) -> Iterator[np.ndarray]:
+    """Yield points of the unit cube in order, at least ``count``; more of kinds with `where`."""
+    if kind in ("sobol", "random"):
+        # Sobol's first points are balanced if their number is a power of two.
+        size = 2 ** ceil(log2(count))
+        if kind == "random":
+            draw = np.random.default_rng(seed).random
+            while True:
+                yield draw((size, dimensions))
+        from scipy.stats import qmc
+
+        sobol = qmc.Sobol(dimensions, rng=seed)
+        while True:
+            yield sobol.random(size)
+    elif kind == "latin_hypercube":
+        from scipy.stats import qmc
+
+        yield qmc.LatinHypercube(dimensions, rng=seed).random(count)
+    else:
+        from SALib.sample import morris
+        from SALib.sample import sobol as saltelli
+
+        names = [str(number) for number in range(dimensions)]
+        problem = {"num_vars": dimensions, "names": names, "bounds": [[0, 1]] * dimensions}
+        blocks = ceil(count / block_size(kind, dimensions))
+        if kind == "saltelli":
+            number = 2 ** ceil(log2(blocks))
+            yield saltelli.sample(problem, number, calc_second_order=False, seed=seed)
+        else:
+            yield morris.sample(problem, blocks, seed=seed)
+
+
+def block_size(kind: str, dimensions: int) -> int:
+    """Return the number of points that belong together: an analysis needs whole blocks."""
+    return {"saltelli": dimensions + 2, "morris": dimensions + 1}.get(kind, 1)

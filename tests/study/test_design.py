@@ -1,0 +1,422 @@
+"""Designs of a series: their points, their growth, what a study file may say of them."""
+
+import copy
+from math import log
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from SALib.analyze import morris as morris_analysis
+from SALib.analyze import sobol as sobol_analysis
+
+from sim.base.errors import InputError
+from sim.parameters import point_id
+from sim.report.points import as_table
+from sim.study.design import Axis, Design, axis_of, block_size, parse_comparison
+from sim.study.load import Study, parse_study
+
+OVER = {
+    "friction": [0.35, 0.8],
+    "stiffness": {"between": [100, 10000], "scale": "log"},
+    "restitution": {"mean": 0.85, "deviation": 0.03, "between": [0.6, 0.99]},
+    "law": {"choices": ["walton_braun", "hertz"]},
+    "steps_per_collision": [20, 23],
+}
+
+PINNED = {
+    "sobol": (
+        "chute-depth2-friction0.478776-restitution0.820489-stiffness1502.17-928bc53f",
+        "chute-depth2-friction0.638607-restitution0.887059-stiffness870.299-law-hertz-0454ffca",
+        "chute-depth2-friction0.784812-restitution0.845587-stiffness9709.97-d5b56a2d",
+        "chute-depth2-friction0.39604-restitution0.869109-stiffness134.6-law-hertz-c59a9362",
+    ),
+    "latin_hypercube": (
+        "chute-depth2-friction0.721359-restitution0.825432-stiffness475.818-law-hertz-49a65a17",
+        "chute-depth2-friction0.371085-restitution0.847157-stiffness119.625-8201bcd2",
+    ),
+    "random": (
+        "chute-depth2-friction0.58032-restitution0.899481-stiffness194.231-law-hertz-f8472266",
+        "chute-depth2-friction0.540497-restitution0.878354-stiffness658.261-law-hertz-7b35bc34",
+    ),
+    "saltelli": (
+        "chute-depth2-friction0.419959-restitution0.85673-stiffness1640.83-6878725d",
+        "chute-depth2-friction0.468152-restitution0.85673-stiffness1640.83-175eef4b",
+    ),
+    "morris": (
+        "chute-depth2-friction0.35-restitution0.6-stiffness10000-law-hertz-a8b1a348",
+        "chute-depth2-friction0.35-restitution0.862922-stiffness10000-law-hertz-4160e50f",
+    ),
+}
+
+
+def study_of(kind: str = "sobol", over: dict = OVER, series: dict | None = None, **design) -> Study:
+    design = {"kind": kind, "over": over} | design
+    entry = {"name": "wide", "system": "chute", "base": {"depth": 2}, "design": design}
+    contents = {"study": "s", "series": [entry | (series or {})]}
+    return parse_study(copy.deepcopy(contents), "s.yaml", None)
+
+
+def ids(study: Study) -> tuple[str, ...]:
+    return study.series["wide"]
+
+
+def test_ids_are_the_same_on_every_machine():
+    assert ids(study_of(points=4, where=["friction < restitution"])) == PINNED["sobol"]
+    for kind in ("latin_hypercube", "random", "saltelli", "morris"):
+        points = {"saltelli": 14, "morris": 12}.get(kind, 4)
+        assert ids(study_of(kind, points=points))[:2] == PINNED[kind]
+
+
+def test_points_lie_where_the_file_says():
+    points = [point.parameters for point in study_of(points=256).points.values()]
+    assert len(points) == 256
+    frictions = np.array([point.friction for point in points])
+    assert 0.35 <= frictions.min() < 0.36
+    assert 0.79 < frictions.max() <= 0.8
+    # Half of the values lie in either half of the range, of a logarithmic one in its logarithm.
+    assert np.mean(frictions < 0.575) == pytest.approx(0.5, abs=0.01)
+    assert np.mean([point.stiffness < 1000 for point in points]) == pytest.approx(0.5, abs=0.01)
+    restitutions = [point.restitution for point in points]
+    assert np.mean(restitutions) == pytest.approx(0.85, abs=0.002)
+    assert np.std(restitutions) == pytest.approx(0.03, abs=0.002)
+    for name, values in {
+        "law": ("walton_braun", "hertz"),
+        "steps_per_collision": (20, 21, 22, 23),
+    }.items():
+        counts = [sum(getattr(point, name) == value for point in points) for value in values]
+        assert counts == pytest.approx([256 / len(values)] * len(values), abs=4)
+    assert {point.depth for point in points} == {2}
+
+
+@pytest.mark.parametrize(
+    ("kind", "few", "more", "where"),
+    [
+        ("sobol", 5, 64, ["friction < restitution", "stiffness >= 2000"]),
+        ("sobol", 32, 64, None),
+        ("random", 5, 64, ["friction < 0.4"]),
+        ("saltelli", 28, 112, None),
+        ("morris", 12, 60, None),
+    ],
+)
+def test_more_points_keep_the_first_ones(kind, few, more, where):
+    condition = {"where": where} if where else {}
+    before, after = (study_of(kind, points=points, **condition) for points in (few, more))
+    assert ids(after)[: len(ids(before))] == ids(before)
+    assert len(ids(after)) > len(ids(before))
+    design = before.designs["wide"]
+    assert design.grows
+    following = design.points(more - few, after=few)
+    assert [*map(point_id, design.points(few)), *map(point_id, following)] == [
+        point_id(point) for point in after.designs["wide"].points(more)
+    ]
+
+
+def test_a_latin_hypercube_spreads_evenly_along_each_parameter_and_does_not_grow():
+    study = study_of("latin_hypercube", points=20, over={"friction": [0, 1], "angle": [10, 30]})
+    points = [point.parameters for point in study.points.values()]
+    assert sorted(int(20 * point.friction) for point in points) == list(range(20))
+    assert sorted(int(point.angle - 10) for point in points) == list(range(20))
+    design = study.designs["wide"]
+    assert not design.grows
+    assert len(design.points(30)) == 20
+    assert "more points later replace these" in as_table(study)
+
+
+def test_zip_pairs_lists():
+    over = {"friction": [0.3, 0.4, 0.3], "depth": [1, 2, 1], "law": ["hertz"] * 3}
+    study = study_of("zip", over)
+    assert [(p.parameters.friction, p.parameters.depth) for p in study.points.values()] == [
+        (0.3, 1),
+        (0.4, 2),
+    ]
+    assert "zip, 3 points over depth, friction, law, of which 2 differ" in as_table(study)
+    some = study_of("zip", over, where=["friction > 0.35"])
+    assert [point.parameters.friction for point in some.points.values()] == [0.4]
+    assert len(some.designs["wide"].points(3)) == 1
+
+
+def test_equal_points_count_once_and_are_told():
+    study = study_of(points=32, over={"steps_per_collision": [20, 23]})
+    assert len(study.points) == 4
+    assert len(study.designs["wide"].points(32)) == 32
+    line = "design wide: sobol, 32 points over steps_per_collision, of which 4 differ and are run"
+    assert line in as_table(study)
+
+
+@pytest.mark.parametrize(
+    ("kind", "points"), [("saltelli", 256 * 5), ("morris", 400)], ids=["saltelli", "morris"]
+)
+def test_salib_analyses_the_points_in_their_order(kind, points):
+    """V = friction + 3 (restitution - 0.5), whose variances are 1 : 9, without interactions."""
+    over = {"friction": [0, 1], "restitution": [0.5, 1.0], "depth": [1, 2]}
+    study = study_of(kind, over, points=points)
+    design = study.designs["wide"]
+    values = np.array([p.friction + 3 * (p.restitution - 0.5) for p in design.points(design.size)])
+    problem = {"num_vars": 3, "names": design.names, "bounds": [[0, 1]] * 3}
+    if kind == "saltelli":
+        indices = sobol_analysis.analyze(problem, values, calc_second_order=False, seed=1)
+        expected = {"depth": 0, "friction": 1 / 3.25, "restitution": 2.25 / 3.25}
+        got = dict(zip(design.names, indices["S1"], strict=True))
+        assert got == pytest.approx(expected, abs=0.02)
+    else:
+        shares = design.shares(design.size)
+        assert shares.shape == (points, 3)
+        effects = morris_analysis.analyze(problem, shares, values, seed=1)
+        got = dict(zip(design.names, effects["mu_star"], strict=True))
+        assert got == pytest.approx({"depth": 0, "friction": 1, "restitution": 1.5}, abs=1e-4)
+
+
+def test_readings_share_a_design():
+    design = {"kind": "sobol", "points": 4, "over": {"frequency": [10, 40]}}
+    study = parse_study(
+        {
+            "study": "s",
+            "readings": {"belt": {"damping_mass": ["own", "reduced"]}},
+            "series": [{"name": "wide", "system": "belt", "design": design}],
+        },
+        "s.yaml",
+        None,
+    )
+    points = [point.parameters for point in study.points.values()]
+    frequencies = [point.frequency for point in points]
+    assert frequencies[:4] == frequencies[4:]
+    assert [point.damping_mass for point in points] == ["own"] * 4 + ["reduced"] * 4
+    assert study.designs["wide"].points(4) == points[:4]
+
+
+def test_overrides_see_the_values_of_a_design():
+    series = {"overrides": [{"when": {"law": ["hertz"]}, "set": {"cell": 6}}]}
+    study = study_of(points=8, series=series)
+    points = [point.parameters for point in study.points.values()]
+    assert {(point.law, point.cell) for point in points} == {("hertz", 6), ("walton_braun", 10)}
+
+
+AXES = {
+    "grid": (
+        {"grid": {"stiffness": [100, 1000, 10000], "friction": [0.4, 0.5, 0.6], "depth": [2]}},
+        (
+            Axis("friction", 0.4, 0.6),
+            Axis("stiffness", 100, 10000, "log"),
+        ),
+    ),
+    "cases": (
+        {"cases": [{"law": "hertz", "replicates": 3}, {"steps_per_collision": 60}, {}]},
+        (
+            Axis("law", 0, 1, choices=("hertz", "walton_braun")),
+            Axis("steps_per_collision", 40, 60, is_integer=True),
+        ),
+    ),
+    "single": ({}, ()),
+}
+
+
+@pytest.mark.parametrize(("series", "axes"), AXES.values(), ids=AXES)
+def test_axes_of_other_series(series, axes):
+    contents = {"study": "s", "series": [{"name": "wide", "system": "chute"} | series]}
+    study = parse_study(contents, "s.yaml", None)
+    assert sorted(study.axes["wide"], key=lambda axis: axis.name) == list(axes)
+    assert not study.designs
+
+
+def test_axes_of_a_design():
+    study = study_of(points=4, where=["friction < restitution"])
+    design = study.designs["wide"]
+    assert design.names == ("friction", "restitution", "stiffness", "law", "steps_per_collision")
+    assert study.axes["wide"] == design.axes
+    by_name = {axis.name: axis for axis in design.axes}
+    assert by_name["friction"] == Axis("friction", 0.35, 0.8)
+    assert by_name["stiffness"] == Axis("stiffness", 100, 10000, "log")
+    assert by_name["restitution"].normal == (0.85, 0.03)
+    assert by_name["law"].choices == ("walton_braun", "hertz")
+    assert [axis.is_number for axis in design.axes] == [True, True, True, False, True]
+
+
+@given(
+    low=st.floats(1e-3, 1e3),
+    width=st.floats(1e-3, 1e3),
+    scale=st.sampled_from(["linear", "log"]),
+    share=st.floats(0, 1),
+)
+def test_values_lie_in_their_range(low, width, scale, share):
+    axis = Axis("friction", low, low + width, scale)
+    (value,) = axis.values(np.array([share]))
+    assert low <= value <= low + width
+    if low < value < low + width:
+        assert value == float(f"{value:.6g}")
+    exact = (
+        low + width * share if scale == "linear" else low * np.exp(share * log((low + width) / low))
+    )
+    assert value == pytest.approx(exact, rel=2e-5)
+
+
+@settings(deadline=None)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    kind=st.sampled_from(["sobol", "random"]),
+    sizes=st.tuples(st.integers(1, 50), st.integers(1, 50)),
+)
+def test_every_seed_gives_a_sequence(seed, kind, sizes):
+    axes = (Axis("friction", 0, 1), Axis("restitution", 0.1, 1))
+    design = Design(
+        kind, axes, 1, seed, (parse_comparison("friction<restitution"),), lambda row: row, ("", "")
+    )
+    first, second = sorted(sizes)
+    rows = design.rows(second)
+    assert len(rows) == second
+    assert rows[:first] == design.rows(first)
+    assert all(row["friction"] < row["restitution"] for row in rows)
+
+
+def test_the_scale_of_given_values_is_that_in_which_they_are_even():
+    assert axis_of("depth", [1, 2, 3, 4], False).scale == "linear"
+    assert axis_of("depth", [1, 2, 4, 8, 16], False).scale == "log"
+    assert axis_of("depth", [0, 1, 10, 100], False).scale == "linear"
+
+
+def test_blocks():
+    assert [block_size(kind, 3) for kind in ("sobol", "saltelli", "morris")] == [1, 5, 4]
+
+
+def plain(**over) -> dict:
+    return {"kind": "sobol", "points": 8, "over": over}
+
+
+RANGE = "two numbers, the lower one first; {between, scale}, {mean, deviation, between} or {choi"
+SIDES = "two sides with one of <= >= < > between, numbers or parameters under over that take numb"
+TWO = {"friction": [0.1, 0.2], "depth": [1, 2]}
+ERRORS = [
+    (plain(restitution=[0.5, 1.2]), "over.restitution: got 1.2; allowed: a number in [0.001, 1]"),
+    (plain(friction=[0.8, 0.2]), f"over.friction: got [0.8, 0.2]; allowed: {RANGE}"),
+    (plain(friction=[0.1, 0.2, 0.3]), f"over.friction: got [0.1, 0.2, 0.3]; allowed: {RANGE}"),
+    (plain(law=["hertz", "drag"]), f"over.law: got ['hertz', 'drag']; allowed: {RANGE}"),
+    (plain(friction=0.3), f"over.friction: got 0.3; allowed: {RANGE}"),
+    (plain(friction=[]), f"over.friction: got []; allowed: {RANGE}"),
+    (plain(friction={"mean": 0.3}), f"over.friction: got {{'mean': 0.3}}; allowed: {RANGE}"),
+    (plain(frction=[0.3, 0.4]), "over.frction: unknown key, got [0.3, 0.4]; did you mean fricti"),
+    (
+        plain(frequency=[3, 4]),
+        "over.frequency: unknown key, got [3, 4]; frequency is a parameter o",
+    ),
+    (plain(replicates=[1, 2]), "over.replicates: unknown key, got [1, 2]; replicates belongs unde"),
+    (plain(), "over: got {}; allowed: at least one parameter with a list of values"),
+    (plain(friction={"between": [0, 1], "scale": "ln"}), "over.friction.scale: got 'ln'; allowed"),
+    (
+        plain(friction={"between": [0, 1], "scale": "log"}),
+        "over.friction.between: got [0, 1]; allowed: two numbers > 0 where the scale is log",
+    ),
+    (
+        plain(friction={"between": [1, 0]}),
+        "over.friction.between: got [1, 0]; allowed: two numbers",
+    ),
+    (plain(friction={"between": [1]}), "over.friction.between: got [1]; allowed: two numbers, the"),
+    (
+        plain(friction={"mean": 0.3, "deviation": 0, "between": [0, 1]}),
+        "over.friction.deviation: got 0; allowed: a number > 0",
+    ),
+    (
+        plain(friction={"mean": 3, "deviation": 0.1, "between": [0, 1]}),
+        "over.friction.mean: got 3; allowed: a number in [0, 1], as of between",
+    ),
+    (plain(law={"choices": ["hertz"]}), "over.law.choices: got ['hertz']; allowed: a list of two"),
+    (plain(depth={"choices": [1, 1.0]}), "over.depth.choices: got [1, 1]; allowed: a list of two"),
+    (plain(law={"choices": ["hertz", "x"]}), "over.law: got 'x'; allowed: one of walton_braun, "),
+    (plain(seed=[1.5, 3]), "over.seed: got 1.5; allowed: an integer in [0, 4294967295]"),
+    ({"kind": "sobl", "over": TWO}, "kind: got 'sobl'; allowed: 'sobol', 'latin_hypercube', "),
+    ({"kind": "sobol", "over": TWO}, "points: got nothing; allowed: an integer >= 1"),
+    (plain(**TWO) | {"points": 0}, "points: got 0; allowed: an integer >= 1"),
+    (plain(**TWO) | {"points": 10**6}, "got '1,000,000 points'; allowed: at most 100,000 points"),
+    (
+        plain(**TWO) | {"points": 20, "kind": "saltelli"},
+        "points: got 20; allowed: 16 or 32, as 4 t",
+    ),
+    (
+        plain(**TWO) | {"points": 20, "kind": "morris"},
+        "points: got 20; allowed: 18 or 21, as 3 tim",
+    ),
+    (plain(**TWO) | {"kind": "zip"}, "points: got 8; allowed: none, as the lists of zip say how m"),
+    (
+        {"kind": "zip", "over": {"depth": [1, 2], "friction": [0.1, 0.2, 0.3]}},
+        "over.friction: got [0.1, 0.2, 0.3]; allowed: 2 values, as depth has",
+    ),
+    (
+        {"kind": "zip", "over": {"friction": {"between": [0, 1]}}},
+        "over.friction: got {'between': [0, 1]}; allowed: a list of values, as kind is zip",
+    ),
+    (
+        {"kind": "zip", "over": {"friction": [0.1, -0.2]}},
+        "over.friction: got -0.2; allowed: a number >= 0",
+    ),
+    (
+        {"kind": "zip", "over": TWO, "where": ["depth > 5"]},
+        "where: got ['depth > 5']; allowed: cond",
+    ),
+    (
+        plain(**TWO) | {"where": ["friction > depth"]},
+        "where: got ['friction > depth']; allowed: con",
+    ),
+    (
+        plain(**TWO) | {"where": ["friction > 0.1"], "kind": "morris", "points": 9},
+        "where: got ['friction > 0.1']; allowed: none with morris, whose points belong together",
+    ),
+    *(
+        (
+            plain(**TWO, law={"choices": ["hertz", "drag"]}) | {"where": ["depth > 1", text]},
+            f"where[1]: got {text!r}; allowed: {SIDES}",
+        )
+        for text in (
+            "friction",
+            "friction = 0.1",
+            "0.1 < 0.2",
+            "friction < restitution",
+            "law < 1",
+            "0.1 < friction < 0.2",
+            "friction < 2*depth",
+            "friction < nan",
+            "exit() < 1",
+        )
+    ),
+]
+
+
+@pytest.mark.parametrize(("design", "message"), ERRORS)
+def test_a_mistake_is_one_line_with_its_key(design, message):
+    with pytest.raises(InputError) as error:
+        study_of(**{"over": OVER} | design)
+    text = str(error.value)
+    assert text.startswith("s.yaml: series[0].design")
+    assert text.removeprefix("s.yaml: series[0].design").lstrip(".: ").startswith(message)
+
+
+@pytest.mark.parametrize(
+    ("series", "message"),
+    [
+        ({"grid": {"depth": [1, 2]}}, "design: got 'design and grid'; allowed: one of both: grid "),
+        ({"cases": [{"depth": 1}]}, "design: got 'design and cases'; allowed: one of both: cases"),
+        (
+            {"overrides": [{"when": {"depth": [2]}, "set": {"friction": 0.4}}]},
+            "overrides[0].set.friction: got 0.4; allowed: parameters other than design.over.fricti",
+        ),
+        ({"figures": ["walton_2"]}, "figures[0]: got 'walton_2 with depth = 2 alone'; allowed: s"),
+        (
+            {"base": {"average": 1e12}},
+            "base.average: got 1e+12; allowed: a run of at most 1e+12 time steps",
+        ),
+    ],
+)
+def test_a_design_goes_with_the_rest_of_its_series(series, message):
+    with pytest.raises(InputError) as error:
+        study_of(points=8, series=series)
+    assert str(error.value).startswith(f"s.yaml: series[0].{message}")
+
+
+def test_a_point_that_is_not_valid_names_the_design():
+    with pytest.raises(InputError, match=r"series\[0\]\.design\.over\.shear_damping: got .* unl"):
+        study_of(points=8, over={"law": OVER["law"], "shear_damping": [10, 40]})
+
+
+def test_pages_are_limited():
+    contents = {"kind": "sobol", "points": 1001, "over": {"friction": [0.3, 0.6]}}
+    entry = {"name": "wide", "system": "chute", "design": contents}
+    with pytest.raises(InputError, match="pages: got true; allowed: false, for more than 1,000"):
+        parse_study({"study": "s", "pages": True, "series": [entry]}, "s.yaml", None)
