@@ -8,11 +8,13 @@ from typing import Any
 
 from sim.base.additions import Plugin
 from sim.parameters import Parameters
+from sim.study.calibration import CalibrationSpec
 from sim.study.design import Axis, Design
 from sim.study.entries import DecideFile
 from sim.study.figure_spec import FigureSpec
 from sim.study.plot_kinds import Shown
 from sim.study.refine import further_rounds
+from sim.study.sensitivity import SensitivitySpec
 from sim.study.surrogate import MOST_ROUNDS, SurrogateSpec
 
 
@@ -104,6 +106,10 @@ class Study:
         CSV files of data from elsewhere that it names.
     surrogates : tuple of SurrogateSpec
         Its surrogates.
+    sensitivities : tuple of SensitivitySpec
+        What it asks on how much parameters matter.
+    calibrations : tuple of CalibrationSpec
+        What it asks on which parameters measurements allow.
     """
 
     name: str
@@ -121,6 +127,8 @@ class Study:
     plugins: tuple[Plugin, ...] = ()
     data: tuple[Path, ...] = ()
     surrogates: tuple[SurrogateSpec, ...] = ()
+    sensitivities: tuple[SensitivitySpec, ...] = ()
+    calibrations: tuple[CalibrationSpec, ...] = ()
 
     @cached_property
     def figures(self) -> dict[str, tuple[str, ...]]:
@@ -149,6 +157,11 @@ class Study:
     def path(self) -> Path:
         """The study file."""
         return self.files[0]
+
+    @property
+    def questions(self) -> tuple[SurrogateSpec | SensitivitySpec | CalibrationSpec, ...]:
+        """What is answered from the dataset, in this order."""
+        return *self.surrogates, *self.sensitivities, *self.calibrations
 
     @property
     def rounds(self) -> int:

@@ -15,6 +15,7 @@ import pandas as pd
 
 from sim.base.errors import InputError
 from sim.base.statistics import MANY, student
+from sim.study.sensitivity import FEWEST_BLOCKS
 from sim.surrogates.predictor import Predictor, scaled
 
 #: Columns of a table of indices: one value with its 95 % interval a row. ``other`` names the second
@@ -28,9 +29,6 @@ COLUMNS = (
 
 #: Blocks of a sample of a surrogate, a power of two; and samples, with as many realisations each.
 BLOCKS, _SCRAMBLINGS, _REALISATIONS = 2**11, 8, 4
-
-#: Fewest blocks, or trajectories of Morris, that give an answer.
-FEWEST_BLOCKS = 8
 
 #: Resamples of the blocks of runs for an interval.
 _RESAMPLES = 200

@@ -1,8 +1,8 @@
 """Which parameters measurements allow: their posterior, by emcee on a surrogate.
 
 Measurement i under conditions cᵢ is normal about the surrogate's mean m(θ, cᵢ) with the variance
-eᵢ² + s(θ, cᵢ)² + d²: error of the measurement, error of the surrogate, and what the model itself may
-lack. θ is uniform over its ranges, in the scale of the surrogate; d has a half-normal prior whose
+eᵢ² + s(θ, cᵢ)² + d²: error of the measurement, error of the surrogate, and what the model may lack.
+θ is uniform over its ranges, in the scale of the surrogate; d has a half-normal prior whose
 scale is the median error (Kennedy and O'Hagan 2001, J. R. Stat. Soc. B 63, 425, with a discrepancy
 that differs from one measurement to the next without correlation).
 """
@@ -264,8 +264,8 @@ def _next_experiment(calibration: Calibration, chain: np.ndarray) -> xr.Dataset:
     """Return conditions within the ranges of the data, and how much each would tell.
 
     A measurement of f there, with the usual error and the present discrepancy, takes
-    Σ Cov(θₖ, f)² / (Var f + v) from the variance of the posterior, where f depends on θ linearly and
-    v is the variance of the measurement. Each θₖ counts in units of its range.
+    Σ Cov(θₖ, f)² / (Var f + v) from the variance of the posterior, where f depends on θ linearly
+    and v is the variance of the measurement. Each θₖ counts in units of its range.
     """
     draws = chain.reshape(-1, chain.shape[-1])
     draws = draws[:: max(1, len(draws) // 1000)]

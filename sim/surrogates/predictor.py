@@ -1,11 +1,9 @@
 """What indices and posteriors ask of a surrogate, and points of the unit cube in its ranges."""
 
 from collections.abc import Sequence
-from typing import Literal, Protocol
+from typing import Protocol
 
 import numpy as np
-
-Scale = Literal["linear", "log"]
 
 
 class Predictor(Protocol):
@@ -26,13 +24,13 @@ class Predictor(Protocol):
     @property
     def bounds(self) -> np.ndarray: ...
     @property
-    def scales(self) -> tuple[Scale, ...]: ...
+    def scales(self) -> tuple[str, ...]: ...
 
     def predict(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return mean and its standard deviation, (n,) in the observable's unit, at (n, k)."""
 
 
-def scaled(shares: np.ndarray, bounds: np.ndarray, scales: Sequence[Scale]) -> np.ndarray:
+def scaled(shares: np.ndarray, bounds: np.ndarray, scales: Sequence[str]) -> np.ndarray:
     """Return the values of parameters at points (n, k) of the unit cube."""
     low, high = np.asarray(bounds, float).T
     is_log = np.array([scale == "log" for scale in scales])
@@ -42,7 +40,7 @@ def scaled(shares: np.ndarray, bounds: np.ndarray, scales: Sequence[Scale]) -> n
     return np.where(is_log, low * ratio**shares, linear)
 
 
-def unscaled(x: np.ndarray, bounds: np.ndarray, scales: Sequence[Scale]) -> np.ndarray:
+def unscaled(x: np.ndarray, bounds: np.ndarray, scales: Sequence[str]) -> np.ndarray:
     """Return the points of the unit cube that stand for values (n, k), as `scaled` gives them."""
     low, high = np.asarray(bounds, float).T
     is_log = np.array([scale == "log" for scale in scales])
