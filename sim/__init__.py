@@ -14,7 +14,6 @@ from sim.base.program import __version__
 if TYPE_CHECKING:
     from sim.base.plugins import load_plugins
     from sim.claims.claim import judge
-    from sim.surrogates.results import load
     from sim.engine.dynamics.status import BlowUp
     from sim.engine.flow import Flow, simulate
     from sim.parameters.choices import parameter
@@ -24,6 +23,7 @@ if TYPE_CHECKING:
     from sim.study.load import points
     from sim.study.papers import paper
     from sim.study.plot_kinds import plot_kind
+    from sim.surrogates.results import load
 
 __all__ = [
     "BlowUp",

@@ -23,7 +23,7 @@ from sim.base.seals import seal
 from sim.dataset.boundaries import add_rounds, find_sides, tabulate
 from sim.dataset.combine import natural_velocities, profiles, root, runs, si_parameters
 from sim.dataset.earlier import keep_dataset
-from sim.dataset.results import COLUMNS, GROUP, Results
+from sim.dataset.results import COLUMNS, GROUP, Results, with_all_parameters
 from sim.dataset.rounds import add_further_points, known_points
 from sim.dataset.rows import (
     OF_PROFILES,
@@ -139,7 +139,7 @@ def gather_results(
     part = replace(study, points=members, boundaries=())
     groups = dict(_groups(blocks, part, ()))
     return Results(
-        dataset=groups[None],
+        dataset=with_all_parameters(groups[None]),
         profiles={name: groups[name] for name in SYSTEMS if name in groups},
         boundaries=pd.DataFrame(columns=COLUMNS),
     )

@@ -176,7 +176,7 @@ def load_results(path: str | Path) -> Results:
             points = list(file.groups[PARTICLES].groups) if PARTICLES in groups else []
             adopted = _read_adopted(file) if RUNS in groups else {}
         return Results(
-            dataset=_with_all_parameters(_load_group(path, None)),
+            dataset=with_all_parameters(_load_group(path, None)),
             profiles=Groups(path, {name: name for name in SYSTEMS if name in groups}),
             boundaries=read_table(path),
             states=Groups(path, {point: f"{PARTICLES}/{point}" for point in points}),
@@ -218,7 +218,7 @@ def _checked_dataset(path: Path) -> AbstractContextManager[None]:
     return checked_read(path, "dataset", replaceable=is_study_dataset(path), sealed=True)
 
 
-def _with_all_parameters(dataset: xr.Dataset) -> xr.Dataset:
+def with_all_parameters(dataset: xr.Dataset) -> xr.Dataset:
     """Return a dataset with the parameters of all systems, including those added after it."""
     coords = {str(name): values.values for name, values in dataset.coords.variables.items()}
     none = np.full(dataset.sizes["point"], np.nan)

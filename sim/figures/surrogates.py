@@ -4,7 +4,6 @@ Options of a figure: ``answer`` is the surrogate's file in the results of the st
 are the parameters on the axes. The others are held in the middle of their ranges.
 """
 
-from collections.abc import Iterator
 from functools import lru_cache
 from itertools import product
 from pathlib import Path
@@ -37,6 +36,12 @@ _SECTION_STEPS, _MAP_STEPS = 161, 61
 #: Runs are near a section where each other parameter is within this share of its range.
 _NEAR = 0.2
 
+#: Look of the runs near a section.
+_RUNS: dict[str, Any] = {
+    **{"fmt": "o", "markersize": 3.5, "markerfacecolor": "white", "zorder": 3},
+    **{"elinewidth": 0.8, "capsize": 1.5},
+}
+
 #: Most combinations of words and switches that have a curve or a panel of their own.
 _MOST_SETTINGS = 4
 
@@ -60,10 +65,7 @@ def draw_section(data: FigureData) -> Figure:
             rows[axis.name], rows["mean"].where(~likely), color=colour, dashes=(4, 2), linewidth=1
         )
         near = _runs_near(surrogate, axis, chosen)
-        axes.errorbar(
-            near[axis.name], near["mean"], near["half_width"], fmt="o", color=colour, markersize=3.5,
-            elinewidth=0.8, capsize=1.5, markerfacecolor="white", zorder=3,
-        )  # fmt: skip
+        axes.errorbar(near[axis.name], near["mean"], near["half_width"], color=colour, **_RUNS)
     if axis.scale == "log":
         set_log(axes, "x")
     axes.set_xlim(axis.low, axis.high)
@@ -380,6 +382,6 @@ def _regime_note(surrogate: Surrogate, where: str) -> str:
 
 def _error_note(surrogate: Surrogate) -> str:
     return (
-        f"Error of the surrogate: {100 * surrogate.error:.2g} % of the mean size of the observable, "
-        f"from {len(surrogate.process.y)} points, each predicted from the others."
+        f"Error of the surrogate: {100 * surrogate.error:.2g} % of the mean size of the "
+        f"observable, from {len(surrogate.process.y)} points, each predicted from the others."
     )

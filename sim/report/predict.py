@@ -1,4 +1,4 @@
-"""The command ``predict``: what a surrogate says at values of its parameters, as a table or JSON."""
+"""The command ``predict``: what a surrogate says at values of its parameters."""
 
 import json
 from collections.abc import Sequence

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -182,8 +183,8 @@ class Study:
     @cached_property
     def _later_particles(self) -> Shown:
         """What a point of a later round may need: the figures that it feeds are not known yet."""
-        growing = (*self.boundaries, *self.surrogates)
-        return self.particles_shown(name for one in growing for name in one.figures)
+        lists = [one.figures for one in self.boundaries] + [one.figures for one in self.surrogates]
+        return self.particles_shown(chain(*lists))
 
     def needs_run_file(self, point: str) -> bool:
         """Return whether a point needs its run file: for its page or a plot of time series."""

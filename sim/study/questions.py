@@ -53,12 +53,10 @@ class _Question:
         self, study: Study, file: StudyFile, entry: SurrogateFile, source: str, place: str
     ):
         self.study, self.entry, self.source, self.place = study, entry, source, place
-        self.family = next(
-            (one for _, one in file.entries if one.name == entry.series and one.name), None
-        )
-        if self.family is None or entry.series not in study.series:
-            allowed = "one of " + ", ".join(one.name for _, one in file.entries)
-            raise self.error("series", entry.series, allowed)
+        named = {one.name: one for _, one in file.entries}
+        if entry.series not in named:
+            raise self.error("series", entry.series, "one of " + ", ".join(named))
+        self.family = named[entry.series]
         self.points: list[Point] = [study.points[key] for key in study.series[entry.series]]
         self.system = self.family.system
 

@@ -24,9 +24,10 @@ _AMPLITUDES, _LENGTHS, _SCATTERS = (1e-2, 1e3), (0.05, 20.0), (1e-6, 1.0)
 
 @dataclass(frozen=True)
 class LeftOut:
-    """Each point as the others predict it: ``mean``, ``error`` of that mean, ``noise`` of the point.
+    """Each point as the others predict it.
 
-    Each is an array (n,); errors and noise are standard deviations.
+    ``mean``, ``error`` of that mean and ``noise`` of the point are arrays (n,); errors and noise
+    are standard deviations.
     """
 
     mean: np.ndarray
@@ -165,7 +166,7 @@ def fit_lengths(process: Process) -> Process:
     """Return a process with the amplitude, lengths and scatter of greatest marginal likelihood."""
     order = np.random.default_rng(0).permutation(len(process.y))[:_MOST_FITTED]
     kernel = _kernel(process.x.shape[1], process.has_scatter)
-    fitted = process.regressor(kernel, np.sort(order), n_restarts_optimizer=2, random_state=0)
+    fitted = process.regressor(kernel, np.sort(order), n_restarts_optimizer=1, random_state=0)
     return replace(process, theta=fitted.kernel_.theta)
 
 

@@ -23,7 +23,7 @@ class Regimes:
 
     The probability is Φ(a m / √(1 + a² s²)) with mean m and error s of the process. The sharpness
     a is the one that predicts each point best from all others (Rasmussen and Williams 2006,
-    section 6.5). Of two regimes, one has a process; of more, probabilities are scaled to a sum of 1.
+    section 6.5). Of two regimes, one has a process; those of more are scaled to a sum of 1.
 
     Attributes
     ----------
@@ -32,7 +32,8 @@ class Regimes:
     regime : numpy.ndarray
         The regime of each, (n,); points in one of `UNKNOWN` count for nothing.
     theta : numpy.ndarray
-        Logarithms of sharpness, amplitude, lengths and scatter for each process, (processes, d + 3).
+        Logarithms of sharpness, amplitude, lengths and scatter of each process,
+        (processes, d + 3).
     """
 
     x: np.ndarray

@@ -99,7 +99,7 @@ def _surrogate(stored: xr.Dataset, about: dict[str, Any]) -> Surrogate:
         widening=float(about["widening"]),
     )
     regimes = Regimes(x, sample["regime"].values, np.atleast_2d(stored["regime_theta"].values))
-    words = {name: str(about[name]) for name in _WORDS}
+    words: dict[str, Any] = {name: str(about[name]) for name in _WORDS}
     return Surrogate(
         **words,
         axes=axes,

@@ -1,4 +1,4 @@
-"""A surrogate: mean, error and probability of each regime anywhere between the points of a series."""
+"""A surrogate: mean, error and probability of each regime between the points of a series."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -11,12 +11,14 @@ import xarray as xr
 from sim.base.errors import InputError
 from sim.base.messages import did_you_mean
 from sim.base.statistics import MANY, student
-from sim.parameters import NUMERICAL, SYSTEMS
 from sim.study.design import Axis
 from sim.study.plottable import numbers
 from sim.study.surrogate import SurrogateSpec
 from sim.surrogates.process import Process, deviations, fit
-from sim.surrogates.regimes import UNKNOWN, Regimes, fit_regimes
+from sim.surrogates.regimes import Regimes, fit_regimes
+
+#: Share of a range by which a value may be outside it: sums of steps need not end on it.
+_SLACK = 1e-9
 
 #: Fewest points of which a mean can be.
 FEWEST_POINTS = 4
@@ -221,18 +223,18 @@ class Surrogate:
         notes = []
         for axis, array in zip(self.numeric, arrays, strict=True):
             low, high = float(array.min()), float(array.max())
-            slack = 1e-9 * (axis.high - axis.low)
-            for value, end in ((low, min(low, axis.low)), (high, max(high, axis.high))):
-                if axis.low - slack <= value <= axis.high + slack:
+            width = axis.high - axis.low
+            for value in dict.fromkeys((low, high)):
+                beyond = max(axis.low - value, value - axis.high) / width
+                if beyond <= _SLACK:
                     continue
                 if not extrapolate or (axis.scale == "log" and value <= 0):
                     raise InputError.of_value(self.name, axis.name, value, self._range(axis.name))
-                share = max(axis.low - end, end - axis.high) / (axis.high - axis.low)
                 notes.append(
-                    f"{axis.name} = {value:g} is {100 * share:.2g} % of its range outside "
+                    f"{axis.name} = {value:g} is {100 * beyond:.2g} % of its range outside "
                     f"[{axis.low:g}, {axis.high:g}]"
                 )
-        return "; ".join(dict.fromkeys(notes))
+        return "; ".join(notes)
 
     @cached_property
     def included(self) -> np.ndarray:
