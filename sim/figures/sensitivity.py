@@ -39,8 +39,8 @@ def draw_indices(data: FigureData) -> Figure:
     names = total.sort_values("value", ascending=False, na_position="last")["parameter"].tolist()
     figure, axes = _bars(len(names))
     for shift, rows, label, colour in (
-        (0.19, total, "total: with all interactions", COLOURS[2]),
         (-0.19, first, "first order: alone", COLOURS[1]),
+        (0.19, total, "total: with all interactions", COLOURS[2]),
     ):
         _draw_bars(axes, rows.set_index("parameter").loc[names], shift, 0.36, colour, label)
     _name_rows(axes, [parameter_phrase(data.spec.system, name) for name in names])
