@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 from importlib.util import find_spec
+from itertools import dropwhile
 from pathlib import Path
 from typing import NamedTuple
 
@@ -139,7 +140,8 @@ def commands(text: str) -> list[list[str]]:
             else:
                 current.append(word)
         found.append(current)
-    plain = ([word for word in words if not re.fullmatch(r"\w+=.*", word)] for words in found)
+    # Values of variables stand before a command.
+    plain = (list(dropwhile(re.compile(r"\w+=.*").fullmatch, words)) for words in found)
     return [cut(words) for words in plain if words]
 
 

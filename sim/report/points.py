@@ -67,7 +67,8 @@ def as_table(study: Study, adopted: Mapping[str, str] = _NOTHING_ADOPTED) -> str
             _total_line(list(costs.values())),
             *_adopted_lines(adopted, costs),
             *_trajectory_lines(list(costs.values())),
-            *([_refinement_line(study)] if study.rounds else []),
+            *([_refinement_line(study)] if study.boundaries else []),
+            *_surrogate_lines(study),
             *([_decision_line(study.decide.budget)] if study.decide else []),
         ],
     ]
@@ -102,6 +103,8 @@ def as_json(study: Study, adopted: Mapping[str, str] = _NOTHING_ADOPTED) -> str:
     }
     if study.decide:
         totals["decisions_core_hours"] = study.decide.budget
+    if any(one.has_rounds for one in study.surrogates):
+        totals["surrogates_core_hours"] = sum(one.budget for one in study.surrogates)
     document = {"study": study.name, "title": study.title, "points": points, "totals": totals}
     return json.dumps(document, indent=2, ensure_ascii=False)
 
@@ -266,12 +269,23 @@ def _decision_line(budget: float) -> str:
     return f"decisions ({program()} decide) may add up to {budget:g} core hours"
 
 
+def _surrogate_lines(study: Study) -> list[str]:
+    """Return a line for each surrogate whose rounds add points."""
+    return [
+        f"surrogate {one.name}: rounds of {count_text(one.batch, 'point')} may add up to "
+        f"{one.budget:g} core hours, until its error is {100 * one.error:g} %"
+        for one in study.surrogates
+        if one.has_rounds
+    ]
+
+
 def _refinement_line(study: Study) -> str:
     """Write what rounds of refinement add: each divides one gap per boundary.
 
     The estimate assumes that no run is undecided.
     """
     count, total = 0, 0.0
+    rounds = max(boundary.rounds for boundary in study.boundaries)
     for boundary in study.boundaries:
         estimates = [
             estimate(boundary.parameters_at(value))
@@ -281,6 +295,6 @@ def _refinement_line(study: Study) -> str:
         count += points_added
         total += points_added * sum(cost.core_seconds for cost in estimates) / len(estimates)
     return (
-        f"{study.rounds} rounds of refinement for {len(study.boundaries):,} boundaries: about "
+        f"{rounds} rounds of refinement for {len(study.boundaries):,} boundaries: about "
         f"{count:,} further points, estimated core time {duration(total)}"
     )

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
+import xarray as xr
 
 from sim.base.errors import InputError
 from sim.report.points import align_table
@@ -47,11 +47,7 @@ def predict(
     folder = source if source.is_dir() else results / load_study(source, None).name
     surrogate = find_surrogate(folder, of)
     answer = surrogate(extrapolate=extrapolate, **_values(surrogate, at))
-    table = answer["probability"].to_dataset("regime").drop_vars("units", errors="ignore")
-    table = table.assign(mean=answer["mean"], half_width=answer["half_width"])
-    rows = _rows(table.stack(row=list(answer["mean"].dims)) if answer["mean"].dims else table)
-    for row in rows:
-        row["probability"] = {name: row.pop(name) for name in surrogate.regimes.names}
+    rows = _rows(answer, surrogate.regimes.names)
     outside = str(answer.attrs.get("outside", ""))
     if format == "json":
         document = {
@@ -91,14 +87,18 @@ def _value(surrogate: Surrogate, name: str, text: str) -> Any:
         return text
 
 
-def _rows(table: Any) -> list[dict[str, Any]]:
-    """Return the values of a dataset over ``row``, or over nothing, row by row."""
-    frame = table.to_dataframe() if "row" in table.dims else pd.DataFrame([_scalars(table)])
-    return [{str(name): value for name, value in row.items()} for row in frame.to_dict("records")]
-
-
-def _scalars(table: Any) -> dict[str, Any]:
-    return {str(name): array.item() for name, array in table.variables.items()}
+def _rows(answer: xr.Dataset, regimes: Sequence[str]) -> list[dict[str, Any]]:
+    """Return a mapping for each place: parameters, mean, half width, probability by regime."""
+    columns = {name: answer["probability"].sel(regime=name, drop=True) for name in regimes}
+    table = answer.drop_dims("regime").assign(columns)
+    # A single place has no dimension, of which a table needs one.
+    frame = (table if answer["mean"].dims else table.expand_dims("row")).to_dataframe()
+    rows = frame.reset_index().drop(columns="row", errors="ignore").to_dict("records")
+    return [
+        {str(name): value for name, value in row.items() if name not in regimes}
+        | {"probability": {name: row[name] for name in regimes}}
+        for row in rows
+    ]
 
 
 def _lines(surrogate: Surrogate, rows: Sequence[dict[str, Any]], outside: str) -> list[str]:

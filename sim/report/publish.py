@@ -75,6 +75,7 @@ def publish(
     try:
         (temporary / "figures").mkdir(parents=True)
         for name in names:
+            (temporary / name).parent.mkdir(exist_ok=True)
             shutil.copyfile(folder / name, temporary / name)
         for file in study.sources:
             shutil.copyfile(file, temporary / file.name)
@@ -96,7 +97,8 @@ def _published_files(study: Study) -> list[str]:
         for end in spec.suffixes
         if spec.animated or end != ".png"
     )
-    return [*RESULT_FILES, *(["boundaries.csv"] if study.boundaries else []), *figures]
+    boundaries = ["boundaries.csv"] if study.boundaries else []
+    return [*RESULT_FILES, *boundaries, *(one.file for one in study.surrogates), *figures]
 
 
 def _require_files(folder: Path, names: Sequence[str]) -> None:

@@ -24,6 +24,7 @@ from sim.parameters import Parameters, amounts
 from sim.study.cost import PROCESS_TIME, estimate
 from sim.study.extra_amounts import ExtraAmounts, read_extra_amounts, with_extra_amounts
 from sim.study.load import Study
+from sim.surrogates.answers import summary_lines
 
 STATES = ("done", "failed", "adopted", "running", "interrupted", "waiting")
 
@@ -106,6 +107,8 @@ class StudyStatus:
         rounds are to come, as these may need any of them.
     budget : Budget, optional
         The budget of a study with a ``decide`` section.
+    answers : tuple of str
+        A line for each surrogate that is there.
     """
 
     name: str
@@ -117,6 +120,7 @@ class StudyStatus:
     rounds_left: int = 0
     orphans: tuple[str, ...] = ()
     budget: Budget | None = None
+    answers: tuple[str, ...] = ()
 
     @property
     def counts(self) -> dict[str, int]:
@@ -187,7 +191,16 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
     orphans = () if to_come else tuple(sorted(stored - points.keys()))
     time_left = _time_left(points, parameters)
     budget = _budget(study.decide.budget, points, extra) if study.decide else None
-    return StudyStatus(study.name, study.title, points, *time_left, to_come, orphans, budget)
+    return StudyStatus(
+        study.name,
+        study.title,
+        points,
+        *time_left,
+        to_come,
+        orphans,
+        budget,
+        answers=tuple(summary_lines(study, folder)),
+    )
 
 
 def _budget(hours: float, points: Mapping[str, PointStatus], extra: ExtraAmounts) -> Budget:

@@ -72,6 +72,7 @@ def as_text(status: StudyStatus, width: int | None = None) -> str:
         _started_lines(status, width),
         _failed_lines(status, width),
         _closing_lines(status),
+        list(status.answers),
     ]
     return "\n\n".join("\n".join(lines) for lines in sections if lines)
 
@@ -92,6 +93,7 @@ def as_json(status: StudyStatus) -> str:
         "rounds_left": status.rounds_left,
         "orphans": list(status.orphans),
         "budget": _budget(status),
+        "answers": list(status.answers),
     }
     return json.dumps(document, indent=2, ensure_ascii=False)
 
@@ -242,9 +244,8 @@ def list_orphans(study_path: Path, results: Path, remove: bool) -> list[str]:
     status = survey(study, results)
     if status.rounds_left:
         allowed = "a study whose rounds of refinement are known; run it first"
-        raise InputError.of_value(
-            study_path, "boundaries", f"{status.rounds_left} to come", allowed
-        )
+        key = "boundaries" if study.boundaries else "surrogate"
+        raise InputError.of_value(study_path, key, f"{status.rounds_left} to come", allowed)
     folder = results / study.name
     lines, total = [], 0
     for name in status.orphans:

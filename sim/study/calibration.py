@@ -85,6 +85,11 @@ class CalibrationSpec:
     path: Path
 
     @property
+    def series(self) -> str:
+        """Series whose runs answer it."""
+        return self.of.series
+
+    @property
     def file(self) -> str:
         """Path of its file in the results of the study."""
         return f"calibration/{self.name}.nc"

@@ -224,7 +224,10 @@ class Plan:
     @property
     def questions(self) -> list[tuple[Any, ...]]:
         """Settings of the questions of the study; rules rerun when they change."""
-        return [one.settings for one in self.study.questions]
+        return [
+            (one.settings, self.points_json(self.study.series[one.series][:1]))
+            for one in self.study.questions
+        ]
 
     @property
     def boundary_searches(self) -> list[tuple[Any, ...]]:

@@ -14,6 +14,7 @@ from sim.study.catalogue import FIGURES
 from sim.study.entries import RANGE, RANGE_SCHEMA
 from sim.study.plot_file import BesideFile, PlotFile
 from sim.study.plottable import shown_by
+from sim.study.surrogate import SurrogateFile
 from sim.study.validate import file_models
 
 SCHEMA_NAME = "schema.json"
@@ -62,6 +63,8 @@ def reference_text() -> str:
         _keys_table(entries.series),
         "### Keys of a boundary",
         _keys_table(entries.boundary),
+        "### Keys of a surrogate",
+        _keys_table(SurrogateFile),
         "### Keys of a plot",
         _keys_table(PlotFile),
         "### Keys of data beside a plot's own",

@@ -62,6 +62,11 @@ class SensitivitySpec:
     design: Design | None = None
 
     @property
+    def series(self) -> str:
+        """Series whose runs answer it."""
+        return self.of.series
+
+    @property
     def file(self) -> str:
         """Path of its file in the results of the study."""
         return f"sensitivity/{self.name}.csv"

@@ -7,16 +7,21 @@ import netCDF4
 import xarray as xr
 
 from sim.base.files import atomic_write
-from sim.base.seals import checked_read, seal
+from sim.base.seals import append_summary, checked_read, seal
 from sim.surrogates.posterior import LEAST_PROBABILITY, LONG_ENOUGH, summarize
 
 
-def save(groups: Mapping[str, xr.Dataset], path: Path) -> None:
-    """Write the groups of a calibration; the file appears complete or not at all."""
+def save(name: str, groups: Mapping[str, xr.Dataset], path: Path) -> None:
+    """Write the groups of a calibration; the file appears complete or not at all.
+
+    Its end has a line with what it says.
+    """
+    line = f"calibration {name}: {' '.join(outcome_sentences(groups))}"
     path.parent.mkdir(parents=True, exist_ok=True)
     with atomic_write(path) as temporary:
-        for number, (name, group) in enumerate(groups.items()):
-            group.to_netcdf(temporary, mode="a" if number else "w", group=name, engine="netcdf4")
+        for number, (key, group) in enumerate(groups.items()):
+            group.to_netcdf(temporary, mode="a" if number else "w", group=key, engine="netcdf4")
+        append_summary(temporary, {"line": line})
         seal(temporary)
 
 

@@ -87,14 +87,15 @@ def further_points(
     """
     # Imported here, as rounds of boundaries need none of it.
     from sim.dataset.build import gather_results
-    from sim.surrogates.sample import sample_points
-    from sim.surrogates.surrogate import fit_surrogate
+    from sim.surrogates.fitting import FEWEST_POINTS, fit_surrogate
+    from sim.surrogates.sample import included, sample_points
 
     first = {key: known[key] for key in study.series[spec.series]}
     added = spec.added(known)
     members = first | added
     sample = sample_points(gather_results(study, folder, spec.series, members), spec)
-    if fit_surrogate(spec, sample).error <= spec.error:
+    is_enough = included(sample, spec.regimes).sum() >= FEWEST_POINTS
+    if is_enough and fit_surrogate(spec, sample).error <= spec.error:
         return {}
     hours = sample["core_hours"].to_series()
     estimated = sum(_hours(point) for point in members.values())

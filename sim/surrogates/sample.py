@@ -1,6 +1,6 @@
 """What a surrogate learns from: mean, error and regime of each point of a series."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from sim.dataset.observed import replicate_values
 from sim.dataset.replicates import SCALARS, outcomes
 from sim.dataset.results import Results
 from sim.parameters import NUMERICAL, SYSTEMS
+from sim.study.design import Axis
 from sim.study.plottable import numbers
 from sim.study.surrogate import SurrogateSpec
 
@@ -76,6 +77,31 @@ def _fixed(rows: xr.Dataset, spec: SurrogateSpec) -> dict[str, Any]:
     names = [name for name in SYSTEMS[spec.system].model_fields if name not in NUMERICAL | varied]
     values = {name: list(dict.fromkeys(rows[name].values.tolist())) for name in names}
     return {name: found[0] for name, found in values.items() if len(found) == 1}
+
+
+def included(sample: xr.Dataset, used: tuple[str, ...]) -> np.ndarray:
+    """Return which points have a mean and one of the regimes ``used``, (n,)."""
+    is_used = np.isin(sample["regime"].values.astype(str), used)
+    return is_used & np.isfinite(sample["mean"].values)
+
+
+def unit_cube(axes: tuple[Axis, ...], columns: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Return values (n,) of parameters in the unit cube, (n, d).
+
+    Words and switches have a dimension for each value, or one where there are two.
+    """
+    parts = []
+    for axis in axes:
+        values = columns[axis.name]
+        if not axis.is_number:
+            shown = axis.choices[1:] if len(axis.choices) == 2 else axis.choices
+            parts += [np.asarray(values == choice, dtype=float) for choice in shown]
+            continue
+        low, high, numbers = axis.low, axis.high, np.asarray(values, dtype=float)
+        if axis.scale == "log":
+            low, high, numbers = np.log(low), np.log(high), np.log(numbers)
+        parts.append((numbers - low) / (high - low))
+    return np.column_stack(parts)
 
 
 def standard_errors(values: Sequence[np.ndarray], own: np.ndarray) -> tuple[np.ndarray, bool]:

@@ -9,20 +9,24 @@ import numpy as np
 import xarray as xr
 
 from sim.base.files import atomic_write
-from sim.base.seals import append_summary, checked_read, read_summary, seal
+from sim.base.seals import append_summary, checked_read, seal
 from sim.study.design import Axis
 from sim.surrogates.process import Process
 from sim.surrogates.regimes import Regimes
-from sim.surrogates.surrogate import Surrogate, included, unit_cube
+from sim.surrogates.sample import included, unit_cube
+from sim.surrogates.surrogate import Surrogate
 
 #: Value of the attribute ``format`` of such a file.
 FORMAT = "talus surrogate 1"
+
+#: Attributes of a surrogate that are words.
+_WORDS = ("name", "observable", "unit", "meaning", "system")
 
 
 def save(surrogate: Surrogate, path: Path) -> None:
     """Write a surrogate; the file appears complete or not at all.
 
-    Its end has a summary for `summary_line`.
+    Its end has a summary, which is read without opening it.
     """
     process, regimes = surrogate.process, surrogate.regimes
     words = {name: getattr(surrogate, name) for name in _WORDS}
@@ -67,16 +71,6 @@ def load(path: Path) -> Surrogate:
         if stored.attrs.get("format") != FORMAT:
             raise ValueError(f"its format is not {FORMAT}")
         return _surrogate(stored, json.loads(stored.attrs["about"]))
-
-
-def summary_line(path: Path) -> str:
-    """Return what a surrogate's file says of itself in a line, empty where it does not."""
-    summary = read_summary(path) if path.is_file() else None
-    return str(summary.get("line", "")) if summary else ""
-
-
-#: Attributes of a surrogate that are words.
-_WORDS = ("name", "observable", "unit", "meaning", "system")
 
 
 def _surrogate(stored: xr.Dataset, about: dict[str, Any]) -> Surrogate:

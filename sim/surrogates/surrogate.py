@@ -12,16 +12,12 @@ from sim.base.errors import InputError
 from sim.base.messages import did_you_mean
 from sim.base.statistics import MANY, student
 from sim.study.design import Axis
-from sim.study.plottable import numbers
-from sim.study.surrogate import SurrogateSpec
-from sim.surrogates.process import Process, deviations, fit
-from sim.surrogates.regimes import Regimes, fit_regimes
+from sim.surrogates.process import Process, deviations
+from sim.surrogates.regimes import Regimes
+from sim.surrogates.sample import included, unit_cube
 
 #: Share of a range by which a value may be outside it: sums of steps need not end on it.
 _SLACK = 1e-9
-
-#: Fewest points of which a mean can be.
-FEWEST_POINTS = 4
 
 
 @dataclass(frozen=True)
@@ -286,67 +282,3 @@ class Surrogate:
         """Number of points in each regime that the mean leaves out."""
         regimes = self.sample["regime"].values[~self.included].astype(str).tolist()
         return {name: regimes.count(name) for name in sorted(set(regimes))}
-
-
-def included(sample: xr.Dataset, used: tuple[str, ...]) -> np.ndarray:
-    """Return which points have a mean and one of the regimes ``used``, (n,)."""
-    is_used = np.isin(sample["regime"].values.astype(str), used)
-    return is_used & np.isfinite(sample["mean"].values)
-
-
-def unit_cube(axes: tuple[Axis, ...], columns: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Return values (n,) of parameters in the unit cube, (n, d).
-
-    Words and switches have a dimension for each value, or one where there are two.
-    """
-    parts = []
-    for axis in axes:
-        values = columns[axis.name]
-        if not axis.is_number:
-            shown = axis.choices[1:] if len(axis.choices) == 2 else axis.choices
-            parts += [np.asarray(values == choice, dtype=float) for choice in shown]
-            continue
-        low, high, numbers = axis.low, axis.high, np.asarray(values, dtype=float)
-        if axis.scale == "log":
-            low, high, numbers = np.log(low), np.log(high), np.log(numbers)
-        parts.append((numbers - low) / (high - low))
-    return np.column_stack(parts)
-
-
-def fit_surrogate(spec: SurrogateSpec, sample: xr.Dataset) -> Surrogate:
-    """Return the surrogate through some points.
-
-    Raises
-    ------
-    InputError
-        When fewer than `FEWEST_POINTS` have a mean and a regime that counts.
-    """
-    chosen = included(sample, spec.regimes)
-    if chosen.sum() < FEWEST_POINTS:
-        regimes = sample["regime"].values.astype(str).tolist()
-        found = ", ".join(f"{regimes.count(name)} {name}" for name in sorted(set(regimes)))
-        allowed = f"{FEWEST_POINTS} or more points of regime {', '.join(spec.regimes)}"
-        raise InputError.of_value(
-            f"surrogate {spec.name}", "series", f"{spec.series}: {found}", allowed
-        )
-    x = unit_cube(spec.axes, {axis.name: sample[axis.name].values for axis in spec.axes})
-    process = fit(
-        x[chosen],
-        sample["mean"].values[chosen],
-        sample["standard_error"].values[chosen] ** 2,
-        bool(sample.attrs["scatter"]),
-    )
-    observable = numbers(spec.system)[spec.observable]
-    return Surrogate(
-        name=spec.name,
-        observable=spec.observable,
-        unit=observable.unit,
-        meaning=observable.meaning,
-        system=spec.system,
-        axes=spec.axes,
-        fixed=sample.attrs["fixed"],
-        used=spec.regimes,
-        sample=sample,
-        process=process,
-        regimes=fit_regimes(x, sample["regime"].values),
-    )

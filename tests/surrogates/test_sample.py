@@ -3,12 +3,9 @@
 import numpy as np
 import pytest
 
-from sim.base.errors import InputError
-from sim.parameters import parse_point
 from sim.study.design import Axis
 from sim.study.surrogate import SurrogateSpec
-from sim.surrogates.sample import sample_points, standard_errors
-from tests.made.results import made_point, made_results
+from sim.surrogates.sample import standard_errors
 
 SPEC = SurrogateSpec("speed", "flows", "velocity", "chute", (Axis("friction", 0.3, 0.6),))
 

@@ -5,11 +5,12 @@ import pytest
 import xarray as xr
 
 from sim.base.errors import InputError
+from sim.base.seals import read_summary
 from sim.study.design import Axis
 from sim.study.surrogate import SurrogateSpec
+from sim.surrogates.fitting import fit_surrogate
 from sim.surrogates.results import find_surrogate
-from sim.surrogates.storage import load, save, summary_line
-from sim.surrogates.surrogate import fit_surrogate
+from sim.surrogates.storage import load, save
 from tests.made.netcdf import edit_file
 from tests.made.surrogates import AXES, design, made_sample, made_surrogate, smooth
 
@@ -149,7 +150,7 @@ def test_a_file_gives_the_same_predictions(mixed, tmp_path):
         assert theirs == pytest.approx(ours, rel=1e-9)
     assert second.probability(x) == pytest.approx(first.probability(x), rel=1e-9)
     assert (again.error, again.coverage, again.axes) == (mixed.error, mixed.coverage, mixed.axes)
-    assert summary_line(path).startswith(
+    assert read_summary(path)["line"].startswith(
         "surrogate speed: 25 points (12 arrested, 3 undetermined left"
     )
     assert find_surrogate(tmp_path, "speed").name == find_surrogate(tmp_path, "velocity").name
