@@ -126,7 +126,7 @@ def read_measured(path: Path) -> MeasuredTable:
         raise InputError(f"{path}: no such file")
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
-            reader = csv.reader(file, strict=True)
+            reader = csv.reader(file, strict=True, skipinitialspace=True)
             rows = []
             for row in reader:
                 texts = [text.strip() for text in row]

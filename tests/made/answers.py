@@ -40,7 +40,7 @@ def write_effects(folder: Path, left_out: int = 2, noise: float = 0.1) -> str:
         for name, value in zip(SLOPE.parameters, values, strict=True)
     ]
     rows += [("sigma", name, "", 0.3, 0.2, 0.4, 10, left_out, noise) for name in SLOPE.parameters]
-    columns = "index parameter other value low high blocks left_out noise".split()
+    columns = ["index", "parameter", "other", "value", "low", "high", "blocks", "left_out", "noise"]
     pd.DataFrame(rows, columns=columns).to_csv(folder / "effects.csv", index=False)
     return "effects.csv"
 
