@@ -11,6 +11,7 @@ from pydantic.json_schema import models_json_schema
 from sim.base.errors import InputError
 from sim.parameters import SYSTEMS, FieldRow, field_info
 from sim.study.catalogue import FIGURES
+from sim.study.design_file import DesignFile, Distribution
 from sim.study.entries import RANGE, RANGE_SCHEMA
 from sim.study.plot_file import BesideFile, PlotFile
 from sim.study.plottable import shown_by
@@ -61,6 +62,10 @@ def reference_text() -> str:
         _keys_table(file.study),
         "### Keys of a series",
         _keys_table(entries.series),
+        "### Keys of a design",
+        _keys_table(DesignFile),
+        "### Keys of the values of a parameter in a design",
+        _keys_table(Distribution),
         "### Keys of a boundary",
         _keys_table(entries.boundary),
         "### Keys of a surrogate",
