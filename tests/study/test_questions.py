@@ -109,7 +109,7 @@ def test_what_is_wrong_is_refused(surrogate, message):
         (
             {"design": DESIGN | {"kind": "latin_hypercube"}},
             {"error": 0.1, "budget": 1},
-            "got 'wide'; allowed: with error, a series whose design can grow: sobol or random",
+            "got 'wide'; allowed: with error, a series with a design of kind sobol or random",
         ),
     ],
 )
