@@ -15,6 +15,7 @@ from sim.figures.axes import has_cut_bars, limit_axis, mark_cut_bars, set_log
 from sim.figures.caption import bar_notes, point_notes
 from sim.figures.data import FigureData, varying_parameters
 from sim.figures.family import draw_family
+from sim.figures.fit import Fit, draw_fits, fit_columns, fit_curves, fit_notes
 from sim.figures.foreign_data import (
     append_foreign_data,
     draw_foreign_data,
@@ -102,6 +103,19 @@ def _draw_curves(
     accelerating = points["regime"] == "accelerating"
     options |= {"look": _look(data), "unjoined": accelerating}
     draw_family(axes, points, quantities["y"], along, _keys(data), (), **options)
+    draw_fits(axes, _fits(data, rows, quantities), _look(data))
+
+
+def _fits(data: FigureData, rows: pd.DataFrame, quantities: dict[str, Quantity]) -> list[Fit]:
+    """Return the fits to the curves of some points; empty for a plot without ``fit``."""
+    if not data.spec.options["fit"]:
+        return []
+    points = rows[_has_all_values(quantities)[rows.index]]
+    if "x" in quantities:
+        points = points.assign(**{_OBSERVED_X: quantities["x"].value})
+    keys = list(dict.fromkeys([*_keys(data), *data.spec.curves]))
+    along = data.spec.axes[0] if data.spec.axes else _OBSERVED_X
+    return fit_curves(data.spec.options["fit"], points, quantities["y"], along, keys)
 
 
 def _quantities(data: FigureData) -> dict[str, Quantity]:
@@ -152,10 +166,13 @@ def _parameters_along(data: FigureData) -> list[str]:
 
 
 def _look(data: FigureData) -> Look:
-    """Return the look of the curves; lines need exactly one parameter that varies along them."""
+    """Return the look of the curves; lines need exactly one parameter that varies along them.
+
+    A fitted line takes the place of the one that joins points.
+    """
     look = shared_look(data, _keys(data))
     is_joined = data.spec.axes or len(_parameters_along(data)) == 1
-    if is_joined and not data.spec.options["scattered"]:
+    if is_joined and not (data.spec.options["scattered"] or data.spec.options["fit"]):
         return look
 
     def unjoined_look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
@@ -191,6 +208,7 @@ def table(data: FigureData) -> pd.DataFrame:
         return paper_curves.table(data)
     quantities = _quantities(data)
     rows = quantity_table(data, list(quantities.values()))
+    rows = rows.assign(**fit_columns(data, _fits(data, data.rows, _drawable_quantities(data))))
     # The parameter on x follows the id of the point.
     x = quantities["x"].label if "x" in quantities else rows.columns[1]
     return append_foreign_data(data, rows, x, quantities["y"].label)
@@ -218,9 +236,11 @@ def notes(data: FigureData) -> list[str]:
         )
         for axis, quantity in shown_quantities.items()
     )
-    along = [] if spec.axes and not spec.options["scattered"] else _parameters_along(data)
+    fits = _fits(data, completed, quantities)
+    is_loose = (spec.axes and not spec.options["scattered"]) or fits
+    along = [] if is_loose else _parameters_along(data)
     aside = spec.axes and keys and len(shown[keys].drop_duplicates()) > 1
-    accelerating = len(along) < 2 and (shown["regime"] == "accelerating").any()
+    accelerating = len(along) < 2 and not fits and (shown["regime"] == "accelerating").any()
     return [
         *([f"{_hint(len(data.rows))}."] if spec.options["scattered"] else []),
         *bar_notes(data, shown, list(shown_quantities.values())),
@@ -228,6 +248,7 @@ def notes(data: FigureData) -> list[str]:
         *(["Curves are drawn a little aside of each other."] if aside else []),
         *_notes_on_lines([parameter_phrase(spec.system, name) for name in along]),
         *(["Lines are interrupted at flows that accelerate."] if accelerating else []),
+        *fit_notes(data, fits),
         *missing_value_note(len(completed) - with_values),
         *nonpositive_note(omitted, "points" if omitted > 1 else "point"),
         *foreign_data_notes(data),

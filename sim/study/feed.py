@@ -34,7 +34,7 @@ def feed(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
         plots with clashing names, unknown series, parameters or observables, and parameters that
         do not vary.
     """
-    entries = _figures(study, files)
+    entries, data = _figures(study, files), []
     for number, (path, file) in enumerate(files):
         # A part knows its own series alone.
         series = [entry.name for _, entry in file.entries] if number else list(study.series)
@@ -45,7 +45,8 @@ def feed(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
             _require_known_names(contents, series, entries)
             entries[plot.name] = spec = _plot_spec(contents, names)
             _require_distinct_positions(spec, contents.points, contents.source, contents.place)
-    return replace(study, entries=entries)
+            data += [path.parent / one.file for one in plot.beside or () if one.file]
+    return replace(study, entries=entries, data=tuple(dict.fromkeys(data)))
 
 
 def _figures(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> dict[str, FigureSpec]:
@@ -102,7 +103,11 @@ def _plot_spec(contents: PlotContents, series: Sequence[str]) -> FigureSpec:
         named=_caption_parameters(contents.system, contents.parameters),
         series=tuple(series),
         options=plot.options
-        | {"second": second.name if second else "", "scattered": contents.suits_scatter}
+        | {
+            "second": second.name if second else "",
+            "scattered": contents.suits_scatter,
+            "beside": contents.beside,
+        }
         | plugin_code(plot.kind),
     )
 

@@ -280,15 +280,15 @@ class Plan:
 
     @property
     def answer_files(self) -> list[str]:
-        """Paths of the files with the answers to the questions of the study: its surrogates."""
-        return [f"{self.folder}/{one.file}" for one in self.study.surrogates]
+        """Paths of the files with the answers to the questions of the study."""
+        return [f"{self.folder}/{one.file}" for one in self.study.questions]
 
     @property
     def questions(self) -> list[tuple[Any, ...]]:
         """Settings of the questions of the study; rules rerun when they change."""
         return [
             (one.settings, self.points_json(self.study.series[one.series][:1]))
-            for one in self.study.surrogates
+            for one in self.study.questions
         ]
 
     @property

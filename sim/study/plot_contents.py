@@ -3,11 +3,14 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 from sim.base.errors import InputError
 from sim.parameters import NUMERICAL, SYSTEMS, Parameters, field_info
+from sim.study.beside import DataSet, data_sets
 from sim.study.figure_spec import written
+from sim.study.measured import PURE
 from sim.study.model import Point
 from sim.study.plot_file import PlotFile
 from sim.study.plot_kinds import REGIME
@@ -121,6 +124,28 @@ class PlotContents:
     def groups(self) -> tuple[str, ...]:
         """Parameters that tell curves and panels apart."""
         return (*(self.plot.curves or ()), *([self.plot.panels] if self.plot.panels else ()))
+
+    @cached_property
+    def beside(self) -> tuple[DataSet, ...]:
+        """Data that are not of the study."""
+        return data_sets(self.plot, Path(self.source).parent, self._unit_on)
+
+    def _unit_on(self, axis: str) -> str:
+        """Return the unit of an axis as UDUNITS reads it; empty for a natural one."""
+        keys = self.plot.keys
+        named: dict[str, Observable | None] = {
+            keys.observable: self.observable,
+            keys.second: self.second,
+        }
+        if getattr(self.plot, axis) in self.axes:
+            unit = field_info(SYSTEMS[self.system])[getattr(self.plot, axis)].unit
+        else:
+            observable = named.get(axis)
+            # Profiles without an observable there have the height.
+            unit = observable.unit if observable else "m"
+            if self.plot.units == "natural" and unit != PURE:
+                return ""
+        return unit
 
     def require_drawable(self) -> None:
         """Raise ``InputError`` for what the points do not keep or vary, or what hides a point."""

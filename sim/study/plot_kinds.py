@@ -100,7 +100,7 @@ class Keys:
     several: Literal["", "parameters"] = ""
     most: int = 12
     log: tuple[Literal["x", "y", "colour"], ...] = ()
-    others: tuple[Literal["curves", "colour", "panels", "between", "beside"], ...] = ()
+    others: tuple[Literal["curves", "colour", "panels", "between", "beside", "fit"], ...] = ()
     of_papers: tuple[str, ...] = ()
     systems: tuple[str, ...] = ()
     what: str = "{}"
@@ -194,8 +194,8 @@ def plot_kind(
     if keys is None:
         require_one_of(f"plot {name}: like", like, study_kinds())
         base = find_kind(like)
-        # Nothing draws data beside the plot of a plug-in.
-        others = tuple(key for key in base.keys.others if key != "beside")
+        # Nothing draws data beside the plot of a plug-in, or fits a law to it.
+        others = tuple(key for key in base.keys.others if key not in ("beside", "fit"))
         base = replace(base, keys=replace(base.keys, others=others))
     elif like or not isinstance(keys, Keys):
         raise AdditionError(

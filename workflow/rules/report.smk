@@ -48,7 +48,7 @@ rule report:
         **PLAN.reader_resources,
     params:
         # The study file is no input: its path may contain braces and must not trigger a rerun.
-        study=files_hash(STUDY.files),
+        study=files_hash((*STUDY.files, *STUDY.data)),
         plugins=[str(plugin) for plugin in STUDY.plugins],
         code=room_code("report"),
     shell:
