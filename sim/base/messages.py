@@ -106,7 +106,8 @@ def input_error(
     path = key_path([*location, rule["key"]] if rule.get("key") else location)
     path = (paths or {}).get(path, path)
     if rule:
-        return InputError.of_value(source, path, rule["got"], rule["allowed"])
+        (got,) = rule["got"]
+        return InputError.of_value(source, path, got, rule["allowed"])
     if entry["type"] in _UNKNOWN:
         hint = _hint(owner, _name(entry), None)
         return unknown_key(source, path, entry["input"], owner.model_fields, hint)

@@ -34,8 +34,8 @@ _MOST_SETTINGS = 4
 
 def find_surrogate(data: FigureData) -> Surrogate:
     """Return the surrogate that a figure shows."""
-    if data.results.runs is None:
-        raise InputError(f"{data.spec.name}: drawn in the results of a study alone")
+    if data.results.runs is None or "answer" not in data.spec.options:
+        raise InputError(f"{data.spec.name}: drawn of the surrogates of a study alone")
     path = data.results.runs.parent / data.spec.options["answer"]
     return _load(path, path.stat().st_mtime_ns if path.is_file() else 0)
 

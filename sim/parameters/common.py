@@ -58,7 +58,9 @@ def drift_bound(target: float) -> float:
 
 def broken_rule(key: str, value: Any, allowed: str) -> PydanticCustomError:
     """Return the error of a rule on several parameters, reported for ``key``."""
-    return PydanticCustomError("rule", "{allowed}", {"key": key, "got": value, "allowed": allowed})
+    # In a list, as pydantic would render a text, and not every text of a file can be encoded.
+    context = {"key": key, "got": [value], "allowed": allowed}
+    return PydanticCustomError("rule", "{allowed}", context)
 
 
 def require_default(parameters: "Parameters", name: str, unless: str) -> None:

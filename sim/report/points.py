@@ -62,7 +62,7 @@ def as_table(study: Study, adopted: Mapping[str, str] = _NOTHING_ADOPTED) -> str
         _design_lines(study),
         _plot_lines(study),
         study.omission_notes,
-        _caveat_lines(study),
+        [*_caveat_lines(study), *_pair_lines(study)],
         [
             _total_line(list(costs.values())),
             *_adopted_lines(adopted, costs),
@@ -112,9 +112,9 @@ def as_json(study: Study, adopted: Mapping[str, str] = _NOTHING_ADOPTED) -> str:
 def warnings(study: Study, results: Path) -> Iterator[str]:
     """Yield what to look at before a run of the study here.
 
-    That is too little memory, no permission to write, and values that are probably not meant.
+    That is too little memory, no permission to write, and lengths that are probably not meant.
     """
-    yield from _doubtful_values(study)
+    yield from _doubtful_lengths(study)
     memory = psutil.virtual_memory().total / MEGABYTE
     for key, cost in _costs(study).items():
         if cost.memory > memory:
@@ -125,17 +125,11 @@ def warnings(study: Study, results: Path) -> Iterator[str]:
         yield str(error)
 
 
-def _doubtful_values(study: Study) -> Iterator[str]:
-    """Yield a warning of means over two replicates, and of each length in another unit."""
-    points = [point.parameters for point in study.points.values()]
-    if pairs := sum(parameters.replicates == 2 for parameters in points):
-        yield (
-            f"replicates: 2 at {count_text(pairs, 'point')}: the 95 % interval of two is 12.7 "
-            "standard errors to either side, of three 4.3; three or more are better"
-        )
+def _doubtful_lengths(study: Study) -> Iterator[str]:
+    """Yield a warning of each length that looks like one in another unit."""
     lengths = Counter(
         (row.name, getattr(parameters, row.name))
-        for parameters in points
+        for parameters in (point.parameters for point in study.points.values())
         for row in field_info(parameters).values()
         if row.unit == "m"
     )
@@ -211,6 +205,15 @@ def _caveat_lines(study: Study) -> list[str]:
         + (f" and {len(ids) - MOST_NAMED:,} more)" if len(ids) > MOST_NAMED else ")")
         for text, ids in ids_by_caveat.items()
     ]
+
+
+def _pair_lines(study: Study) -> list[str]:
+    """Return a line with the number of points that have two replicates, if any has."""
+    pairs = sum(point.parameters.replicates == 2 for point in study.points.values())
+    return [
+        f"warning of replicates: 2 at {count_text(pairs, 'point')}: the 95 % interval of two is "
+        "12.7 standard errors to either side, of three 4.3; three or more are better"
+    ] * (pairs > 0)
 
 
 def _total_line(costs: Sequence[Estimate]) -> str:

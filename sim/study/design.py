@@ -24,6 +24,9 @@ GROWING = ("sobol", "random", "saltelli", "morris")
 #: that must satisfy it.
 _MIN_DRAWN, _MIN_SHARE = 2**16, 1e-3
 
+#: Least number of points of a sequence that are made at once.
+_MIN_CHUNK = 1024
+
 _COMPARISONS: dict[str, Callable[[Any, Any], Any]] = {
     "<=": operator.le,
     ">=": operator.ge,
@@ -144,7 +147,7 @@ def axis_of(name: str, values: Iterable[Any], is_integer: bool) -> Axis:
     different = tuple(dict.fromkeys(values))
     if any(isinstance(value, (str, bool)) for value in different):
         return Axis(name, 0.0, len(different) - 1.0, choices=different)
-    low, high, middle = min(different), max(different), median(different)
+    low, high, middle = map(float, (min(different), max(different), median(different)))
     is_log = low > 0 and abs(middle - sqrt(low * high)) < abs(middle - (low + high) / 2)
     return Axis(name, low, high, "log" if is_log else "linear", is_integer=is_integer)
 
@@ -160,7 +163,7 @@ class Design:
     kind : str
         ``sobol``, ``latin_hypercube``, ``random``, ``zip``, ``saltelli`` or ``morris``.
     axes : tuple of Axis
-        The parameters that it varies, in the order of the file.
+        The parameters that it varies, in the order of the reference.
     size : int
         Number of its points in the study. Equal ones count each.
     seed : int
@@ -264,7 +267,7 @@ def _sequence(kind: str, dimensions: int, count: int, seed: int) -> Iterator[np.
     """Yield points of the unit cube in order, at least ``count``; more of kinds with `where`."""
     if kind in ("sobol", "random"):
         # Sobol's first points are balanced if their number is a power of two.
-        size = 2 ** ceil(log2(count))
+        size = 2 ** ceil(log2(max(count, _MIN_CHUNK)))
         if kind == "random":
             draw = np.random.default_rng(seed).random
             while True:

@@ -1,6 +1,6 @@
 """The key ``design`` of a series: a design as a study file gives it."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from math import log2
 from typing import Annotated, Any, Literal, Self
@@ -129,7 +129,8 @@ class DesignFile(Strict):
         first = next(iter(values))
         for name, given in values.items():
             if self.kind != "zip":
-                self._require_allowed(name)
+                spread = self._distribution(name)
+                self._require_allowed(name, spread.choices or spread.between)
             elif not isinstance(given, list):
                 raise broken_rule(
                     f"over.{name}",
@@ -138,14 +139,16 @@ class DesignFile(Strict):
                 )
             elif len(given) != (wanted := len(values[first])):
                 raise broken_rule(f"over.{name}", given, f"{wanted} values, as {first} has")
+            else:
+                self._require_allowed(name, given)
         return self
 
-    def _require_allowed(self, name: str) -> None:
-        """Raise where an end of a range, or a choice, is no value that the parameter may have."""
-        field, spread = self._field(name), self._distribution(name)
+    def _require_allowed(self, name: str, values: Iterable[Any]) -> None:
+        """Raise where one of some values is none that the parameter may have."""
+        field = self._field(name)
         kind: Any = Annotated[(field.annotation, *field.metadata, None)]
         adapter = TypeAdapter(kind, config=ConfigDict(strict=True, allow_inf_nan=False))
-        for value in spread.choices or spread.between:
+        for value in values:
             if self._is_integer(name) and isinstance(value, float) and value.is_integer():
                 value = int(value)
             try:
@@ -244,7 +247,7 @@ class DesignFile(Strict):
     ) -> Design:
         """Return the design; see its attributes for the arguments."""
         comparisons = (parse_comparison(text) for text in self.where or [])
-        return Design(
+        design = Design(
             kind=self.kind,
             axes=self.axes,
             size=self.max_points,
@@ -254,3 +257,5 @@ class DesignFile(Strict):
             place=place,
             columns=self._values if self.kind == "zip" else {},
         )
+        # Conditions leave out pairs of lists.
+        return replace(design, size=len(design.rows(design.size))) if design.columns else design

@@ -9,7 +9,6 @@ from typing import Any
 
 from sim.base.errors import InputError
 from sim.parameters import (
-    AMOUNTS,
     RUN_FILE,
     SYSTEMS,
     Parameters,
@@ -21,7 +20,7 @@ from sim.parameters import (
     with_larger_amounts,
 )
 from sim.study.catalogue import FIGURES
-from sim.study.design import Axis, Design, axis_of
+from sim.study.design import Axis, Design
 from sim.study.file import MAX_POINTS, BoundaryFile, SeriesFile, StudyFile
 from sim.study.model import Boundary, Point, Study
 from sim.study.refine import divide_range
@@ -56,8 +55,7 @@ def expand(files: Sequence[tuple[Path, StudyFile]]) -> Study:
             series[entry.name] = ids = family.add_to(points, family_boundaries)
             boundaries += family_boundaries
             if isinstance(entry, SeriesFile):
-                members = [points[one].parameters for one in ids]
-                axes[entry.name] = _axes(entry, members)
+                axes[entry.name] = entry.axes([points[one].parameters for one in ids])
             if family.design:
                 designs[entry.name] = family.design
     path, file = files[0]
@@ -238,24 +236,6 @@ class _Family:
             raise InputError(
                 f"{self.source}: two different points have the id {point.id}; change either's seed"
             )
-
-
-def _axes(entry: SeriesFile, members: Sequence[Parameters]) -> tuple[Axis, ...]:
-    """Return the parameters that the points of a series vary, as its design, grid or cases give."""
-    if entry.design:
-        return entry.design.axes
-    in_cases = (name for case in entry.cases or [] for name in case.explicit_values())
-    model = SYSTEMS[entry.system]
-    columns = {
-        name: [getattr(one, name) for one in members]
-        for name in dict.fromkeys((*entry.grid_lists, *in_cases))
-        if name not in AMOUNTS
-    }
-    return tuple(
-        axis_of(name, values, model.model_fields[name].annotation is int)
-        for name, values in columns.items()
-        if len(set(values)) > 1
-    )
 
 
 def point_with_membership(

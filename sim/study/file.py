@@ -1,6 +1,6 @@
 """Models of a study file: its keys, its series and its boundaries, whatever their system."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import chain
 from math import prod
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args
@@ -9,9 +9,10 @@ from pydantic import ConfigDict, Field, model_validator
 
 from sim.base.additions import additions
 from sim.base.plugins import ALLOWED, PATTERN
-from sim.parameters import AMOUNTS, SYSTEMS
+from sim.parameters import AMOUNTS, SYSTEMS, Parameters
 from sim.parameters.common import Real, broken_rule
 from sim.study.calibration import CalibrateFile
+from sim.study.design import Axis, axis_of
 from sim.study.design_file import DesignFile
 from sim.study.entries import (
     ALLOWED_NAME,
@@ -118,6 +119,23 @@ class SeriesFile(_Family):
     def varied(self) -> dict[str, Lists]:
         """Parameters that vary all over it, by the key where they stand."""
         return super().varied | ({"design.over": self.design.over} if self.design else {})
+
+    def axes(self, points: Sequence[Parameters]) -> tuple[Axis, ...]:
+        """Return the parameters that its points vary, as its design, grid or cases give them."""
+        if self.design:
+            return self.design.axes
+        in_cases = (name for case in self.cases or [] for name in case.explicit_values())
+        fields = SYSTEMS[self.system].model_fields
+        columns = {
+            name: [getattr(one, name) for one in points]
+            for name in dict.fromkeys((*self.grid_lists, *in_cases))
+            if name not in AMOUNTS
+        }
+        return tuple(
+            axis_of(name, values, fields[name].annotation is int)
+            for name, values in columns.items()
+            if len(set(values)) > 1
+        )
 
     @property
     def max_points(self) -> int:

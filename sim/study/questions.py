@@ -17,6 +17,9 @@ from sim.study.plot_contents import name_in_words, parameter_phrase
 from sim.study.plottable import Observable, find_observable
 from sim.study.surrogate import MOST_POINTS, SurrogateFile, SurrogateSpec
 
+#: Kinds of design that can go on point by point.
+_ENDLESS = ("sobol", "random")
+
 #: Fewest points of a surrogate.
 FEWEST_POINTS = 5
 
@@ -102,8 +105,9 @@ class _Question:
     def _growing_design(self) -> Design:
         """Return the design of the series, whose further points rounds add."""
         design = self.study.designs.get(self.entry.series)
-        if design is None or not design.grows:
-            allowed = "with error, a series whose design can grow: sobol or random"
+        # The points of an analysis belong together, so single ones do not go on with it.
+        if design is None or design.kind not in _ENDLESS:
+            allowed = "with error, a series with a design of kind sobol or random"
             raise self.error("series", self.entry.series, allowed)
         return design
 

@@ -36,7 +36,7 @@ class SurrogateFile(Strict):
     series: str = Field(description="series whose points it goes through")
     observable: str = Field("velocity", description="observable, any number of `plots`")
     regimes: list[Regime] = Field(
-        ["steady"],
+        ["steady", "mixed"],
         min_length=1,
         description="regimes whose points the mean is of; others count for the probabilities alone",
     )
@@ -86,7 +86,7 @@ class SurrogateSpec:
     observable: str
     system: str
     axes: tuple[Axis, ...]
-    regimes: tuple[str, ...] = ("steady",)
+    regimes: tuple[str, ...] = ("steady", "mixed")
     error: float = 0.0
     budget: float = 0.0
     batch: int = 4

@@ -70,7 +70,10 @@ def test_a_section_has_the_surrogate_and_the_runs_near_it(drawn):
     assert 0 < len(runs) < 16 and (runs["friction [1]"] <= 0.5).all()
     caption = (folder / "figures" / "speed-friction.caption.txt").read_text()
     assert "Held: K1 = 1000 N/m." in caption or "Held: K1 = 1,000 N/m." in caption
-    assert "The line is dashed where another regime (arrested) is likelier than steady." in caption
+    assert (
+        "The line is dashed where another regime (arrested) is likelier than steady or mixed."
+        in caption
+    )
 
 
 def test_a_map_covers_the_ranges_for_each_law(drawn):
@@ -78,7 +81,7 @@ def test_a_map_covers_the_ranges_for_each_law(drawn):
     rows = read(folder, "speed-friction-stiffness")
     assert len(rows) == 2 * 61**2
     assert (rows["friction [1]"].min(), rows["friction [1]"].max()) == (0.3, 0.6)
-    chance = rows["probability of steady"]
+    chance = rows["probability of steady or mixed"]
     assert (
         chance[rows["friction [1]"] < 0.4].min() > 0.5 > chance[rows["friction [1]"] > 0.58].max()
     )

@@ -25,7 +25,10 @@ from sim.study.load import Study, load_study, parse_study
 from tests.made.processes import ROOT, program
 from tests.properties.values import ANYTHING, GIVEN, SCALARS
 
-STUDIES = [ROOT / "config" / "quick.yaml", ROOT / "tests" / "data" / "tiny.yaml"]
+STUDIES = [
+    ROOT / "config" / "quick.yaml",
+    *(ROOT / "tests" / "data" / name for name in ("tiny.yaml", "spread.yaml")),
+]
 TEXTS = [path.read_text() for path in STUDIES]
 TREES = [yaml.safe_load(text) for text in TEXTS]
 

@@ -133,7 +133,7 @@ def test_zip_pairs_lists():
     assert "zip, 3 points over depth, friction, law, of which 2 differ" in as_table(study)
     some = study_of("zip", over, where=["friction > 0.35"])
     assert [point.parameters.friction for point in some.points.values()] == [0.4]
-    assert len(some.designs["wide"].points(3)) == 1
+    assert len(some.designs["wide"].points(3)) == some.designs["wide"].size == 1
 
 
 def test_equal_points_count_once_and_are_told():

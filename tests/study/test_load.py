@@ -413,8 +413,11 @@ def test_trajectories_count_as_memory_and_on_the_disk(example, parse):
     assert "trajectories" not in as_table(study)
     example["defaults"] = {"chute": {"trajectory": 10}}
     study = parse(example)
-    assert "trajectories of 7 points: at most " in as_table(study)
+    # A frame after each 10 √(σ/g) of a transient of 300, or 200 at a depth of 20, and 50 more.
+    frames = [35, 35, 35, 35, 25, 25, 35]
+    assert f"trajectories of 7 points: at most {sum(frames)} frames, " in as_table(study)
     points = json.loads(as_json(study))["points"]
+    assert [point["trajectory_frames"] for point in points] == frames
     assert all(point["trajectory_megabytes"] > 0 for point in points)
 
 
@@ -430,6 +433,17 @@ def test_points_that_need_more_memory_than_there_is_are_pointed_out(parse, tmp_p
     study = parse(chute_study(base={"cell": 3}, grid={"depth": [5, 1e6]}))
     (line,) = warnings(study, tmp_path)
     assert line.startswith("chute-depth1e06-") and "MB of memory" in line
+
+
+def test_doubtful_values_are_pointed_out(parse, tmp_path):
+    study = parse(chute_study(base={"diameter": 100}, grid={"depth": [2, 5]}))
+    (line,) = warnings(study, tmp_path)
+    assert line == "diameter: 100 at 2 points is in metres; mm? Then write 0.1"
+    assert not [*warnings(parse(chute_study(base={"diameter": 0.1})), tmp_path)]
+    line = "warning of replicates: 2 at 1 point: the 95 % interval of two is 12.7 standard errors"
+    cases = [{"replicates": 2}, {"depth": 2, "replicates": 3}]
+    assert line in as_table(parse(chute_study(cases=cases)))
+    assert "replicates" not in as_table(parse(chute_study(cases=cases[1:])))
 
 
 def test_points_that_differ_in_how_much_is_wanted_are_one_that_runs_the_more():

@@ -117,11 +117,13 @@ def test_the_schema_knows_boundaries(change, validator, tmp_path):
 
 
 def test_examples_of_the_guide_work(tmp_path):
-    study, boundaries, point = EXAMPLES
+    study, designs, boundaries, point = EXAMPLES
     (tmp_path / "study.yaml").write_text(study)
     loaded = load_study(tmp_path / "study.yaml", tmp_path)
     assert len(loaded.points) == 10
     assert list(loaded.figures) == ["walton_2"]
+    (tmp_path / "designs.yaml").write_text(f"study: spread\n{designs}")
+    assert len(load_study(tmp_path / "designs.yaml", tmp_path).points) == 64
     assert parse_point(yaml.safe_load(point), "point").vibration_angle == 60
     (tmp_path / "boundaries.yaml").write_text(f"study: limits\n{boundaries}")
     limits = load_study(tmp_path / "boundaries.yaml", tmp_path)

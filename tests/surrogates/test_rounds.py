@@ -10,6 +10,7 @@ from sim.dataset.build import build
 from sim.dataset.results import load_current, load_results
 from sim.dataset.rounds import known_points, read_round, round_files, rounds_to_come
 from sim.report.status import survey
+from sim.report.status_table import as_text
 from sim.study.load import load_study
 from sim.surrogates import answers
 from sim.surrogates.results import load
@@ -99,7 +100,7 @@ def test_points_of_rounds_are_those_that_more_points_would_have(ended):
 
 
 def test_dataset_and_status_know_the_points_of_rounds(ended):
-    path, results, number, _ = ended
+    path, results, number, lines = ended
     study, folder = load_study(path, results), results / "made"
     dataset = load_results(folder / "dataset.nc").dataset
     assert dataset.sizes["point"] == 8 + 4 * (number - 1)
@@ -108,6 +109,7 @@ def test_dataset_and_status_know_the_points_of_rounds(ended):
     load_current(study, folder)
     status = survey(study, results)
     assert status.is_over and not status.orphans and status.counts["done"] == dataset.sizes["point"]
+    assert as_text(status).endswith(lines[0])
 
 
 def test_a_round_that_is_repeated_adds_the_same_points(ended):
