@@ -1,9 +1,9 @@
 """Simulation-based calibration: made-up materials, and how often intervals hold them.
 
-`python -m benchmarks.calibration` prints in how many of 40 materials the 95 % interval of a parameter
-holds the truth; 33 to 40 are wanted. It also prints how evenly the truth lies among the draws of the
-posterior (Talts et al. 2018, arXiv:1804.06788): a probability below 0.01 says that posteriors are too
-wide, too narrow or shifted. A material that is told to fit nowhere does not count as held.
+`python -m benchmarks.calibration` prints in how many of 40 materials the 95 % interval of each
+parameter holds the truth; 33 to 40 are wanted. It also prints how evenly the truth lies among the
+draws of the posterior (Talts et al. 2018, arXiv:1804.06788): a probability below 0.01 says that
+posteriors are too wide, too narrow or shifted. A material that fits nowhere does not count as held.
 """
 
 import numpy as np
