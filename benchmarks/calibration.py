@@ -1,9 +1,9 @@
-"""Simulation-based calibration: made-up materials, and how often intervals hold their parameters.
+"""Simulation-based calibration: made-up materials, and how often intervals hold them.
 
-`python -m benchmarks.calibration` prints for each parameter in how many of 40 the 95 % interval holds
-the truth (33 to 40 are wanted), and how evenly the truth lies among the draws of the posterior (Talts
-et al. 2018, arXiv:1804.06788): a probability below 0.01 says that posteriors are too wide, too
-narrow or shifted. What an interval of a material that fits nowhere would hold does not count as held.
+`python -m benchmarks.calibration` prints in how many of 40 materials the 95 % interval of each
+parameter holds the truth; 33 to 40 are wanted. It also prints how evenly the truth lies among the
+draws of the posterior (Talts et al. 2018, arXiv:1804.06788): a probability below 0.01 says that
+posteriors are too wide, too narrow or shifted. A material that fits nowhere does not count as held.
 """
 
 import numpy as np
@@ -19,7 +19,7 @@ MATERIALS, SEED, BINS = 40, 1000, 4
 def ranks_and_intervals(
     materials: int = MATERIALS,
 ) -> tuple[dict[str, list[float]], dict[str, int]]:
-    """Return the rank of each truth among the draws, from 0 to 1, and how many intervals hold it."""
+    """Return the rank of each truth among the draws, 0 to 1, and how many intervals hold it."""
     ranks: dict[str, list[float]] = {name: [] for name in RANGES}
     held = dict.fromkeys(RANGES, 0)
     for seed in range(SEED, SEED + materials):

@@ -16,6 +16,7 @@ from sim.study.design_file import DesignFile, Distribution
 from sim.study.entries import RANGE, RANGE_SCHEMA
 from sim.study.plot_file import BesideFile, PlotFile
 from sim.study.plottable import shown_by
+from sim.study.sensitivity import SensitivityFile
 from sim.study.surrogate import SurrogateFile
 from sim.study.sensitivity import SensitivityFile
 from sim.study.validate import file_models
