@@ -18,7 +18,6 @@ from sim.study.plot_file import BesideFile, PlotFile
 from sim.study.plottable import shown_by
 from sim.study.sensitivity import SensitivityFile
 from sim.study.surrogate import SurrogateFile
-from sim.study.sensitivity import SensitivityFile
 from sim.study.validate import file_models
 
 SCHEMA_NAME = "schema.json"
