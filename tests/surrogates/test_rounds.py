@@ -152,3 +152,35 @@ def test_runs_of_earlier_rounds_are_needed(tmp_path):
     run_points([point.parameters for point in study.points.values()], results / "made" / "runs")
     with pytest.raises(InputError, match="no such round of refinement"):
         write_round(path, 2, results)
+
+
+BOUNDARY = """\
+boundaries:
+  - {name: rest, system: chute, of: flow, along: angle, range: [10, 26], tolerance: 1,
+     base: {friction: 0.5}}
+"""
+
+
+def test_boundaries_and_surrogates_ask_in_the_same_rounds(tmp_path):
+    path, results = write_study(tmp_path), tmp_path / "results"
+    path.write_text(path.read_text() + BOUNDARY)
+    study, runs = load_study(path, results), results / "made" / "runs"
+    added = {key: point.parameters for key, point in study.points.items()}
+    counts = []
+    while added:
+        for one in added.values():
+            at_rest = one.friction == 0.5 and one.angle < 15.3
+            write_run(
+                runs,
+                one,
+                0.0 if at_rest else velocity(one) * np.linspace(0.999, 1.001, one.replicates),
+                regime="arrested" if at_rest else "steady",
+            )
+        added = read_round(write_round(path, len(counts) + 1, results))
+        counts.append(len(added))
+    build(path, results)
+    table = load_results(results / "made" / "dataset.nc").boundaries
+    assert (table["verdict"][0], table["high"][0] - table["low"][0]) == ("found", 1)
+    assert counts[0] == 4 + 3
+    members = load_results(results / "made" / "dataset.nc").dataset["series"].values.tolist()
+    assert members.count("wide") == 8 + 4 * (len(counts) - 1)
