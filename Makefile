@@ -13,7 +13,7 @@ PAPERS := walton gallas
 help:  ## this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-9s%s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
-setup: $(STAMP)  ## install the locked packages into .venv (nothing to do while requirements.lock stands)
+setup: $(STAMP)  ## install what studies need into .venv (nothing to do while requirements.lock stands)
 
 $(STAMP): requirements.lock
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
@@ -21,6 +21,8 @@ $(STAMP): requirements.lock
 	@$(PYTHON) -m venv $(VENV) || { \
 	  echo "'$(PYTHON) -m venv' failed: install the venv module of this Python (python3-venv on Debian)" >&2; exit 2; }
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --requirement requirements.lock
+	@# Else every job compiles what it imports where PYTHONDONTWRITEBYTECODE is set.
+	@$(BIN)/python -m compileall -q -j 0 -x '/tests?/' $(VENV)/lib sim >/dev/null || true
 	@touch $(STAMP)
 	@echo 'ready: . $(VENV)/bin/activate'
 
@@ -33,13 +35,13 @@ $(PAPERS:%=paper-%): paper-%: setup
 	$(BIN)/python -m sim $(if $(shell grep '^decide:' config/paper_$*.yaml),decide,study) config/paper_$*.yaml --cores $(CORES)
 	$(BIN)/python -m sim publish config/paper_$*.yaml
 
-test: setup  ## the whole test suite
+test: $(STAMP)-dev  ## the whole test suite
 	$(BIN)/python -m pytest -n $(CORES) --dist loadfile --no-loadscope-reorder
 
-long: $(STAMP)-long  ## tests that take long: published results computed anew, more examples
+long: $(STAMP)-dev $(STAMP)-long  ## tests that take long: published results computed anew, more examples
 	$(BIN)/python -m pytest -m long
 
-lint: setup  ## ruff, mypy, snakefmt and snakemake --lint
+lint: $(STAMP)-dev  ## ruff, mypy, snakefmt and snakemake --lint
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/snakefmt --check Snakefile workflow

@@ -74,6 +74,7 @@ COMMANDS = {
         "list or remove runs of points no longer in a study",
     ),
     "publish": ("sim.report.publish:publish", "copy what readers need of a study"),
+    "clean": ("sim.engine.identity:remove_cache", "remove compiled code; it is made again"),
 }
 
 
@@ -125,12 +126,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def parse(arguments: Sequence[str]) -> dict[str, Any]:
     """Return the options of a command line, with the command's function as ``function``."""
     words, extra = list(arguments), []
+    commands = parser(program())
+    if words and not words[0].startswith("-") and words[0] not in COMMANDS:
+        # Imported here, as every command would wait for the import.
+        from sim.base.messages import did_you_mean
+
+        hint = did_you_mean(words[0], COMMANDS)
+        commands.error(f"{words[0]}: unknown command; {hint}{commands.prog} -h lists them")
     if words[:1] == ["study"] and "--" in words:
         # argparse would read the following words as its own options.
         place = words.index("--")
         words, extra = words[:place], words[place + 1 :]
-    options = vars(parser(program()).parse_args(words))
-    return options | {"extra": extra} if "extra" in options else options
+    options = vars(commands.parse_args(words))
+    return options | {"extra": [*options["extra"], *extra]} if "extra" in options else options
 
 
 def _call(function: str, options: dict[str, Any]) -> int:
@@ -222,8 +230,8 @@ def _add_start_options(init: argparse.ArgumentParser, study: argparse.ArgumentPa
         metavar="NAME",
         help="study that comes with Talus to copy, such as quick or paper_walton (default: first)",
     )
-    study.usage = "%(prog)s [-h] [--cores N] [--profile NAME] STUDY.yaml [-- ARGUMENT ...]"
-    study.epilog = "What follows -- goes to Snakemake: -n for a dry run, names of rules or files."
+    study.usage = "%(prog)s [-h] [--cores N] [--profile NAME] [-n] STUDY.yaml [-- ARGUMENT ...]"
+    study.epilog = "What follows -- goes to Snakemake, such as names of rules or files."
     study.add_argument("study_path", type=Path, metavar="STUDY.yaml")
     study.add_argument(
         "--cores",
@@ -234,7 +242,15 @@ def _add_start_options(init: argparse.ArgumentParser, study: argparse.ArgumentPa
     study.add_argument(
         "--profile", metavar="NAME", help="slurm, or the folder of a profile of Snakemake"
     )
-    study.set_defaults(extra=())
+    study.add_argument(
+        "-n",
+        "--dry-run",
+        dest="extra",
+        action="store_const",
+        const=("--dry-run",),
+        default=(),
+        help="list what would be run, and run nothing",
+    )
 
 
 def _add_study_options(parsers: dict[str, argparse.ArgumentParser]) -> None:

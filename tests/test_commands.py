@@ -10,7 +10,7 @@ from pkgutil import resolve_name
 
 import pytest
 
-from sim.__main__ import COMMANDS, main, parser
+from sim.__main__ import COMMANDS, main, parse, parser
 from tests.made.processes import ROOT, program
 
 STUDY = """\
@@ -333,7 +333,7 @@ LINES = {
     "compare": ["compare", "a.nc", "b.nc"],
     "figure": ["figure", "walton_2", "x.nc", "-o", "folder"],
     "publish": ["publish", "x.yaml", "--to", "folder"],
-} | {name: [name] for name in ("status", "schema", "warm", "bench")}
+} | {name: [name] for name in ("status", "schema", "warm", "bench", "clean")}
 
 
 @pytest.mark.parametrize("name", COMMANDS)
@@ -343,11 +343,39 @@ def test_every_command_has_a_function_that_takes_its_options(name):
 
 
 def test_no_command_and_wrong_options_are_refused():
-    for command in ([], ["pints"], ["points"], ["run", "x.yaml"]):
+    for command in ([], ["points"], ["run", "x.yaml"]):
         done = program(*command)
         assert done.returncode == 2
         assert "usage: python -m sim" in done.stderr
         assert "Traceback" not in done.stderr
+
+
+def test_an_unknown_command_is_answered_by_the_one_that_was_meant():
+    done = program("stduy", "x.yaml")
+    assert done.returncode == 2
+    assert "stduy: unknown command; did you mean study?" in done.stderr.splitlines()[-1]
+
+
+def test_a_dry_run_is_handed_to_snakemake():
+    for words in (["-n"], ["--dry-run"], ["--", "--dry-run"]):
+        options = parse(["study", "x.yaml", *words, *(["--", "-q"] if "--" not in words else [])])
+        assert options["extra"][0] == "--dry-run"
+    assert parse(["study", "x.yaml"])["extra"] == []
+
+
+def test_compiled_code_is_removed_and_nothing_else(tmp_path):
+    (tmp_path / "0123456789ab" / "deep").mkdir(parents=True)
+    (tmp_path / "0123456789ab" / "deep" / "code.nbc").write_bytes(bytes(1_600_000))
+    (tmp_path / "0123456789ab-0123456789ab").mkdir()
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "ba9876543210").symlink_to(tmp_path / "mine")
+    folder = os.environ | {"TALUS_CACHE_DIR": str(tmp_path)}
+    done = program("clean", env=folder)
+    assert done.stdout == f"{tmp_path}: 2 MB of compiled code removed\n"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["ba9876543210", "mine"]
+    assert (
+        program("clean", env=os.environ | {"TALUS_CACHE_DIR": str(tmp_path / "no")}).returncode == 0
+    )
 
 
 def test_a_terminal_that_knows_few_letters_is_shown_the_others_by_their_numbers():

@@ -45,7 +45,39 @@ def test_the_package_holds_all_files_of_sim_workflow_and_config():
     pytest.importorskip("setuptools", minversion="77")
     said = subprocess.check_output([sys.executable, "-c", LISTED], cwd=ROOT, text=True)
     workflow, config = files("workflow", "sim/workflow"), files("config", "sim/config")
-    assert set(map(Path, said.splitlines())) == files("sim", "sim") | workflow | config
+    assert set(map(Path, said.splitlines())) == (
+        files("sim", "sim") | workflow | config | {Path("talus.py")}
+    )
+
+
+def imported(code: str, folder: Path, *places: Path) -> subprocess.CompletedProcess[str]:
+    """Run Python code in a folder, with places to import from."""
+    settings = os.environ | {"PYTHONPATH": os.pathsep.join(map(str, places))}
+    words = [sys.executable, "-c", code]
+    return subprocess.run(words, cwd=folder, env=settings, capture_output=True, text=True)
+
+
+def test_talus_is_the_package_under_its_own_name(tmp_path):
+    code = "import talus, sim; from talus import InputError; print(talus is sim, talus.__version__)"
+    assert imported(code, tmp_path, ROOT).stdout.split() == ["True", __version__]
+    words = [sys.executable, "-m", "talus", "--version"]
+    settings = os.environ | {"PYTHONPATH": str(ROOT)}
+    said = subprocess.check_output(words, cwd=tmp_path, env=settings, text=True)
+    assert __version__ in said
+
+
+@pytest.mark.parametrize("foreign", ["sim.py", "sim/__init__.py", "sim/other.py"])
+def test_a_foreign_package_of_the_same_name_is_one_clear_error(tmp_path, foreign):
+    path = tmp_path / "theirs" / foreign
+    path.parent.mkdir(parents=True)
+    path.touch()
+    only_talus = tmp_path / "only"
+    only_talus.mkdir()
+    shutil.copy(ROOT / "talus.py", only_talus)
+    error = imported("import talus", tmp_path, tmp_path / "theirs", only_talus).stderr
+    assert error.splitlines()[-1].startswith("ImportError: ")
+    assert str(tmp_path / "theirs" / "sim") in error.splitlines()[-1]
+    assert "another package is called sim" in error
 
 
 def test_the_version_is_the_same_wherever_it_is_said():
@@ -71,7 +103,7 @@ def test_the_workflow_makes_the_same_alone_and_from_the_root(tmp_path):
 def wheel(tmp_path_factory) -> Path:
     """Build the wheel from a copy of the repository; return it."""
     copy = copy_tree(tmp_path_factory.mktemp("copy"))
-    for name in ("README.md", "LICENSE"):
+    for name in ("README.md", "LICENSE", "talus.py"):
         shutil.copy(ROOT / name, copy)
     build = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation"]
     subprocess.run([*build, "--wheel-dir", copy / "dist", copy], check=True, capture_output=True)

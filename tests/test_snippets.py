@@ -161,6 +161,7 @@ def understood(words: list[str]) -> None:
 
 @pytest.mark.parametrize("page", PAGES)
 def test_studies_and_points_are_valid(page, tmp_path):
+    write_tables(page, tmp_path)
     for text in of_kind(page, "yaml"):
         given = yaml.safe_load(text)
         if "plugins" in given or given.keys() & {"author", "figures", "claims"}:
@@ -174,7 +175,15 @@ def test_studies_and_points_are_valid(page, tmp_path):
         else:
             key = {"defaults"} if given.keys() <= {"chute", "belt"} else set(given)
             fragment = {"defaults": given} if key == {"defaults"} else given
-            assert parse_study(FRAME | fragment, page, tmp_path)
+            assert parse_study(FRAME | fragment, tmp_path / "study.yaml", tmp_path)
+
+
+def write_tables(page: str, folder: Path) -> None:
+    """Write the CSV files that the studies of a page name, with the table that it shows."""
+    named = re.findall(r"(?:file|data): ([\w-]+\.csv)", "\n".join(of_kind(page, "yaml")))
+    tables = [text for text in of_kind(page, "text") if re.match(r".+, .+\n\d", text)]
+    for name, table in zip(dict.fromkeys(named), tables, strict=False):
+        (folder / name).write_text(table)
 
 
 @pytest.mark.parametrize("page", PAGES)

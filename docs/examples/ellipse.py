@@ -24,6 +24,7 @@ def state(motion, angle):
 
 sim.motion(
     "ellipse",
+    description="an ellipse, gone round once in a cycle",
     make=make,
     state=state,
     parameters={

@@ -70,6 +70,7 @@ def collision_time(p):
 
 sim.law(
     "hertz_mindlin",
+    description="Hertz and Mindlin for spheres of any sizes, with a damping of Tsuji et al.",
     make=make,
     force=force,
     energy=energy,

@@ -99,7 +99,7 @@ def add(kind: str, name: str, value: Any, reserved: Iterable[str] = ()) -> None:
         When the name is not valid, or in use: by Talus (``reserved``) or by a plug-in.
     """
     require_name(kind, name)
-    if _is_shipped():
+    if is_of_talus():
         _shipped.setdefault(kind, {})[name] = value
         return
     if name in reserved or name in _shipped.get(kind, {}):
@@ -114,14 +114,14 @@ def add(kind: str, name: str, value: Any, reserved: Iterable[str] = ()) -> None:
     entries[name] = Addition(value, _loading[-1])
 
 
-def _is_shipped() -> bool:
+def is_of_talus() -> bool:
     """True while files of Talus itself are loaded."""
     return bool(_loading) and _loading[-1] is TALUS
 
 
 def require_name(kind: str, name: Any) -> None:
     """Raise `AdditionError` for an invalid name of an addition; Talus itself is free to choose."""
-    if not (_is_shipped() or (isinstance(name, str) and re.fullmatch(NAME, name))):
+    if not (is_of_talus() or (isinstance(name, str) and re.fullmatch(NAME, name))):
         raise AdditionError(f"{kind} {name!r}: a name has up to 40 letters a-z, digits and _")
 
 
@@ -238,7 +238,7 @@ def error_text(error: BaseException, place: Path) -> str:
         return str(error)
     try:
         words = str(error)
-    except Exception:
+    except (Exception, SystemExit):
         words = "an error without words"
     kind = "" if isinstance(error, AdditionError) else f"{type(error).__name__}: "
     return f"{_line_of(error, place)}{kind}{words}"

@@ -11,6 +11,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails, ValidationError
 
+from sim.base.additions import plain_name
 from sim.base.errors import InputError, in_short, key_path
 
 _UNKNOWN = {"extra_forbidden", "invalid_key"}
@@ -18,6 +19,11 @@ _TAG = "system"
 
 #: Up to this length, the allowed values are named in addition to a hint.
 SHORT = 60
+
+#: Most names that a message lists.
+MOST_NAMES = 12
+
+_QUOTED = re.compile(r"'([^']*)'")
 
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+")
 
@@ -121,7 +127,8 @@ def input_error(
         # The value keeps its decimal point, which is the mistake.
         return InputError(f"{source}: {path}: got {got!r}; allowed: {allowed}")
     if hint := _hint(owner, _name(entry), got):
-        allowed = f"{allowed}; {hint}" if len(allowed) < SHORT else hint
+        is_choice = entry["type"] == "literal_error"
+        allowed = f"{allowed}; {hint}" if is_choice or len(allowed) < SHORT else hint
     return InputError.of_value(source, path, got, allowed)
 
 
@@ -181,13 +188,34 @@ def _allowed(entry: ErrorDetails, owner: type[BaseModel]) -> str:
         case "list_type" | "too_short":
             return allowed_values(owner.model_fields[name])
         case "literal_error":
-            return entry["ctx"]["expected"]
+            # Files write the options of plug-ins without their hash.
+            expected = _QUOTED.sub(lambda one: repr(plain_name(one[1])), entry["ctx"]["expected"])
+            options = _QUOTED.findall(expected)
+            is_long = len(options) > MOST_NAMES
+            return one_of(str(entry["input"]), options) if is_long else expected
         case "string_pattern_mismatch" | "string_type" if isinstance(entry["loc"][-1], int):
             (item,) = typing.get_args(owner.model_fields[name].annotation)
             for constraint in getattr(item, "__metadata__", ()):
                 return allowed_values(constraint)
     allowed = allowed_values(fields[name]) if name in fields else entry["msg"]
     return f"finite, {allowed}" if entry["type"] == "finite_number" else allowed
+
+
+def one_of(name: str, options: Collection[str]) -> str:
+    """Return what is allowed in place of a name: all options if they are few, else the nearest.
+
+    >>> one_of("hertzian", ["drag", "hertz"])
+    'did you mean hertz? one of drag, hertz'
+    """
+    return f"{did_you_mean(name, options)}one of {near(name, options)}"
+
+
+def near(name: str, options: Collection[str], most: int = MOST_NAMES) -> str:
+    """Return options separated by commas: all if they are few, else the nearest to a name."""
+    if len(options) <= most:
+        return ", ".join(options)
+    nearest = difflib.get_close_matches(name, options, n=most, cutoff=0)
+    return f"{', '.join(nearest)} and {len(options) - most} more"
 
 
 def did_you_mean(name: str, known: Collection[str]) -> str:

@@ -49,6 +49,9 @@ ALLOWED = (
     "of an installed plug-in"
 )
 
+#: Beginning of the line by which a process says on standard error which plug-in it has loaded.
+NOTICE = "plug-in "
+
 _CODE_DIGITS = 8
 
 #: The file of a folder that is run.
@@ -228,7 +231,7 @@ def _run(source_code: _SourceCode, error_of: Callable[[str], InputError]) -> Non
     _plugins[plugin.code] = plugin
     notify_listeners()
     print(
-        printable(f"plug-in {plugin.place} ({plugin.code}): {', '.join(labels)}"), file=sys.stderr
+        printable(f"{NOTICE}{plugin.place} ({plugin.code}): {', '.join(labels)}"), file=sys.stderr
     )
 
 

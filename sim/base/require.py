@@ -1,16 +1,27 @@
 """Checks of the values in a plug-in's declarations; each error is one clear line."""
 
+import re
 from collections.abc import Collection
+from functools import cache
 from inspect import signature
 from math import isfinite
 from numbers import Integral
-from typing import Any
+from typing import Any, TypeVar
+
+from pydantic import TypeAdapter, ValidationError
 
 from sim.base.additions import AdditionError
-from sim.base.errors import in_short
+from sim.base.errors import in_short, key_path
+
+_Dataclass = TypeVar("_Dataclass")
 
 #: Largest number of letters in a text of a plug-in.
 LONGEST = 200
+
+#: Units that a plug-in may name, with a prefix of the SI where they have one.
+_UNITS = "m g s A K mol cd rad degree Hz N Pa J W C V F ohm S T H degC percent min h day"
+_UNIT = rf"(1|(da|[yzafpnuµmcdhkMGTPEZY])?({_UNITS.replace(' ', '|')})((\^|\*\*)?-?[1-9])?)"
+_PRODUCT = re.compile(rf"{_UNIT}( ?[ ./*] ?{_UNIT})*")
 
 
 def require_line(what: str, text: Any, *, empty: bool = False, longest: int = LONGEST) -> None:
@@ -24,6 +35,39 @@ def require_line(what: str, text: Any, *, empty: bool = False, longest: int = LO
         raise AdditionError(
             f"{what} is one line of text, at most {longest} letters, without control characters "
             f"or direction marks: got {in_short(text)}"
+        )
+
+
+def with_declared_types(what: str, one: _Dataclass) -> _Dataclass:
+    """Return a dataclass whose values have the declared types; refuse what cannot have them."""
+    model: Any = type(one)
+    try:
+        valid: _Dataclass = _adapter(model).validate_python(vars(one))
+        return valid
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        allowed = (
+            first["msg"].removeprefix("Input should be ").replace("Field required", "one more")
+        )
+        path = key_path(first["loc"])
+        raise AdditionError(
+            f"{what}.{path}: got {in_short(first['input'])}; allowed: {allowed}"
+        ) from None
+
+
+@cache
+def _adapter(model: Any) -> TypeAdapter[Any]:
+    return TypeAdapter(model)
+
+
+def require_unit(what: str, unit: Any) -> None:
+    """Refuse anything but a product of powers of units that UDUNITS reads."""
+    require_line(what, unit)
+    if not _PRODUCT.fullmatch(unit):
+        units = ", ".join(_UNITS.split())
+        raise AdditionError(
+            f"{what} is 1 for a pure number, or a product of powers as kg m s-2, of {units}: "
+            f"got {in_short(unit)}"
         )
 
 
@@ -60,6 +104,18 @@ def require_number(what: str, value: Any) -> None:
     """Refuse anything but a finite number; booleans are refused."""
     if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
         raise AdditionError(f"{what} is a finite number: got {in_short(value)}")
+
+
+def require_switch(what: str, value: Any) -> None:
+    """Refuse anything but True or False."""
+    if not isinstance(value, bool):
+        raise AdditionError(f"{what} is True or False: got {in_short(value)}")
+
+
+def require_positive(what: str, value: Any) -> None:
+    """Refuse anything but a number above 0, which may be infinite."""
+    if isinstance(value, bool) or not isinstance(value, int | float) or not value > 0:
+        raise AdditionError(f"{what} is a number > 0: got {in_short(value)}")
 
 
 def require_count(what: str, value: Any, most: int) -> None:

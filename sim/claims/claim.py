@@ -26,9 +26,9 @@ from sim.base.additions import (
     require_name,
     shipped,
 )
-from sim.base.errors import InputError
+from sim.base.errors import InputError, in_short
 from sim.base.messages import input_error
-from sim.base.require import require_function, require_line, require_one_of
+from sim.base.require import require_function, require_line, require_one_of, with_declared_types
 from sim.base.words import printable
 from sim.claims.criterion import Bound, fill
 from sim.claims.verdict import Check, Untestable
@@ -113,6 +113,9 @@ class Claim(BaseModel):
         "", description="the protocol that decides it; else converged runs do where there are any"
     )
     number: Number | None = Field(None, description="what the paper does not give")
+    alternatives: dict[Line, dict[str, Bound]] = Field(
+        {}, exclude=True, description="other readings of this claim alone: other bounds, by words"
+    )
     paper: Line = Field(OWN, description="short name of its paper")
     system: str = Field(description="system whose runs decide it")
     judge: SkipValidation[JudgeFunction] = Field(exclude=True, description="its judge")
@@ -122,6 +125,9 @@ class Claim(BaseModel):
         for name in self.figures:
             if name not in FIGURES:
                 raise broken_rule("figures", name, "the name of a figure")
+        for name in {name for changes in self.alternatives.values() for name in changes}:
+            if name not in self.bounds:
+                raise broken_rule("alternatives", name, f"one of the bounds {[*self.bounds]}")
         try:
             self.texts()
         except ValueError as error:
@@ -142,7 +148,9 @@ class Claim(BaseModel):
             return self.bounds
         return self.bounds | {self.number.bound: self.number.headline if number is None else number}
 
-    def checks_on(self, subject: Any, number: float | None = None) -> tuple[Check, ...]:
+    def checks_on(
+        self, subject: Any, number: float | None = None, alternative: str = ""
+    ) -> tuple[Check, ...]:
         """Return the checks of the judge on evidence, or on a reading for a claim on the model.
 
         Parameters
@@ -151,6 +159,8 @@ class Claim(BaseModel):
             What the judge gets.
         number : float, optional
             Value of the number that the paper does not give, by default its headline.
+        alternative : str, optional
+            One of the other readings of the claim, by its words.
 
         Raises
         ------
@@ -160,13 +170,17 @@ class Claim(BaseModel):
             For any other error of a plug-in's judge, with its line there.
         """
         try:
-            checks = tuple(self.judge(subject, **self.bounds_at(number)))
+            bounds = self.bounds_at(number) | self.alternatives.get(alternative, {})
+            checks = tuple(self.judge(subject, **bounds))
             if not all(isinstance(check, Check) for check in checks) or not checks:
                 raise TypeError("a judge returns checks, one at least")
+            checks = tuple(map(_usable_check, checks))
             parts = {check.part for check in checks if check.has_vote}
             if unknown := parts - set(self.parts or ("",)):
                 raise ValueError(f"{self.id} has no part {', '.join(sorted(unknown))}")
-            return tuple(map(_printable_check, checks))
+            if self.kind == "flow":
+                subject.require_points({*check.points, *check.short} for check in checks)
+            return checks
         except Untestable as error:
             raise Untestable(printable(str(error))) from None
         except ZeroDivisionError:
@@ -177,10 +191,30 @@ class Claim(BaseModel):
             raise plugin_error(JUDGE, self.id, error) from None
 
 
-def _printable_check(check: Check) -> Check:
-    """Return a check whose texts contain no control characters and no marks of direction."""
-    what, unit, withheld = map(printable, (check.what, check.unit, check.withheld))
-    return replace(check, what=what, unit=unit, withheld=withheld)
+def _usable_check(check: Check) -> Check:
+    """Return a check with plain values, whose texts have no control characters or direction marks.
+
+    Raises
+    ------
+    AdditionError
+        For a value of another type, and for numbers that no measurement gives.
+    """
+    label = f"check {in_short(check.what)}"
+    check = with_declared_types(label, check)
+    for key, allowed, holds in (
+        ("low", "a number <= high", check.low <= check.high),
+        ("half_width", "a number >= 0, or not-a-number", not check.half_width < 0),
+        ("samples", "a number >= 0", check.samples >= 0),
+        ("freedom", "a number > 0", check.freedom > 0),
+        ("tested", "two p-values in [0, 1]", all(0 <= p <= 1 for p in check.tested or ())),
+        ("looks", "a whole number >= 0", check.looks >= 0),
+    ):
+        if not holds:
+            got = in_short(getattr(check, key))
+            raise AdditionError(f"{label}.{key}: got {got}; allowed: {allowed}")
+    texts = check.what, check.unit, check.withheld, check.text
+    what, unit, withheld, text = map(printable, texts)
+    return replace(check, what=what, unit=unit, withheld=withheld, text=text)
 
 
 def judge(

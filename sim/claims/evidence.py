@@ -1,7 +1,7 @@
 """Evidence for judges: places of a study under one protocol and one reading, with intervals."""
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from math import inf
 from typing import Any
 
@@ -91,6 +91,12 @@ class Evidence:
         """True where the study has any point of the system under the protocol."""
         dataset = self._results.dataset
         return bool(((dataset["system"] == system) & (dataset["protocol"] == self.protocol)).any())
+
+    def require_points(self, groups: Iterable[Collection[str]]) -> None:
+        """Raise `ValueError` for the first name that is no point of the study."""
+        points = set(self._results.dataset["point"].values.tolist())
+        for name in sorted(set().union(*groups) - points):
+            raise ValueError(f"the study has no point {name!r}, which a check names")
 
     def unsteady_note(self, points: Iterable[str]) -> str:
         """Return a note on how many points are not steady, by regime; empty where all are."""

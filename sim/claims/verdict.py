@@ -93,6 +93,10 @@ class Check:
     looks : int
         How often it has been judged, this time included, with the option of buying more runs where
         it is open; 0 in a study that buys none. See `spent`.
+    text : str
+        The measured value in words, where ± does not say it: counts of runs, lopsided intervals.
+    open_points : tuple of str
+        The points among them that more replicates would decide; all of them if it is empty.
     """
 
     what: str
@@ -111,6 +115,8 @@ class Check:
     short: tuple[str, ...] = ()
     coarse: bool = False
     looks: int = 0
+    text: str = ""
+    open_points: tuple[str, ...] = ()
 
     @property
     def has_vote(self) -> bool:
@@ -168,7 +174,7 @@ class Check:
         """
         if not self.looks:
             return self.half_width * float(student(MANY, sides=1) / student(MANY))
-        return self.half_width * -float(ndtri(RISK / spent(1.0, self.looks, most=inf))) / SIGMAS
+        return self.half_width * _clearance(self.looks) / SIGMAS
 
     @property
     def verdict(self) -> str:
@@ -193,7 +199,7 @@ class Check:
         if self.coarse:
             return inf
         # What the next look may spend of the risk.
-        needed_clear = -float(ndtri(RISK / spent(1.0, self.looks and self.looks + 1, most=inf)))
+        needed_clear = _clearance(self.looks and self.looks + 1)
         if self.tested is not None:
             clear = -float(ndtri(min(self.tested)))
         else:
@@ -216,6 +222,11 @@ def spent(p: float, looks: int, most: float = 1.0) -> float:
     (0.01, 0.04, 0.08)
     """
     return min(most, p * 2 ** (looks + 1)) if looks else p
+
+
+def _clearance(looks: int) -> float:
+    """Return how clear of a threshold a value must be at a look, in standard deviations."""
+    return -float(ndtri(RISK / spent(1.0, looks, most=inf)))
 
 
 def holm_p(p_list: Sequence[float]) -> float:

@@ -15,7 +15,7 @@ from sim.base.errors import InputError
 from sim.base.files import atomic_write, read_regular
 from sim.base.seals import checked_read, is_damaged
 from sim.base.words import count_text
-from sim.dataset.rounds import SCALARS, known_points
+from sim.dataset.rounds import SCALARS, points_of_rounds
 from sim.dataset.rows import PARTICLES, RUNS, Rows, reader_hash, stored_names, stored_particles
 from sim.engine.identity import NUMERICS
 from sim.engine.stored_run import has_enough
@@ -219,7 +219,7 @@ def adopt(study_path: Path, dataset_path: Path, results: Path) -> str:
 
     study = load_study(study_path, results)
     folder = results / study.name
-    points = known_points(study, folder)
+    points = points_of_rounds(study, folder)
     is_run_file_needed, particle_need = study.needs_run_file, study.particles_needed
     with checked_read(dataset_path, "dataset", replaceable=False, sealed=True):
         content = read_regular(dataset_path)

@@ -24,7 +24,7 @@ from sim.dataset.boundaries import add_rounds, find_sides, tabulate
 from sim.dataset.combine import natural_velocities, profiles, root, runs, si_parameters
 from sim.dataset.earlier import keep_dataset
 from sim.dataset.results import COLUMNS, GROUP, Results, with_all_parameters
-from sim.dataset.rounds import add_further_points, known_points
+from sim.dataset.rounds import add_further_points, points_of_rounds
 from sim.dataset.rows import (
     OF_PROFILES,
     PARTICLES,
@@ -98,9 +98,9 @@ def build(
     gather = partial(gather_rows, study, folder, processes=processes, scheduler=scheduler)
     blocks = gather(study.points)
     sides = find_sides(study, folder / "runs")
-    known, study = study.points, add_rounds(study, sides)
-    study = add_further_points(study, known_points(study, folder))
-    blocks += gather({key: point for key, point in study.points.items() if key not in known})
+    first, study = study.points, add_rounds(study, sides)
+    study = add_further_points(study, points_of_rounds(study, folder))
+    blocks += gather({key: point for key, point in study.points.items() if key not in first})
     with atomic_write(output) as temporary:
         for group, dataset in _groups(blocks, study, sides):
             _write(temporary, group, dataset, output)
@@ -154,7 +154,7 @@ def _select_finished(study: Study, folder: Path, output: Path) -> Study:
             "--finished", "", str(output), "a file that is not among the runs"
         )
     require_writable(output.parent, "--finished")
-    known = known_points(study, folder)
+    known = points_of_rounds(study, folder)
     points = dict(add_further_points(study, known).points)
     for key, parameters in known.items():
         for boundary in study.boundaries if key not in study.points else ():

@@ -159,8 +159,8 @@ def read_side(path: Path, quantity: str) -> tuple[pd.DataFrame, str]:
         dataset = load(path).dataset
         require_known_options(dataset, path)
         kinds = {str(name): (one.dims, one.dtype.kind) for name, one in dataset.items()}
-        known = [name for name, kind in kinds.items() if kind == (("point", "replicate"), "f")]
-        _require_quantity(quantity, path, known)
+        quantities = [name for name, kind in kinds.items() if kind == (("point", "replicate"), "f")]
+        _require_quantity(quantity, path, quantities)
         unit = dataset[quantity].attrs.get("units", "1")
         for number, system in enumerate(dataset["system"].values):
             row = dataset.isel(point=number)
@@ -170,12 +170,12 @@ def read_side(path: Path, quantity: str) -> tuple[pd.DataFrame, str]:
     else:
         with open_run_file(path) as file:
             kinds = {name: (one.dimensions, one.dtype) for name, one in file.variables.items()}
-            known = [
+            quantities = [
                 name
                 for name, (dims, kind) in kinds.items()
                 if dims == ("replicate",) and kind is not str
             ]
-            _require_quantity(quantity, path, known)
+            _require_quantity(quantity, path, quantities)
             unit, is_done = file[quantity].units, file["status"][:] == "completed"
             columns = [np.asarray(file[name][:], float)[is_done] for name in names]
             rows.append((complete_values(parameters_of(file, path)), columns))

@@ -95,7 +95,7 @@ def rounds_to_come(study: Study, folder: Path) -> int:
     return min(left, 1) if any(one.has_rounds for one in study.surrogates) else left
 
 
-def known_points(study: Study, folder: Path) -> dict[str, Parameters]:
+def points_of_rounds(study: Study, folder: Path) -> dict[str, Parameters]:
     """Return the points of the study file and those that its finished rounds have added."""
     points = {key: point.parameters for key, point in study.points.items()}
     for path in round_files(study, folder):

@@ -9,6 +9,7 @@ import hashlib
 import logging
 import os
 import platform
+import re
 import shutil
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -105,6 +106,9 @@ COMPILED_KINDS = ("law", "motion")
 
 _VARIABLE = "TALUS_CACHE_DIR"
 
+#: Name of a folder of compiled code: hashes of the sources and of plug-ins.
+_FOLDER_NAME = re.compile(r"[0-9a-f]{12}(-[0-9a-f]{12})?")
+
 
 def _plugin_hash() -> str:
     """Return a hash of the plug-ins that compiled code may contain, empty without any."""
@@ -142,6 +146,20 @@ def cache_directory(with_plugins: bool = True) -> Path:
         return private_folder(cache_folder() / "talus" / name)
     except (OSError, RuntimeError, NotPrivateError) as error:
         return _temporary_folder(name, str(error))
+
+
+def remove_cache() -> str:
+    """Remove the folders of compiled code; return a line that says where and how much.
+
+    The next run compiles again. Other files in the folder of ``TALUS_CACHE_DIR`` stay.
+    """
+    folder = Path(os.environ.get(_VARIABLE) or cache_folder() / "talus")
+    size = 0
+    for path in folder.glob("*") if folder.is_dir() else ():
+        if _FOLDER_NAME.fullmatch(path.name) and path.is_dir() and not path.is_symlink():
+            size += sum(file.lstat().st_size for file in path.rglob("*"))
+            shutil.rmtree(path)
+    return f"{folder}: {size / 1e6:.0f} MB of compiled code removed"
 
 
 @cache

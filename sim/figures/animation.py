@@ -104,7 +104,7 @@ def _animate_chute(row: Mapping[str, Any], state: xr.Dataset) -> Animation:
     right.set_xlim(min(0.0, low - margin), high + margin)
     right.set_ylim(0, heights.max() + 0.5)
     right.set_xlabel("velocity u (m/s)")
-    right.set_ylabel("height z (σ)")
+    right.set_ylabel("height z/σ")
     clock = left.set_title(" ", loc="left", fontsize=8.5)
 
     def show(number: int) -> None:
@@ -122,12 +122,12 @@ def motion(state: xr.Dataset, diameter: float) -> tuple[np.ndarray, np.ndarray, 
     They are interpolated between the states of the path, over as much of it as lets the fastest
     spheres go by no more than `STRIDE` from frame to frame.
     """
-    known, path = state["path_time"].values.astype(float), state["path"].values.astype(float)
-    speed = np.gradient(path[..., 0], known, axis=0)
+    instants, path = state["path_time"].values.astype(float), state["path"].values.astype(float)
+    speed = np.gradient(path[..., 0], instants, axis=0)
     fastest = max(float(np.percentile(speed, 99)), 1e-9)
-    time = np.linspace(0, min(known[-1], (FRAMES - 1) * STRIDE * diameter / fastest), FRAMES)
-    place = np.searchsorted(known, time, side="right").clip(1, len(known) - 1)
-    share = (time - known[place - 1]) / (known[place] - known[place - 1])
+    time = np.linspace(0, min(instants[-1], (FRAMES - 1) * STRIDE * diameter / fastest), FRAMES)
+    place = np.searchsorted(instants, time, side="right").clip(1, len(instants) - 1)
+    share = (time - instants[place - 1]) / (instants[place] - instants[place - 1])
     return (
         time,
         _between(path[place - 1], path[place], share[:, None, None]),
@@ -222,8 +222,8 @@ def _draw_surroundings(axes: Axes, belt: BeltScene) -> None:
     axes.set_xlim(belt.frame.left, belt.frame.right)
     axes.set_ylim(belt.frame.bottom, belt.frame.top)
     axes.grid(visible=False)
-    axes.set_xlabel("along the belt x (⟨d⟩)")
-    axes.set_ylabel("height z (⟨d⟩)")
+    axes.set_xlabel("along the belt x/⟨d⟩")
+    axes.set_ylabel("height z/⟨d⟩")
     bar = axes.figure.colorbar(
         ScalarMappable(belt.norm, COLOURS), ax=axes, aspect=25, pad=0.02, shrink=0.8
     )

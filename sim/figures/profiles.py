@@ -24,12 +24,12 @@ from sim.figures.foreign_data import (
     foreign_data_notes,
     foreign_values,
 )
+from sim.figures.looks import groups, legend, number_of_curves
 from sim.figures.plot import (
     Panels,
     completed_rows,
-    groups,
+    curve_keys,
     label_axes,
-    legend,
     missing_value_note,
     nonpositive_note,
     observable_label,
@@ -80,8 +80,8 @@ def slices(data: FigureData, row: Mapping[str, Any]) -> tuple[np.ndarray, dict[s
         return height, values
     is_known = np.isfinite(list(values.values())).all(axis=0)
     is_shown = is_known.any(axis=0)
-    known = {axis: np.where(is_known, one, np.nan)[:, is_shown] for axis, one in values.items()}
-    return height[is_shown], known
+    pairs = {axis: np.where(is_known, one, np.nan)[:, is_shown] for axis, one in values.items()}
+    return height[is_shown], pairs
 
 
 def means(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
@@ -130,7 +130,7 @@ def draw(data: FigureData) -> Figure:
     elif not spec.options["between"]:
         # Panels share their axes, and set limits do not follow later data.
         shown[0][0].set_ylim(bottom=min([0.0, *foreign_values(data, "y")]))
-    legend(figure, shown, foreign)
+    legend(figure, shown, foreign, number_of_curves(data, curve_keys(data)))
     return figure
 
 
@@ -213,10 +213,10 @@ def notes(data: FigureData) -> list[str]:
     if data.spec.paper:
         return belt_profiles.notes(data)
     of_points = [means(data, row) for row in completed_rows(data)]
-    known = [rows[rows["x"].notna()] for rows in of_points]
-    drawn = [rows[_is_drawable(data, rows)] for rows in known]
-    omitted = sum(map(len, known)) - sum(map(len, drawn))
-    missing = sum(rows.empty for rows in known)
+    slices_of_points = [rows[rows["x"].notna()] for rows in of_points]
+    drawn = [rows[_is_drawable(data, rows)] for rows in slices_of_points]
+    omitted = sum(map(len, slices_of_points)) - sum(map(len, drawn))
+    missing = sum(rows.empty for rows in slices_of_points)
     return [
         *(_notes_on_slices if "y" in observables(data) else _notes_on_lines)(data, drawn),
         *missing_value_note(missing, f"a value{_height_range_suffix(data)}"),

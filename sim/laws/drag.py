@@ -59,6 +59,7 @@ def energy(law, overlap, tangential, memory, radius, mass):
 
 law(
     "drag",
+    description="the spring of the belt with its drags, without friction; Gallas, Eqs. 2-4",
     make=make,
     force=force,
     energy=energy,

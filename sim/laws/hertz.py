@@ -84,6 +84,7 @@ def energy(law, overlap, tangential, memory, radius, mass):
 
 law(
     "hertz",
+    description="Hertz's and Mindlin's, at an overlap of σ/100 as stiff as the spring K1",
     make=make,
     force=force,
     energy=energy,

@@ -28,6 +28,8 @@ def collision_time(p: SphereParameters) -> float:
 
 law(
     "spring_dashpot",
+    description="a linear spring and dashpot with a linear tangential spring, as in most DEM "
+    "codes; Cundall and Strack, 1979",
     make=make,
     force=None,
     energy=None,

@@ -29,6 +29,7 @@ def collision_time(p: SphereParameters) -> float:
 
 law(
     "walton_braun",
+    description="that of Walton and Braun, Walton, Sec. 2",
     make=make,
     force=None,
     energy=None,

@@ -14,9 +14,23 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, create_model
 
-from sim.base.additions import NAME, AdditionError, add, plain_name, plugin_options, shipped
+from sim.base.additions import (
+    NAME,
+    AdditionError,
+    add,
+    is_of_talus,
+    plain_name,
+    plugin_options,
+    shipped,
+)
 from sim.base.errors import in_short
-from sim.base.require import require_function, require_line, require_number
+from sim.base.require import (
+    require_function,
+    require_line,
+    require_names,
+    require_number,
+    require_unit,
+)
 from sim.parameters.common import CHOICES, Parameters, Real
 from sim.parameters.roles import Declaration, Role, declare
 from sim.parameters.variables import reserved_names
@@ -49,8 +63,8 @@ def parameter(
         require_number(f"parameter: {what}", value)
     if not all(_RANGE[name](default, bound) for name, bound in interval.items()):
         raise AdditionError(f"parameter: default {default:g} is outside its own range")
-    for what, text in (("unit", unit), ("description", description)):
-        require_line(f"parameter: {what}", text)
+    require_unit("parameter: unit", unit)
+    require_line("parameter: description", description)
     require_line("parameter: symbol", symbol, empty=True)
     return declare(
         float(default), unit=unit, description=description, symbol=symbol, added=True, **interval
@@ -61,10 +75,11 @@ def parameter(
 class Option:
     """An option of a choice.
 
-    ``make`` gives the engine its numbers; ``parameters`` are its own, and ``owns`` names those of
-    Talus that have an effect with it alone.
+    ``description`` says what it is, in a few words. ``make`` gives the engine its numbers;
+    ``parameters`` are its own, and ``owns`` names those of Talus that have an effect with it alone.
     """
 
+    description: str
     make: Callable[..., Any]
     parameters: Mapping[str, Any]
     owns: tuple[str, ...]
@@ -86,6 +101,8 @@ class Choice:
     ----------
     name : str
         The parameter, and the kind of the additions.
+    meaning : str
+        What the parameter is.
     models : tuple of type
         Parameters of these systems.
     usual : tuple of str
@@ -97,6 +114,7 @@ class Choice:
     """
 
     name: str
+    meaning: str
     models: tuple[type[Parameters], ...]
     usual: tuple[str, ...]
     role: Role
@@ -108,11 +126,14 @@ class Choice:
         Raises
         ------
         AdditionError
-            When its functions are none, or its parameters not those that `parameter` makes.
+            When its functions are none, or its parameters not those that `parameter` makes. What
+            ships has a description, and alone may have functions that are compiled by hand.
         """
         what, parameters = f"{self.name} {name}", option.parameters
+        require_line(f"{what}: description", option.description, empty=not is_of_talus())
+        require_names(f"{what}: owns", option.owns)
         for key, number in option.argument_counts.items():
-            if key not in option.compiled_by_hand:
+            if not (is_of_talus() and key in option.compiled_by_hand):
                 require_function(f"{what}: {key}", getattr(option, key), number)
         if not isinstance(parameters, Mapping):
             allowed = "a mapping of names to what sim.parameter makes"
@@ -122,7 +143,8 @@ class Choice:
             if not isinstance(getattr(one, "json_schema_extra", None), Declaration):
                 allowed = "what sim.parameter makes"
                 raise AdditionError(f"{what}: parameters.{key} is {allowed}: got {in_short(one)}")
-        add(self.name, name, replace(option, parameters=dict(parameters)), self.usual)
+        option = replace(option, parameters=dict(parameters), owns=tuple(option.owns))
+        add(self.name, name, option, self.usual)
 
     def _require_free(self, what: str, name: Any) -> None:
         """Refuse the name of a parameter that others have; ``what`` declares it."""
@@ -137,6 +159,23 @@ class Choice:
                     raise AdditionError(
                         f"{what}: parameter {name}: {kind} {plain_name(other)} has it"
                     )
+
+    def describe(self) -> None:
+        """Write what the options that ship are into the declarations of the systems."""
+        for model in self.models:
+            if self.name in model.model_fields:
+                model.model_fields[self.name].description = self.description
+                model.model_rebuild(force=True)
+
+    @property
+    def description(self) -> str:
+        """What the parameter is, with all options and what each of them says of itself."""
+        options = {name: shipped(self.name)[name] for name in self.usual}
+        texts = (
+            plain_name(name) + (f" ({one.description})" if one.description else "")
+            for name, one in (options | plugin_options(self.name)).items()
+        )
+        return f"{self.meaning}: {', '.join(texts)}"
 
     def is_own(self, option: str) -> bool:
         """Return whether an option is that of a plug-in, be it loaded or not."""
@@ -182,12 +221,11 @@ def _field(base: type[Parameters], choice: Choice, options: tuple[str, ...]) -> 
     def coded(value: Any) -> Any:
         return options_by_name.get(value, value) if isinstance(value, str) else value
 
+    text = choice.description
     if held := base.model_fields.get(choice.name):
-        extra = held.json_schema_extra
-        said = Field(held.default, description=held.description, json_schema_extra=extra)
+        said = Field(held.default, description=text, json_schema_extra=held.json_schema_extra)
     else:
         usual = choice.usual[0]
-        text = f"{choice.name}: {usual}, or one of a plug-in"
         said = declare(usual, description=text, role=choice.role, compiled=True, added=True)
     allowed: Any = Literal[tuple(dict.fromkeys((*choice.usual, *options)))]
     return Annotated[allowed, BeforeValidator(coded)], said

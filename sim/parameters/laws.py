@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, get_args
 
-from sim.base.require import require_count, require_names
+from sim.base.require import require_count, require_positive, require_switch
 from sim.parameters.choices import Choice, Option
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.conveyor import ConveyorParameters
@@ -16,6 +16,7 @@ __all__ = ["LAW", "SMALL_OVERLAP", "Law", "law"]
 #: The choice of a contact law.
 LAW = Choice(
     "law",
+    "contact law",
     (ChuteParameters, ConveyorParameters),
     get_args(SphereParameters.model_fields["law"].annotation),
     "reading",
@@ -54,6 +55,7 @@ USUALLY_REMEMBERED, MOST_REMEMBERED = 4, 32
 def law(
     name: str,
     *,
+    description: str = "",
     make: Callable[[Any, Any], Any],
     force: Callable[..., Any] | None,
     energy: Callable[..., Any] | None,
@@ -70,6 +72,9 @@ def law(
     ----------
     name : str
         What points call it.
+    description : str
+        What it is, in a few words for the reference of parameters, with its source. A law that
+        ships has one.
     make : callable
         ``make(p, partners)`` returns a ``NamedTuple`` of numbers, which the next two get as
         ``law``: from the parameters of the point and the ``friction``, mean ``reduced_mass`` (kg)
@@ -101,9 +106,8 @@ def law(
         Parameters of Talus that have an effect with this law alone: under others they are refused.
     """
     require_count(f"law {name}: remembers", remembers, MOST_REMEMBERED)
-    functions = force, energy, collision_time
-    require_names(f"law {name}: owns", owns)
-    added = Law(
-        make, parameters or {}, tuple(owns), *functions, int(remembers), one_mass, max_overlap
-    )
-    LAW.add(name, added)
+    require_switch(f"law {name}: one_mass", one_mass)
+    require_positive(f"law {name}: max_overlap", max_overlap)
+    numbers = int(remembers), one_mass, float(max_overlap)
+    option = description, make, parameters or {}, owns
+    LAW.add(name, Law(*option, force, energy, collision_time, *numbers))

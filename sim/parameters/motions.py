@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from sim.base.plugins import module_names
-from sim.base.require import require_names
 from sim.parameters.belt import BeltParameters
 from sim.parameters.choices import Choice, Option
 from sim.parameters.common import CHOICES
@@ -14,6 +13,7 @@ from sim.parameters.conveyor import ConveyorParameters
 #: The choice of a motion.
 MOTION = Choice(
     "motion",
+    "motion of the base",
     (BeltParameters, ConveyorParameters),
     tuple(dict.fromkeys((CHOICES["motion"], *module_names("sim.laws.motions")))),
     "physics",
@@ -38,6 +38,7 @@ class Motion(Option):
 def motion(
     name: str,
     *,
+    description: str = "",
     make: Callable[[Any], Any],
     state: Callable[..., Any] | None,
     parameters: Mapping[str, Any] | None = None,
@@ -51,6 +52,8 @@ def motion(
     ----------
     name : str
         What points call it.
+    description : str
+        What it is, in a few words for the reference of parameters. A motion that ships has one.
     make : callable
         ``make(p)`` returns a ``NamedTuple`` of numbers from the parameters of the point.
     state : callable
@@ -63,5 +66,4 @@ def motion(
     owns : tuple of str
         Parameters of Talus that have an effect with it alone: under other motions they are refused.
     """
-    require_names(f"motion {name}: owns", owns)
-    MOTION.add(name, Motion(make, parameters or {}, tuple(owns), state))
+    MOTION.add(name, Motion(description, make, parameters or {}, owns, state))

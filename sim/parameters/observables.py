@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any, TypeVar
 
 from sim.base.additions import add
-from sim.base.require import require_function, require_line, require_one_of
+from sim.base.require import require_function, require_line, require_one_of, require_unit
 from sim.parameters.points import SYSTEMS
 from sim.parameters.variables import (
     OBSERVABLE,
@@ -49,7 +49,7 @@ def observable(
     systems = (system,) if isinstance(system, str) else tuple(system)
     for one in systems or ("",):
         require_one_of(f"observable {name}: system", one, SYSTEMS)
-    require_line(f"observable {name}: unit", unit)
+    require_unit(f"observable {name}: unit", unit)
     require_line(f"observable {name}: meaning", meaning)
     if asked_by:
         fields = [field for one in systems for field in SYSTEMS[one].model_fields]

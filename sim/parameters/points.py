@@ -53,6 +53,7 @@ def _update_systems() -> None:
 
 load_shipped("sim.laws")
 load_shipped("sim.laws.motions")
+LAW.describe()
 on_change(_update_systems)
 
 #: Suffix of run files.

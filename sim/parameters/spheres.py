@@ -123,10 +123,8 @@ class SphereParameters(Parameters):
     )
     law: LawName = reading(
         "walton_braun",
-        description="contact law: Walton and Braun's; the linear spring and dashpot with a linear "
-        "tangential spring that most DEM codes use; Hertz's and Mindlin's, at an overlap of σ/100 "
-        "as stiff as the spring K1; or the spring of the belt with its drags, without friction",
-        equation="Walton, Sec. 2; Cundall and Strack (1979); Gallas, Eqs. 2-4",
+        # The laws that are declared say what they are.
+        description="contact law",
         compiled=True,
     )
     tangential_ratio: Real = reading(

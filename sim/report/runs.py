@@ -1,8 +1,10 @@
 """Rows of the tables of runs, boundaries and parameters, and counts of the points by result."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -11,6 +13,7 @@ from sim.dataset.replicates import outcomes
 from sim.dataset.results import Results
 from sim.parameters import SYSTEMS, Parameters, default_of, field_info
 from sim.parameters.roles import amount_parameters
+from sim.parameters.variables import VARIABLES
 from sim.parameters.words import setting
 from sim.report.numbers import finite_or_none, value_with_interval
 from sim.study.load import Study
@@ -33,14 +36,11 @@ def run_rows(dataset: xr.Dataset, caveats: Sequence[str]) -> list[dict[str, Any]
     """Return one row per point: length of its runs, results and cost.
 
     ``number`` counts the points from 1. ``caveat`` is the number of its text in ``caveats``, from
-    1, or 0 without one. ``start`` (s) is the time at which averaging begins, mean over replicates.
-    ``samples`` is the number of independent samples behind the mean velocity. Unknown numbers are
-    NaN.
+    1, or 0 without one. ``samples`` is the number of independent samples behind the mean velocity.
+    Unknown numbers are NaN.
     """
     rows = []
     table = {
-        "start": dataset["average_start"].mean("replicate").values,
-        "steps": dataset["steps"].sum("replicate").values.astype(int),
         "wall_time": dataset["wall_time"].sum("replicate").values,
         "max_overlap": dataset["max_overlap"].max("replicate").values,
         "missing_energy": dataset["missing_energy"].max("replicate").values,
@@ -94,41 +94,62 @@ def boundary_rows(study: Study, boundaries: pd.DataFrame) -> list[dict[str, Any]
     return rows
 
 
-def varied_columns(dataset: xr.Dataset) -> list[dict[str, Any]]:
-    """Return columns for the table of points: parameters that vary independently of others.
+def varied_columns(dataset: xr.Dataset) -> tuple[list[dict[str, Any]], list[str]]:
+    """Return columns for the table of points, and per point the settings that have no column.
 
-    Amounts are left out. ``texts`` are the values, one per point, empty where the system of a point
-    has no such parameter.
+    Columns are the parameters that vary, at most `MOST_VARIED`: first those of the physics, and of
+    these the ones that most points set to another value than the commonest. Their ``texts`` are the
+    values, one per point, empty where the system of a point has no such parameter. The settings are
+    words on all other parameters that vary, where a point differs from the commonest value.
     """
     columns: dict[str, dict[str, Any]] = {}
+    settings: dict[str, list[str]] = {}
     for system, model in SYSTEMS.items():
         indices = (dataset["system"] == system).values.nonzero()[0]
-        values_by_name = {
-            name: dataset[name].values for name in model.model_fields if name in dataset
-        }
-        rows = [
-            {name: values[index] for name, values in values_by_name.items()} for index in indices
-        ]
-        for name in values_by_name:
-            usual = (row[name] == default_of(model, name, row) for row in rows)
-            if (
-                name in amount_parameters(model)
-                or len({row[name] for row in rows}) < 2
-                or all(usual)
-            ):
-                continue
-            declared, is_number = field_info(model)[name], values_by_name[name].dtype.kind == "f"
+        points = dataset.isel(point=indices)
+        for name, values in varied_parameters(points, system).items():
+            declared, is_number = field_info(model)[name], values.dtype.kind == "f"
             unit = declared.scale or _unit_text(declared.unit)
             heading = f"{declared.symbol or name} ({unit})" if unit else declared.symbol or name
-            new_column = {
-                "heading": heading,
-                "number": is_number,
-                "texts": [""] * len(values_by_name[name]),
-            }
-            column = columns.setdefault(name, new_column)
-            for index, row in zip(indices, rows, strict=True):
-                column["texts"][index] = f"{row[name]:.6g}" if is_number else str(row[name])
-    return list(columns.values())[:MOST_VARIED]
+            empty = [""] * dataset.sizes["point"]
+            column = columns.setdefault(
+                name, {"heading": heading, "number": is_number, "texts": empty, "rank": [1, 0]}
+            )
+            words = settings.setdefault(name, list(empty))
+            commonest, count = Counter(values.tolist()).most_common(1)[0]
+            column["rank"][0] = min(column["rank"][0], declared.role == "numerics")
+            column["rank"][1] -= len(values) - count
+            for index, value in zip(indices, values.tolist(), strict=True):
+                column["texts"][index] = f"{value:.6g}" if is_number else str(value)
+                words[index] = "" if value == commonest else setting(system, name, value)
+    first = sorted(columns, key=lambda name: columns[name]["rank"])[:MOST_VARIED]
+    rest = [texts for name, texts in settings.items() if name not in first]
+    return (
+        [column for name, column in columns.items() if name in first],
+        [", ".join(filter(None, words)) for words in zip(*rest, strict=True)]
+        or [""] * dataset.sizes["point"],
+    )
+
+
+def varied_parameters(points: xr.Dataset, system: str) -> dict[str, np.ndarray]:
+    """Return the values, one per point, of parameters that vary independently of others.
+
+    All points are of one system. Amounts, and what only asks for observables, are left out.
+    """
+    model = SYSTEMS[system]
+    values_by_name = {name: points[name].values for name in model.model_fields if name in points}
+    rows = [
+        {name: values[index] for name, values in values_by_name.items()}
+        for index in range(points.sizes["point"])
+    ]
+    left_out = {*amount_parameters(model), *(variable.asked_by for variable in VARIABLES)}
+    return {
+        name: values
+        for name, values in values_by_name.items()
+        if name not in left_out
+        and len(set(values.tolist())) > 1
+        and not all(row[name] == default_of(model, name, row) for row in rows)
+    }
 
 
 def parameter_rows(dataset: xr.Dataset) -> dict[str, list[dict[str, Any]]]:

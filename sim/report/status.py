@@ -15,10 +15,11 @@ from sim.base.files import is_of_system
 from sim.base.seals import UNREADABLE
 from sim.dataset.adopted import AdoptedPoint, AdoptedPoints
 from sim.dataset.caveats import caveat_of_run
-from sim.dataset.rounds import known_points, rounds_to_come
+from sim.dataset.rounds import points_of_rounds, rounds_to_come
 from sim.dataset.run_file import summary_of
 from sim.engine.identity import NUMERICS, numerics_of
 from sim.engine.progress import CREDIT, Progress, may_end_early, progress_file, read_progress
+from sim.engine.shared_runs import SharedRun, find_runs
 from sim.engine.stored_run import has_enough
 from sim.parameters import Parameters, amounts
 from sim.study.cost import PROCESS_TIME, estimate
@@ -30,6 +31,9 @@ STATES = ("done", "failed", "adopted", "running", "interrupted", "waiting")
 
 #: States in which a point has ended.
 ENDED_STATES = STATES[:3]
+
+#: States in which a point may take the run of another study.
+WAITING_STATES = STATES[4:]
 
 #: Names of run files, states and progress files; a point stopped midway may have only the latter.
 RUN_FILES = re.compile(r"([^.].*)\.nc|\.([^.].*)\.nc\.(?:state|progress)")
@@ -59,6 +63,8 @@ class PointStatus:
         Whether other numerics made its run file.
     caveat : str
         Its caveat, empty if there is none.
+    shared : SharedRun or None
+        The run of another study that a waiting or interrupted point will take.
     """
 
     state: str
@@ -68,6 +74,7 @@ class PointStatus:
     core_seconds: float = 0.0
     outdated: bool = False
     caveat: str = ""
+    shared: SharedRun | None = None
 
 
 @dataclass(frozen=True)
@@ -94,7 +101,8 @@ class StudyStatus:
     points : dict
         `PointStatus` by id, in the order of the study.
     core_seconds_left : float
-        Estimate for all points that are not done, failed or adopted, on one core.
+        Estimate for all points that are not done, failed, adopted or run by another study, on one
+        core.
     longest_left : float
         Longest time (s) that one of those points still needs on its own threads.
     at_most : bool
@@ -175,7 +183,7 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
     folder = Path(results) / study.name
     extra = read_extra_amounts(folder) if study.decide else ExtraAmounts()
     study = replace(study, points=with_extra_amounts(study.points, extra))
-    parameters = known_points(study, folder)
+    parameters = points_of_rounds(study, folder)
     adopted = AdoptedPoints(study, folder).sources(parameters)
     runs = folder / "runs"
     try:
@@ -186,6 +194,9 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
         key: _point_status(key, value, runs, present, adopted.get(key))
         for key, value in parameters.items()
     }
+    waiting = {key: parameters[key] for key in points if points[key].state in WAITING_STATES}
+    for key, run in find_runs(runs, waiting).items():
+        points[key] = replace(points[key], shared=run)
     to_come = rounds_to_come(study, folder)
     stored = {match[1] or match[2] for name in present if (match := RUN_FILES.fullmatch(name))}
     orphans = () if to_come else tuple(sorted(stored - points.keys()))
@@ -289,7 +300,7 @@ def _time_left(
     factors = _factors(points, parameters)
     total, longest, at_most = 0.0, 0.0, False
     for key, point in points.items():
-        if point.state in ENDED_STATES:
+        if point.state in ENDED_STATES or (point.shared and point.shared.is_enough):
             continue
         values = parameters[key]
         seconds_left = (

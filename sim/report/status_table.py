@@ -10,6 +10,7 @@ from typing import Any
 
 from sim.base.errors import InputError
 from sim.base.words import count_text, duration, printable
+from sim.engine.shared_runs import describe
 from sim.report.points import align_table
 from sim.report.status import ENDED_STATES, PointStatus, StudyStatus, survey
 from sim.study.load import DEFAULT_STUDY, load_study
@@ -160,6 +161,8 @@ def _closing_lines(status: StudyStatus) -> list[str]:
     else:
         cores = f"{status.cores:,} core" + "s" * (status.cores > 1)
         lines.append(f"time left {about} {duration(status.seconds_left)} on {cores}")
+    if line := describe(filter(None, (point.shared for point in status.points.values()))):
+        lines.append(line)
     if status.rounds_left:
         lines.append(f"rounds of refinement to come, not counted: {status.rounds_left}")
     if status.budget:
@@ -200,6 +203,8 @@ def _point_entry(key: str, point: PointStatus) -> dict[str, Any]:
             else None,
             "at_most": progress.at_most,
         }
+    if point.shared:
+        entry |= {"shared": str(point.shared.path)}
     if point.state in ENDED_STATES:
         entry |= {"core_seconds": round(point.core_seconds, 3), "outdated": point.outdated}
         entry |= {"reason": point.reason} if point.reason else {}

@@ -12,6 +12,7 @@ from pathlib import Path
 from tqdm import tqdm
 
 from sim.base.errors import InputError
+from sim.base.plugins import NOTICE
 from sim.base.words import duration
 from sim.report.status import survey
 from sim.report.status_table import as_text
@@ -63,7 +64,7 @@ class Watch(threading.Thread):
 
     def __init__(self, study: Study, folder: Path, sources: Container[str] = ()):
         super().__init__(daemon=True)
-        self._study, self._results = study, folder.parent
+        self._study, self._folder = study, folder
         self._runs, self._logs = folder / "runs", folder / "logs" / "runs"
         self._estimates = {
             point.id: estimate(point.parameters).core_seconds
@@ -99,10 +100,17 @@ class Watch(threading.Thread):
         log.addHandler(FailedJobs(self.write))
 
     def summarize(self) -> None:
-        """End, and print the status of all points; an error here must not fail the workflow."""
+        """End, and print the status of all points and where the report on them is.
+
+        An error here must not fail the workflow.
+        """
         self.end()
+        report, dataset = self._folder / "report.html", self._folder / "dataset.nc"
         try:
-            print(f"\n{as_text(survey(self._study, self._results))}\n", file=sys.stderr)
+            print(f"\n{as_text(survey(self._study, self._folder.parent))}\n", file=sys.stderr)
+            with suppress(FileNotFoundError):
+                if report.stat().st_mtime >= dataset.stat().st_mtime:
+                    print(f"report: {report}", file=sys.stderr)
         except (InputError, OSError) as error:
             print(f"no summary: {error}", file=sys.stderr)
 
@@ -215,6 +223,14 @@ class FailedJobs(logging.Handler):
         """Return the last line of the first log if this workflow wrote it, else which to see."""
         with suppress(OSError, IndexError):
             if logs[0].stat().st_mtime >= self._since:
-                return logs[0].read_text(encoding="utf-8", errors="replace").splitlines()[-1]
+                return _said(logs[0])[-1]
         # A job that could not be resubmitted has the empty log of its first attempt.
-        return "".join(f"see {path}" for path in logs[-1:] if path.exists() and path.stat().st_size)
+        with suppress(OSError):
+            return "".join(f"see {path}" for path in logs[-1:] if _said(path))
+        return ""
+
+
+def _said(log: Path) -> list[str]:
+    """Return the lines of a log without those on plug-ins, which say of no job why it ended."""
+    lines = log.read_text(encoding="utf-8", errors="replace").splitlines()
+    return [line for line in lines if not line.startswith(NOTICE)]

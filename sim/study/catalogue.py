@@ -13,7 +13,7 @@ from sim.base.messages import input_error
 from sim.base.yaml import read_yaml
 from sim.parameters import SYSTEMS
 from sim.parameters.common import broken_rule
-from sim.study.entries import Strict
+from sim.study.entries import Strict, Text
 from sim.study.figure_spec import (
     CREEP,
     LARGEST_PORTION,
@@ -66,7 +66,7 @@ class _Look(Strict):
     colour: Literal["black", "blue", "red", "green", "pink", "orange"] = "black"
     dashes: Literal["solid", "short_dash", "long_dash", "dash_dot", "dotted", "none"] = "solid"
     marker: str = ""
-    entry: str = Field("", description="its entry in the legend, or a measure's part of entries")
+    entry: Text = Field("", description="its entry in the legend, or a measure's part of entries")
 
 
 class Style(_Look):
@@ -80,7 +80,7 @@ class Measure(_Look):
 
     name: str
     over: str = Field("", description="parameter that it is divided by")
-    label: str = Field(description="what it is, for headings, with its unit in brackets")
+    label: Text = Field(description="what it is, for headings, with its unit in brackets")
 
 
 class FigureFile(PlotFile):
@@ -89,23 +89,25 @@ class FigureFile(PlotFile):
     kind: Annotated[str, AfterValidator(_require_kind)] = Field(
         "curves", description="kind of plot, see `sim.figures.kinds`"
     )
-    title: str
-    about: str = Field(description="figure of the paper, or what of the paper it is about")
+    title: Text
+    about: Text = Field(description="figure of the paper, or what of the paper it is about")
     vary: list[str] = Field([], description="parameters, on no axis, that the points must vary")
-    labels: dict[Literal["x", "y"], str] = Field({}, description="labels of the axes")
+    labels: dict[Literal["x", "y"], Text] = Field({}, description="labels of the axes")
     levels: list[float] = Field([], description="values to compare with")
     quantities: list[Measure] = []
     relative: bool = Field(
         False, description="whether velocity and frequency of the belt become shares of its own"
     )
     styles: list[Style] = []
-    entry: str = Field("", description="pattern of the entries in the legend")
+    entry: Text = Field("", description="pattern of the entries in the legend")
     point: Literal["", "slowest"] = Field("", description="which of several points is shown")
     where: dict[str, _Values] = Field({}, description="values that a point must have to be drawn")
-    words: dict[str, str] = Field({}, description="texts for the braces, besides those of the file")
-    lead: str = Field(description="first sentences of the caption: what is drawn")
+    words: dict[str, Text] = Field(
+        {}, description="texts for the braces, besides those of the file"
+    )
+    lead: Text = Field(description="first sentences of the caption: what is drawn")
     named: list[str] = Field(description="parameters whose values the caption gives")
-    says: str = Field(description="last sentences of the caption: what the paper says")
+    says: Text = Field(description="last sentences of the caption: what the paper says")
 
     @model_validator(mode="after")
     def _require_keys_of_figures(self) -> Self:
@@ -120,8 +122,10 @@ class FigureFile(PlotFile):
 
     @model_validator(mode="after")
     def _require_parameters(self) -> Self:
-        if self.keys.observable and (key := self.keys.observable) in self.model_fields_set:
-            find_observable(self.kind, key, self.observable, self.system, broken_rule)
+        shown = self.keys.observable
+        if shown and shown in self.model_fields_set:
+            find_observable(self.kind, shown, self.observable, self.system, broken_rule)
+        key: str
         for key in (*self.keys.axes, "curves", "panels", "vary", "where", "named"):
             value = getattr(self, key) or ()
             for name in [value] if isinstance(value, str) else value:
@@ -159,7 +163,7 @@ class FigureFile(PlotFile):
 class PaperFigures(Strict):
     """The figures of a paper."""
 
-    words: dict[str, str] = Field({}, description="texts for the braces of all figures")
+    words: dict[str, Text] = Field({}, description="texts for the braces of all figures")
     figures: list[FigureFile]
 
 

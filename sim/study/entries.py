@@ -1,17 +1,18 @@
 """Keys of a study file, whatever their system: parameters, lists and ranges, overrides, names."""
 
 from math import floor
-from typing import Any, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Self
 from unicodedata import category
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from sim.parameters import SYSTEMS, Parameters, canonical_number
 from sim.parameters.common import Real, broken_rule
 
 #: Unicode categories without letters, some of which move the cursor or reverse the line where a
-#: title is shown; and the maximum length of a title.
-_UNPRINTABLE, _MAX_TITLE_LENGTH = ("Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp"), 300
+#: title is shown; and the maximum lengths of a title and of a text in a paper's files.
+_UNPRINTABLE = ("Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp")
+_MAX_TITLE_LENGTH, _MAX_TEXT_LENGTH = 300, 2000
 
 
 def require_printable(text: str, key: str = "title", max_length: int = _MAX_TITLE_LENGTH) -> None:
@@ -20,6 +21,14 @@ def require_printable(text: str, key: str = "title", max_length: int = _MAX_TITL
         allowed = f"one line of at most {max_length} letters, without control or direction marks"
         raise broken_rule(key, text, allowed)
 
+
+def _one_line(text: str) -> str:
+    require_printable(text.strip(), key="", max_length=_MAX_TEXT_LENGTH)
+    return text.strip()
+
+
+#: Text of a paper's files: a line, whose end may have been broken in the file.
+Text = Annotated[str, AfterValidator(_one_line)]
 
 NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]*$"
 ALLOWED_NAME: dict[str, Any] = {

@@ -15,6 +15,7 @@ from sim.study.feed import feed
 from sim.study.model import Boundary, Point, Study
 from sim.study.questions import ask
 from sim.study.read import Document, read, with_parts
+from sim.study.surrogate_questions import ask_surrogates
 from sim.study.validate import validate
 
 if TYPE_CHECKING:
@@ -66,7 +67,7 @@ def _study(documents: list[Document], results: str | Path | None) -> Study:
     """Return the study of documents, with the amounts that decisions have added to its points."""
     files = validate(documents)
     study = expand(files)
-    study = ask(feed(study, files), files)
+    study = ask_surrogates(ask(feed(study, files), files), files)
     if results is not None:
         folder = Path(results) / study.name
         require_writable(folder, f"{study.path}: study")

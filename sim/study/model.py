@@ -9,11 +9,13 @@ from typing import Any
 
 from sim.base.additions import Plugin
 from sim.parameters import Parameters
+from sim.study.calibration import CalibrationSpec
 from sim.study.design import Axis, Design
 from sim.study.entries import DecideFile
 from sim.study.figure_spec import FigureSpec
 from sim.study.plot_kinds import Shown
 from sim.study.refine import further_rounds
+from sim.study.sensitivity import SensitivitySpec
 from sim.study.surrogate import MOST_ROUNDS, SurrogateSpec
 
 
@@ -101,8 +103,14 @@ class Study:
         Whether each point has a page, except points of later rounds.
     plugins : tuple of Plugin
         The plug-ins that it and its parts name.
+    data : tuple of Path
+        CSV files of data from elsewhere that it names.
     surrogates : tuple of SurrogateSpec
         Its surrogates.
+    sensitivities : tuple of SensitivitySpec
+        What it asks on how much parameters matter.
+    calibrations : tuple of CalibrationSpec
+        What it asks on which parameters measurements allow.
     """
 
     name: str
@@ -118,7 +126,10 @@ class Study:
     decide: DecideFile | None = None
     pages: bool = False
     plugins: tuple[Plugin, ...] = ()
+    data: tuple[Path, ...] = ()
     surrogates: tuple[SurrogateSpec, ...] = ()
+    sensitivities: tuple[SensitivitySpec, ...] = ()
+    calibrations: tuple[CalibrationSpec, ...] = ()
 
     @cached_property
     def figures(self) -> dict[str, tuple[str, ...]]:
@@ -139,13 +150,19 @@ class Study:
 
     @property
     def sources(self) -> tuple[Path, ...]:
-        """The study file, the files of its parts, and those of the plug-ins beside them."""
-        return self.files + tuple(file for plugin in self.plugins for file in plugin.files)
+        """The study file, the files of its parts, and plug-ins and data beside them."""
+        plugins = tuple(file for plugin in self.plugins for file in plugin.files)
+        return self.files + plugins + self.data
 
     @property
     def path(self) -> Path:
         """The study file."""
         return self.files[0]
+
+    @property
+    def questions(self) -> tuple[SurrogateSpec | SensitivitySpec | CalibrationSpec, ...]:
+        """What is answered from the dataset, in this order."""
+        return *self.surrogates, *self.sensitivities, *self.calibrations
 
     @property
     def rounds(self) -> int:
@@ -160,8 +177,8 @@ class Study:
 
     def particles_needed(self, point: str) -> Shown:
         """Return how much of a point's particles the figures need."""
-        known = self.points[point].figures if point in self.points else ()
-        return max(self._later_particles, self.particles_shown(known))
+        figures = self.points[point].figures if point in self.points else ()
+        return max(self._later_particles, self.particles_shown(figures))
 
     @cached_property
     def _later_particles(self) -> Shown:

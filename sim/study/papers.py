@@ -21,7 +21,7 @@ from sim.base.require import require_one_of
 from sim.base.yaml import read_yaml
 from sim.parameters import SYSTEMS
 from sim.parameters.laws import LAW
-from sim.study.entries import Strict
+from sim.study.entries import Strict, Text
 
 #: Kind of the additions that are papers.
 PAPER = "paper"
@@ -37,19 +37,19 @@ class Control(Strict):
     """Values of parameters that are no reading of the paper, and why."""
 
     values: dict[str, Any] = Field(min_length=1)
-    why: str = Field(min_length=1)
+    why: Text = Field(min_length=1)
 
 
 class Readings(Strict):
     """How a paper is read."""
 
     headline: dict[str, Any] = Field({}, description="what differs from the defaults")
-    why: str = Field("nothing in the paper is open", description="why it gives the verdicts")
-    open: dict[str, str] = Field({}, description="by parameter, the words that leave it open")
+    why: Text = Field("nothing in the paper is open", description="why it gives the verdicts")
+    open: dict[str, Text] = Field({}, description="by parameter, the words that leave it open")
     rows: dict[str, list[float]] = Field(
         {}, description="by parameter of the grid, values of base rows that are readings as well"
     )
-    grids: dict[str, str] = Field(
+    grids: dict[str, Text] = Field(
         {}, description="by grid of the profiles other than the usual one, what it is"
     )
     model: list[dict[str, Any]] = Field(
@@ -77,11 +77,11 @@ class Paper(Strict):
     ``package`` is the module with its judges, ``folder`` holds its files.
     """
 
-    name: str = Field(description="short name, by which figures and verdicts name it")
-    author: str = Field(min_length=1, description="who wrote it, for headings")
-    quote: str = Field(min_length=1, description="how captions quote it, such as Walton (1993)")
+    name: Text = Field(description="short name, by which figures and verdicts name it")
+    author: Text = Field(min_length=1, description="who wrote it, for headings")
+    quote: Text = Field(min_length=1, description="how captions quote it, such as Walton (1993)")
     system: str = Field(description="system whose runs draw its figures and decide its claims")
-    headline: list[str] = Field([], description="its figures on the first screen of a report")
+    headline: list[Text] = Field([], description="its figures on the first screen of a report")
     readings: Readings = Readings()
     folder: Path = Field(exclude=True)
     package: str = Field(exclude=True)

@@ -8,12 +8,20 @@ from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from functools import wraps
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
-from sim.base.additions import AdditionError, add, additions, attribute_errors_to, shipped
+from sim.base.additions import (
+    AdditionError,
+    add,
+    additions,
+    attribute_errors_to,
+    is_of_talus,
+    shipped,
+)
 from sim.base.errors import in_short
-from sim.base.require import require_function, require_one_of
+from sim.base.require import require_function, require_one_of, with_declared_types
 from sim.base.words import printable
+from sim.parameters import SYSTEMS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -30,6 +38,14 @@ OfData = Callable[[Any], Any]
 
 #: Function: data of a figure → picture.
 Drawing = Callable[[Any], "Figure"]
+
+
+#: What functions of a plug-in return: a method or attribute of it, and in words.
+_RETURNED = {
+    "draw": ("savefig", "a figure of matplotlib"),
+    "table": ("to_csv", "a pandas.DataFrame"),
+    "select": ("rows", "the data of a figure"),
+}
 
 
 class Shown(IntEnum):
@@ -56,6 +72,10 @@ class Keys:
         Function: system → observables that can be shown (`sim.study.plottable`), by name.
     second : str
         Key of a second observable, for a kind that can show one against another.
+    several : str
+        Key of a list of parameters, of which each has an axis; all that vary where it is omitted.
+    most : int
+        Most parameters in that list.
     log : tuple of str
         Axes that can be logarithmic.
     others : tuple of str
@@ -72,13 +92,15 @@ class Keys:
         Whether it moves, and whether it reads run files.
     """
 
-    axes: tuple[str, ...] = ()
-    observable: str = ""
+    axes: tuple[Literal["x", "y"], ...] = ()
+    observable: Literal["", "x", "y", "colour"] = ""
     usual: str = "velocity"
     shows: Callable[[str], Mapping[str, Any]] = lambda system: {}
-    second: str = ""
-    log: tuple[str, ...] = ()
-    others: tuple[str, ...] = ()
+    second: Literal["", "x", "y"] = ""
+    several: Literal["", "parameters"] = ""
+    most: int = 12
+    log: tuple[Literal["x", "y", "colour"], ...] = ()
+    others: tuple[Literal["curves", "colour", "panels", "between", "beside", "fit"], ...] = ()
     of_papers: tuple[str, ...] = ()
     systems: tuple[str, ...] = ()
     what: str = "{}"
@@ -90,7 +112,7 @@ class Keys:
     @property
     def every(self) -> tuple[str, ...]:
         """All keys of a study's plot of the kind, besides those of all kinds."""
-        named = *self.axes, self.observable, self.second, *self.others
+        named = *self.axes, self.several, self.observable, self.second, *self.others
         return tuple(dict.fromkeys(filter(None, named)))
 
     @property
@@ -172,13 +194,15 @@ def plot_kind(
     if keys is None:
         require_one_of(f"plot {name}: like", like, study_kinds())
         base = find_kind(like)
-        # Nothing draws data beside the plot of a plug-in.
-        others = tuple(key for key in base.keys.others if key != "beside")
+        # Nothing draws data beside the plot of a plug-in, or fits a law to it.
+        others = tuple(key for key in base.keys.others if key not in ("beside", "fit"))
         base = replace(base, keys=replace(base.keys, others=others))
     elif like or not isinstance(keys, Keys):
         raise AdditionError(
             f"plot {name}: keys is of type Keys, without like: got {in_short(keys)}"
         )
+    elif not is_of_talus():
+        keys = _usable(f"plot {name}: keys", keys)
     for role, function in functions.items():
         require_function(f"plot {name}: {role}", function, takes=1)
     if notes:
@@ -187,7 +211,7 @@ def plot_kind(
     def register(draw: Drawing) -> Drawing:
         require_function(f"plot {name}", draw, takes=1)
         own: dict[str, Any] = {
-            role: _attributed(name, one) for role, one in (functions | {"draw": draw}).items()
+            role: _attributed(name, role, one) for role, one in (functions | {"draw": draw}).items()
         }
         add(PLOT, name, replace(base, **own) if keys is None else PlotKind(keys, **own))
         return draw
@@ -195,13 +219,55 @@ def plot_kind(
     return register
 
 
-def _attributed(name: str, function: OfData) -> OfData:
+def _usable(what: str, keys: Keys) -> Keys:
+    """Return the keys of a plug-in's kind; refuse values that no plot has, or that nothing draws.
+
+    Raises
+    ------
+    AdditionError
+        For the first of them, with the attribute of `Keys` and what is allowed.
+    """
+
+    def require(key: str, value: Any, allowed: str, *, holds: bool) -> None:
+        if not holds:
+            raise AdditionError(f"{what}.{key}: got {in_short(value)}; allowed: {allowed}")
+
+    keys = with_declared_types(what, keys)
+    once = len(set(keys.axes)) == len(keys.axes) and keys.observable not in keys.axes
+    require("axes", keys.axes, "each key once, and not that of the observable", holds=once)
+    second = not keys.second or keys.second != keys.observable
+    require("second", keys.second, "another key than that of the observable", holds=second)
+    has_colour = keys.observable == "colour" or "colour" not in keys.log
+    require("log", keys.log, "colour only where it is the key of the observable", holds=has_colour)
+    # Nothing draws data beside the plot of a plug-in.
+    require("others", keys.others, "curves, panels, between", holds="beside" not in keys.others)
+    for name in keys.systems:
+        require("systems", name, f"one of {', '.join(SYSTEMS)}", holds=name in SYSTEMS)
+    for key in ("what", "over"):
+        text = getattr(keys, key)
+        is_pattern = text.isprintable() and not set("{}") & set(text.replace("{}", "", 1))
+        require(key, text, "one line of text, with {} for the names", holds=is_pattern)
+    for system in SYSTEMS:
+        shown = keys.shows(system)
+        are_observables = isinstance(shown, Mapping) and all(
+            isinstance(name, str) and hasattr(one, "meaning") for name, one in shown.items()
+        )
+        allowed = "a function: system -> observables by name, as sim.study.plottable.numbers"
+        require("shows", shown, allowed, holds=are_observables)
+    return keys
+
+
+def _attributed(name: str, role: str, function: OfData) -> OfData:
     """Return a function whose errors name the plug-in of a kind, and its place there."""
+    method, what = ("", "") if is_of_talus() else _RETURNED.get(role, ("", ""))
 
     @wraps(function)
     def call(data: Any) -> Any:
         with attribute_errors_to(PLOT, name, f" {data.spec.name}"):
-            return function(data)
+            answer = function(data)
+            if method and not hasattr(answer, method):
+                raise TypeError(f"{role} returns {what}: got {in_short(answer)}")
+            return answer
 
     return call
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from sim.base.messages import did_you_mean
+from sim.base.messages import MOST_NAMES, did_you_mean, near, one_of
 from sim.parameters import SYSTEMS
 from sim.parameters.variables import Variable, observable_variables, plotted_name, variables_of
 from sim.study.plot_kinds import find_kind, study_kinds
@@ -106,16 +106,21 @@ def find_observable(
             raise plot_error(
                 key, name, f"an observable of {kind}; {name} is shown by kind: {other}"
             )
-    allowed = did_you_mean(name, observables) + "one of " + ", ".join(observables)
-    raise plot_error(key, name, allowed)
+    raise plot_error(key, name, one_of(name, observables))
 
 
 def require_parameter(
-    key: str, name: str, system: str, observables: Collection[str], plot_error: PlotErrorMaker
+    key: str,
+    name: str,
+    system: str,
+    observables: Collection[str],
+    plot_error: PlotErrorMaker,
+    varied: Collection[str] = (),
 ) -> None:
     """Raise an error unless a name is a parameter of the system, and on an axis a number.
 
-    ``observables`` are allowed in its place; they only appear in the message.
+    ``observables`` are allowed in its place; they and the ``varied`` parameters only appear in the
+    message.
     """
     fields = SYSTEMS[system].model_fields
     if name not in fields or name == "system":
@@ -124,10 +129,11 @@ def require_parameter(
             raise plot_error(
                 key, name, f"a parameter of the {system}; this is one of the {others[0]}"
             )
-        names = [field for field in fields if field != "system"]
-        hint = did_you_mean(name, [*names, *observables])
-        alternative = ", or an observable" if observables else ""
-        allowed = f"{hint}a parameter of the {system} that the points vary{alternative}"
+        names, most = [field for field in fields if field != "system"], MOST_NAMES // 2
+        allowed = f"{did_you_mean(name, [*names, *observables])}a parameter of the {system} that "
+        allowed += f"the points vary: {near(name, varied or names, most)}"
+        if observables:
+            allowed += f"; or an observable: {near(name, observables, most)}"
         raise plot_error(key, name, allowed)
     if key in ("x", "y") and fields[name].annotation not in (int, float):
         raise plot_error(key, name, "a parameter that is a number; curves and panels take any")

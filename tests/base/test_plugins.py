@@ -71,6 +71,10 @@ def test_parts_bring_their_plugins(tmp_path):
             "line 4: E: an error without words",
         ),
         (
+            "class E(Exception):\n    def __str__(self):\n        raise SystemExit\nraise E\n",
+            "line 4: E: an error without words",
+        ),
+        (
             "import sim\n"
             "sim.judge('j', system='belt', title='a\\x1b', statement='s', criterion='c')\n",
             "title is one line of text",
@@ -117,6 +121,7 @@ def test_what_is_wrong_with_a_plugin_is_one_line_and_nothing_of_it_stays(tmp_pat
 
 JUDGE = "judge('j', system='belt', title='t', statement='s', criterion='c')"
 MOTION = "motion('m', make=dict, state=dict, "
+LAW = "law('l', make=dict, force=dict, energy=dict, collision_time=dict, "
 
 
 @pytest.mark.parametrize(
@@ -145,8 +150,7 @@ MOTION = "motion('m', make=dict, state=dict, "
         ),
         *(
             (
-                f"law('l', make=dict, force=dict, energy=dict, collision_time=dict, "
-                f"remembers={wrong})",
+                f"{LAW}remembers={wrong})",
                 f"law l: remembers is a whole number from 0 to 32: got {wrong.lower()}",
             )
             for wrong in ("-1", "33", "1.5", "2.0", "True")
@@ -168,6 +172,43 @@ MOTION = "motion('m', make=dict, state=dict, "
         ("parameter(1, unit='m\\x1b[2J', description='d')", "unit is one line of text"),
         ("parameter(1, unit='1', description='a\\u202eb')", "description is one line of text"),
         ("parameter(1, unit='1', description='d', symbol='\\n')", "symbol is one line of text"),
+        ("parameter(1, unit='bananas', description='d')", "powers as kg m s-2, of m, g, s, A, K"),
+        ("observable('o', system='belt', unit='furlong', meaning='m')", "unit is 1 for a pure"),
+        *(
+            (
+                f"{LAW}max_overlap={wrong})",
+                f"law l: max_overlap is a number > 0: got {wrong.replace('None', 'nothing')}",
+            )
+            for wrong in ("'x'", "None", "0", "-1")
+        ),
+        (LAW + "max_overlap=float('nan'))", "law l: max_overlap is a number > 0: got nan"),
+        (LAW + "one_mass='no')", "law l: one_mass is True or False: got 'no'"),
+        (LAW + "owns='friction')", "law l: owns is a tuple of names: got 'friction'"),
+        (LAW + "description=3)", "law l: description is text: got 3"),
+        (LAW.replace("force=dict, energy=dict", "force=None, energy=None") + ")", "force is a fun"),
+        ("motion('m', make=dict, state=None)", "motion m: state is a function: got nothing"),
+        (MOTION + "owns=[1])", "motion m: owns is a tuple of names: got [1]"),
+        (MOTION + "description='a\\x1bb')", "motion m: description is one line of text"),
+        *(
+            (f"plot_kind('p', keys=sim.study.plot_kinds.Keys({keys}))", f"plot p: keys.{why}")
+            for keys, why in (
+                ("axes=('z',)", "axes[0]: got 'z'; allowed: 'x' or 'y'"),
+                ("axes=('x', 'x')", "axes: got ('x', 'x'); allowed: each key once"),
+                ("axes=('x',), observable='x'", "axes: got ('x',); allowed: each key once, and"),
+                ("observable='y', second='y'", "second: got 'y'; allowed: another key than"),
+                ("log=('colour',)", "log: got ('colour',); allowed: colour only where"),
+                ("log=('height',)", "log[0]: got 'height'; allowed: 'x', 'y' or 'colour'"),
+                ("others=('size',)", "others[0]: got 'size'; allowed: 'curves', 'panels'"),
+                ("others=('beside',)", "others: got ('beside',); allowed: curves, panels, between"),
+                ("systems=('drum',)", "systems: got 'drum'; allowed: one of chute, belt"),
+                ("what='{} {}'", "what: got '{} {}'; allowed: one line of text, with {}"),
+                ("over='{height}'", "over: got '{height}'; allowed: one line of text, with {}"),
+                ("shows=print", "shows: got nothing; allowed: a function: system"),
+                ("shows=lambda system: {'a': 1}", "shows: got {'a': 1}; allowed: a function"),
+                ("particles=7", "particles: got 7; allowed: 0, 1 or 2"),
+                ("usual=3", "usual: got 3; allowed: a valid string"),
+            )
+        ),
         ("observable('o', system=[], unit='1', meaning='m')", "system is one of chute, belt"),
         ("observable('o', system='belt', unit=1, meaning='m')", "unit is text, not empty: got 1"),
         ("observable('o', system='belt', unit='1', meaning='m')(2)", "o is a function: got 2"),
@@ -179,9 +220,15 @@ MOTION = "motion('m', make=dict, state=dict, "
 )
 def test_what_is_no_declaration_is_one_line_with_its_place(tmp_path, call, why):
     with pytest.raises(InputError) as caught:
-        load_study(write_study(tmp_path, f"import sim\nsim.{call}\n"), None)
+        load_study(write_study(tmp_path, f"import sim.study.plot_kinds\nsim.{call}\n"), None)
     message = str(caught.value)
     assert "; line 2: " in message and why in message and message.isprintable()
+
+
+@pytest.mark.parametrize("unit", ["1", "m/s", "N m-1", "kg m^2 s**-2", "kPa.s", "degree", "1/s"])
+def test_units_are_products_of_powers(tmp_path, unit):
+    load_study(write_study(tmp_path, RIGHT.replace('"1"', repr(unit))), None)
+    assert additions("observable")["answer"].value.variable.unit == unit
 
 
 @pytest.mark.parametrize("name", ["../mine.py", "/tmp/mine.py", "a/mine.py", "mine.txt", "-m", ""])

@@ -1,17 +1,21 @@
 """Claims of a study's own: judged under its protocols, with notes on unsteady points."""
 
+import re
 from pathlib import Path
 
 import pytest
 
+from sim.base.errors import InputError
 from sim.base.plugins import load_plugins
 from sim.claims import judge
+from sim.claims.claim import claims
 from sim.claims.verdict_files import as_mapping, as_table
 from tests.made.plugins import plugin_claims, restore_plugins
 from tests.made.processes import ROOT
 from tests.made.results import made_point, made_results
 
 STEEPER = str(ROOT / "docs" / "examples" / "steeper.py")
+PAPER = ROOT / "docs" / "examples" / "silbert"
 SHORT = {"independent_samples": 1.0}
 SPEEDING = {"acceleration": 2.0}
 
@@ -22,6 +26,24 @@ def _its_claim_alone(monkeypatch):
     with restore_plugins():
         load_plugins(Path(STEEPER))
         yield
+
+
+def changed_judge(folder: Path, checks: str) -> Path:
+    """Write a plug-in whose judge returns ``checks``, an expression of those of the example."""
+    text = Path(STEEPER).read_text().replace('"steeper_is_faster"', '"odd"')
+    text = text.replace("import sim\n", "import dataclasses\nimport numpy\nimport sim\n", 1)
+    path = folder / "odd.py"
+    path.write_text(
+        text.replace("    return [above", "    checks = [above") + f"    return {checks}\n"
+    )
+    return path
+
+
+def judged_by(path: Path):
+    """Return the judgement of the judge that a file adds."""
+    load_plugins(path)
+    points = [made_point("chute", {"velocity": 0.4}, angle=angle, depth=2.5) for angle in (17, 18)]
+    return judge.judge(made_results(*points))[-1]
 
 
 def judged(*scalars: dict, **options):
@@ -46,11 +68,75 @@ def test_texts_of_a_judge_turn_no_letters_where_they_are_shown(tmp_path):
     text = Path(STEEPER).read_text().replace('"steeper_is_faster"', '"another"')
     path = tmp_path / "another.py"
     path.write_text(text.replace('above("V(18°)', r'above("\u202eV\x1b[2J(18°)'))
-    load_plugins(path)
-    points = [made_point("chute", {"velocity": 0.4}, angle=angle, depth=2.5) for angle in (17, 18)]
-    _, judgement = judge.judge(made_results(*points))
-    (check,) = judgement.variants[0].checks
+    (check,) = judged_by(path).variants[0].checks
     assert check.what.isprintable() and "V\\x1b[2J(18°)" in check.what
+
+
+@pytest.mark.parametrize(("changes", "verdict"), [({}, "reproduced"), (SHORT, "untestable")])
+def test_the_paper_of_the_examples_is_judged_by_steady_flows_alone(changes, verdict):
+    load_plugins(PAPER)
+    claims()
+    flow = {"bumps": 1, "depth": 4, "friction": 0.5, "restitution": 0.88}
+    points = [
+        made_point("chute", {"velocity": 0.02 * angle} | changes, angle=angle, **flow)
+        for angle in (25, 27, 29)
+    ]
+    judgement = judge.judge(made_results(*points))[-1]
+    assert judgement.claim.id == "silbert_steeper" and judgement.verdict == verdict
+    reason = "fewer than 3 angles with a steady flow on bumps" if changes else ""
+    reasons = {one.protocol: one.reason for one in judgement.variants}
+    assert reasons["published"] == reason
+
+
+@pytest.mark.parametrize(
+    ("odd", "why"),
+    [
+        ("value=None", "value: got nothing; allowed: a valid number"),
+        ("value='fast'", "value: got 'fast'; allowed: a valid number"),
+        ("value=numpy.arange(2.0)", "value: got array([0., 1.]); allowed: a valid number"),
+        ("half_width=-1.0", "half_width: got -1; allowed: a number >= 0, or not-a-number"),
+        ("low=float('nan')", "low: got nan; allowed: a number <= high"),
+        ("votes=None", "votes: got nothing; allowed: a valid boolean"),
+        ("tested=(0.1,)", "tested[1]: got (0.1,); allowed: one more"),
+        ("tested=(2, 0.1)", "tested: got (2, 0.1); allowed: two p-values in [0, 1]"),
+        ("points='abc'", "points: got 'abc'; allowed: a valid tuple"),
+        ("unit=None", "unit: got nothing; allowed: a valid string"),
+        ("looks=-1", "looks: got -1; allowed: a whole number >= 0"),
+    ],
+)
+def test_an_odd_check_is_one_line_that_names_its_judge(tmp_path, odd, why):
+    path = changed_judge(tmp_path, f"[dataclasses.replace(one, {odd}) for one in checks]")
+    line = r"plug-in odd.py \(\w{8}\): judge odd: check 'V\(18°\)/V\(17°\)'." + re.escape(why)
+    with pytest.raises(InputError, match=line):
+        judged_by(path)
+
+
+@pytest.mark.parametrize(
+    ("checks", "why"),
+    [
+        ("None", "TypeError: 'NoneType' object is not iterable"),
+        ("[]", "TypeError: a judge returns checks, one at least"),
+        ("[checks]", "TypeError: a judge returns checks, one at least"),
+        (
+            "[dataclasses.replace(checks[0], points=('p',))]",
+            "ValueError: the study has no point 'p', which a check names",
+        ),
+        ("[dataclasses.replace(checks[0], part='a')]", "ValueError: odd has no part a"),
+    ],
+)
+def test_what_is_no_list_of_checks_is_one_line_that_names_its_judge(tmp_path, checks, why):
+    with pytest.raises(InputError, match=rf"plug-in odd.py \(\w{{8}}\): judge odd: .*{why}"):
+        judged_by(changed_judge(tmp_path, checks))
+
+
+def test_numbers_of_numpy_and_what_is_no_number_are_values_of_checks(tmp_path):
+    change = "votes=numpy.True_, value=numpy.float32('nan'), half_width=float('nan')"
+    path = changed_judge(tmp_path, f"[dataclasses.replace(one, {change}) for one in checks]")
+    judgement = judged_by(path)
+    assert judgement.verdict == "inconclusive"
+    (variant,) = as_mapping([judgement], "s")["claims"][0]["variants"]
+    (check,) = variant["checks"]
+    assert check["votes"] is True and check["value"] is None
 
 
 @pytest.mark.parametrize(

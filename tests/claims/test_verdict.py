@@ -14,11 +14,13 @@ from sim.claims.verdict import (
     NOT_REPRODUCED,
     REPORTED,
     REPRODUCED,
+    REPRODUCED_IN_PART,
     SIGMAS,
     Check,
     combined_verdict,
     holm_p,
     plan,
+    verdict_of_parts,
 )
 
 
@@ -96,6 +98,36 @@ def test_all_checks_must_hold_and_one_must_fail_as_one_of_so_many(checks, verdic
 def test_what_has_no_vote_fails_nothing(silent):
     assert combined_verdict([HOLDS, silent]) == (INCONCLUSIVE if silent.withheld else REPRODUCED)
     assert silent.verdict == (INCONCLUSIVE if silent.withheld else REPORTED)
+
+
+@pytest.mark.parametrize("looks", [0, 1, 2, 5])
+def test_bound_and_replicates_are_those_that_decide_at_a_look(looks):
+    check = Check("x", 1.0, 0.2, 0, inf, looks=looks)
+    for factor, verdict in ((1.02, REPRODUCED), (0.98, INCONCLUSIVE)):
+        assert replace(check, low=1 - factor * check.bound).verdict == verdict
+    undecided = replace(check, low=1 - 0.5 * check.bound)
+    replicates = undecided.replicate_factor
+    for factor, verdict in ((1.04, REPRODUCED), (0.96, INCONCLUSIVE)):
+        half_width = 0.2 / np.sqrt(factor * replicates)
+        later = replace(undecided, half_width=half_width, looks=looks and looks + 1)
+        assert later.verdict == verdict
+
+
+@pytest.mark.parametrize("order", [1, -1])
+@pytest.mark.parametrize(
+    ("p_values", "verdict"),
+    [
+        ([0.03, 0.5], INCONCLUSIVE),
+        ([0.02, 0.5], REPRODUCED_IN_PART),
+        ([0.02, 0.5, 0.6], INCONCLUSIVE),
+        ([0.01, 0.5, 0.6], REPRODUCED_IN_PART),
+        ([0.03, 0.04], REPRODUCED),
+        ([0.5, 0.6], INCONCLUSIVE),
+    ],
+)
+def test_that_one_part_holds_is_clear_among_all_parts(p_values, verdict, order):
+    parts = [[Check("x", 1, nan, 0, inf, tested=(p, 1 - p))] for p in p_values[::order]]
+    assert verdict_of_parts(parts) == verdict
 
 
 def test_p_values_are_those_of_one_sided_tests():

@@ -18,6 +18,7 @@ from sim.dataset import earlier, gather, sources
 from sim.dataset.rows import Rows, merge_rows
 from sim.dataset.sources import File, read_files
 from sim.parameters import amounts, parse_point
+from tests.made import mixed
 from tests.made.mixed import PATHS, POINTS, SHOWN, STATES, Mixed, ids
 from tests.made.netcdf import store
 from tests.made.processes import ROOT, wait_until
@@ -25,6 +26,9 @@ from tests.made.runs import write_run
 
 #: Numbers of the points in the dataset.
 STORED = (0, 3)
+
+#: Number of the point with the most replicates.
+WIDE = 5
 
 
 @pytest.fixture(scope="module")
@@ -87,6 +91,18 @@ def test_a_run_file_that_was_made_anew_is_read(study, points_read):
     found = study.build(*STORED)
     assert points_read == ids(study, 3)
     assert found != before and found == study.build_afresh(*STORED)
+
+
+def test_a_point_of_which_less_is_wanted_is_read_again(study, points_read, monkeypatch):
+    study.write(WIDE)
+    study.build(WIDE)
+    points_read.clear()
+    fewer = [*POINTS[:WIDE], POINTS[WIDE] | {"replicates": 2}]
+    monkeypatch.setattr(mixed, "POINTS", fewer)
+    content = study.build(WIDE)
+    assert points_read == ids(study, WIDE) and content == study.build_afresh(WIDE)
+    with xr.open_dataset(study.output) as dataset:
+        assert dataset.sizes["replicate"] == 2
 
 
 def test_particles_are_kept_for_as_long_as_a_figure_shows_them(study, points_read):

@@ -59,6 +59,8 @@ def test_quantiles_of_overlaps():
     assert edges[10] < median < edges[11]
     assert edges[25] < quantile(counts, edges, 0.999) < edges[26]
     assert np.isnan(quantile(0 * counts, edges, 0.5))
+    # Within a bin the logarithm grows evenly: a third of the way from 10 to 1000.
+    assert quantile(np.array([1, 3]), np.array([1, 10, 1000]), 0.5) == pytest.approx(10 ** (5 / 3))
     run = make_run(overlap_histogram=("overlap_bin", counts), overlap_edges=("overlap_edge", edges))
     assert measured(run, "chute")["median_overlap"] == median
 

@@ -11,6 +11,8 @@ from sim.parameters import (
     SYSTEMS,
     BeltParameters,
     ChuteParameters,
+    ConveyorParameters,
+    amounts,
     as_yaml,
     canonical_json,
     canonical_values,
@@ -24,6 +26,17 @@ from sim.parameters import (
 
 def test_a_follower_given_explicitly_is_the_same_point():
     assert point_id(ChuteParameters(friction_plane=0.4)) == point_id(ChuteParameters())
+
+
+@pytest.mark.parametrize(
+    ("protocol", "names"),
+    [
+        ("published", {"replicates", "average", "target"}),
+        ("converged", {"replicates", "average", "limit", "target"}),
+    ],
+)
+def test_amounts_are_those_that_have_an_effect(protocol, names):
+    assert amounts(ChuteParameters(protocol=protocol)).keys() == names
 
 
 def test_equal_numbers_are_one_point():
@@ -43,6 +56,8 @@ def test_ids_show_what_differs_from_the_paper_and_hide_what_is_numerical():
     assert re.fullmatch(r"chute-.*-stiffness100-friction_plane0.3-angle18-[0-9a-f]{8}", steep)
     verlet = point_id(BeltParameters(integrator="verlet", steps_per_cycle=4000))
     assert re.fullmatch(r"belt-.*-shear50-integrator-verlet-[0-9a-f]{8}", verlet)
+    discs = point_id(ConveyorParameters(rotation=False))
+    assert re.fullmatch(r"conveyor-.*-along1-rotation0-[0-9a-f]{8}", discs)
 
 
 @pytest.mark.parametrize("system", SYSTEMS)

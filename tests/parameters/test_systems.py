@@ -28,6 +28,36 @@ def test_natural_units_of_the_chute():
     )
 
 
+def spring_time(p: ChuteParameters) -> float:
+    """Return how long two particles oscillate on a spring K1 with a drag, half a period, s."""
+    return (
+        math.pi
+        * math.sqrt(p.mass / 2 / p.stiffness)
+        * math.hypot(1, math.log(p.restitution) / math.pi)
+    )
+
+
+def hertz_time(p: ChuteParameters) -> float:
+    """Return how long an impact of Hertz' spheres at 10 √(gσ) lasts, s."""
+    overlap, radius, speed = p.diameter / 100, p.diameter / 4, 10 * p.velocity_unit
+    modulus = p.stiffness * overlap / (4 / 3 * math.sqrt(radius) * overlap**1.5)
+    return 2.87 * ((p.mass / 2) ** 2 / (radius * modulus**2 * speed)) ** 0.2
+
+
+@pytest.mark.parametrize(
+    ("law", "time"),
+    [
+        ("walton_braun", lambda p: math.pi / 2 * math.sqrt(p.mass / 2 / p.stiffness) * 1.6),
+        ("spring_dashpot", spring_time),
+        ("drag", spring_time),
+        ("hertz", hertz_time),
+    ],
+)
+def test_the_shortest_collision_is_that_of_the_law(law, time):
+    chute = ChuteParameters(law=law, restitution=0.6, stiffness=300)
+    assert chute.collision_time == pytest.approx(time(chute), rel=1e-12)
+
+
 def test_lengths_of_a_chute_run():
     chute = ChuteParameters(transient=10, average=5)
     interval = chute.sample_steps * chute.time_step

@@ -208,7 +208,8 @@ def test_runs_are_sorted_as_numbers_with_the_unknown_last(page):
     for direction in ("ascending", "descending"):
         press(page, header.locator("button"))
         expect(header).to_have_attribute("aria-sort", direction)
-        cells = page.locator("#runs-table tbody td:nth-child(5)").all_inner_texts()
+        place = header.evaluate("(one) => one.cellIndex + 1")
+        cells = page.locator(f"#runs-table tbody td:nth-child({place})").all_inner_texts()
         values = [float(text.split()[0]) for text in cells if text != "–"]
         assert cells[-1] == "–"
         assert values == sorted(values, reverse=direction == "descending")
@@ -318,15 +319,99 @@ def test_colours_follow_the_system_until_chosen(browser, report, scheme):
     page.context.close()
 
 
-def test_print_shows_what_the_screen_hides(page):
+def opened_explorer(page: Page) -> Locator:
+    """Scroll to the explorer, which draws when it is first seen; return its section."""
+    section = page.locator("#explore")
+    section.scroll_into_view_if_needed()
+    expect(section.locator("canvas")).to_be_visible()
+    return section
+
+
+def marks(page: Page) -> int:
+    """Return the number of pixels of the explorer's picture that are not background."""
+    return page.locator("#explorer-picture canvas").evaluate(
+        """(one) => one.getContext("2d").getImageData(0, 0, one.width, one.height).data
+          .reduce((count, value, index) => count + (index % 4 === 3 && value > 0), 0)"""
+    )
+
+
+def test_the_explorer_draws_what_is_chosen_and_keeps_it_in_the_address(page, report):
+    section = opened_explorer(page)
+    assert marks(page) > 1000
+    section.locator("select[name=system]").select_option("belt")
+    section.locator("select[name=x]").select_option("frequency")
+    section.locator("summary").click()
+    section.locator("select[name='is.regime']").select_option("steady")
+    expect(section.locator("output")).to_have_text(re.compile(r"^\d+ of \d+ points$"))
+    shown_points, total = map(int, re.findall(r"\d+", section.locator("output").inner_text()))
+    assert 0 < shown_points < total
+    page.wait_for_function("location.hash.includes('is.regime=steady')")
+    address = page.url
+    page.goto("about:blank")
+    page.goto(address)
+    section = page.locator("#explore")
+    expect(section.locator("select[name='is.regime']")).to_have_value("steady")
+    expect(section.locator("output")).to_have_text(f"{shown_points} of {total} points")
+
+
+def test_an_address_with_unknown_names_leaves_the_usual_choice(page, report):
+    page.goto("about:blank")
+    page.goto(f"{report}#explore?x=nonsense&y=velocity&is.nonsense=1&system=moon")
+    section = opened_explorer(page)
+    expect(section.locator("select[name=y]")).to_have_value("velocity")
+    expect(section.locator("select[name=x]")).not_to_have_value("")
+
+
+def test_picture_and_rows_of_the_explorer_are_downloaded(page, tmp_path):
+    section = opened_explorer(page)
+    for kind, start in (("svg", b"<svg"), ("png", b"\x89PNG"), ("csv", b"friction")):
+        with page.expect_download() as download:
+            section.locator(f"[data-save={kind}]").click()
+        download.value.save_as(tmp_path / kind)
+        assert start in (tmp_path / kind).read_bytes()[:3000]
+    lines = (tmp_path / "csv").read_text().splitlines()
+    assert len(lines) == 1 + int(section.locator("output").inner_text().split()[0])
+
+
+def test_a_click_on_a_mark_leads_to_its_row(page):
+    section = opened_explorer(page)
+    section.locator("select[name=system]").select_option("belt")
+    section.locator("summary").click()
+    section.locator("select[name='is.regime']").select_option("steady")
+    expect(section.locator("output")).to_have_text(re.compile("points$"))
+    canvas = section.locator("canvas")
+    box = canvas.bounding_box()
+    # The marks are coloured: go over the picture until one is hit.
+    hit = canvas.evaluate(
+        """(one) => {
+          const [w, h] = [one.width, one.height];
+          const data = one.getContext("2d").getImageData(0, 0, w, h).data;
+          for (let y = 2; y < h - 2; y++) for (let x = 60; x < w - 160; x++) {
+            const i = 4 * (y * w + x);
+            const spread = Math.max(...data.slice(i, i + 3)) - Math.min(...data.slice(i, i + 3));
+            if (data[i + 3] > 200 && spread > 60) return [x / w, y / h];
+          }
+          return null;
+        }"""
+    )
+    page.mouse.click(box["x"] + hit[0] * box["width"], box["y"] + hit[1] * box["height"] + 1)
+    page.wait_for_function("location.hash.startsWith('#run-')")
+    expect(page.locator("#runs-table tr:focus")).to_be_visible()
+
+
+def test_print_is_short_until_evidence_is_asked_for(page):
+    page.emulate_media(media="print", color_scheme="dark")
+    hidden = ["#runs", "#evidence-W9", "#figure-gallas_1a .caption", "nav", "#claims form"]
+    for selector in hidden:
+        expect(page.locator(selector)).to_be_hidden()
+    assert colours(page)[0] > 600
+    page.emulate_media(media="screen")
+    page.locator("#print-all").check()
     page.emulate_media(media="print", color_scheme="dark")
     page.evaluate("dispatchEvent(new Event('beforeprint'))")
-    expect(page.locator("#evidence-W9")).to_be_visible()
-    expect(page.locator("#figure-gallas_1a .caption")).to_be_visible()
+    for selector in ("#runs-table", "#evidence-W9", "#figure-gallas_1a .caption"):
+        expect(page.locator(selector)).to_be_visible()
     expect(page.locator("#reproduce pre").last).to_be_visible()
-    expect(page.locator("nav")).to_be_hidden()
-    expect(page.locator("#claims form")).to_be_hidden()
-    assert colours(page)[0] > 600
     page.evaluate("dispatchEvent(new Event('afterprint'))")
     page.emulate_media(media="screen")
     expect(page.locator("#evidence-W9")).to_be_hidden()

@@ -97,7 +97,7 @@ def test_the_command_for_a_plot_names_the_study(page, study):
 
 def test_what_ended_runs_and_what_a_steady_mean_may_lack_is_explained(page):
     text = " ".join(page.text.split())
-    assert "A steady flow may be short" in text and "limit, as long as it may, before" in text
+    assert "A steady flow may be short" in text and "Limit: the longest run allowed" in text
 
 
 def test_plots_and_points_are_linked(page, study):
@@ -115,7 +115,7 @@ def test_the_table_of_points_has_a_column_of_each_parameter_that_varies(study):
     table = html[html.index('<table id="runs-table"') :]
     table = table[: table.index("</table>")]
     heads = re.findall(r"<button[^>]*>([^<]*)</button>", table)
-    assert heads[:5] == ["No.", "Point", "n", "μ", "Regime"]
+    assert heads[:5] == ["No.", "Point", "n", "μ", "Velocity (m/s)"]
     rows = re.findall(r'<tr id="run-.*?</tr>', table, re.DOTALL)
     shown = [re.findall(r'<td class="number">([^<]*)</td>', row)[:2] for row in rows]
     points = load_study(*study).points.values()

@@ -3,6 +3,7 @@
 import logging
 import os
 import time
+from pathlib import Path
 from unittest.mock import Mock
 
 import pytest
@@ -103,56 +104,48 @@ def fail(log, *logs, message=None):
     log.error("Error in rule run, jobid: 3", extra=told)
 
 
-def test_what_a_job_said_last_is_told(tmp_path, log, lines):
-    said = tmp_path / "dataset.log"
-    said.write_text("first\nerror: no space\n")
-    fail(log, said)
+SAID, NOTICE = (
+    "first\nerror: no space\n",
+    "plug-in /a/base_slip.py (1a2b3c4d): observable base_slip\n",
+)
+
+
+@pytest.mark.parametrize(
+    ("said", "age", "cluster", "message", "line"),
+    [
+        (SAID, 0, None, None, "error: no space"),
+        # File systems may keep whole seconds.
+        (SAID, 1, None, None, "error: no space"),
+        # The log of an earlier attempt.
+        (SAID, 1e6, None, None, "see dataset.log"),
+        (
+            "point: terminated\n",
+            0,
+            "a page\n",
+            "status is: 'TIMEOUT'. For further error details see",
+            ("status is: 'TIMEOUT': point: terminated"),
+        ),
+        (None, 0, "a page\n", "status is: 'NODE_FAIL'.", "status is: 'NODE_FAIL': see 7.log"),
+        (None, 0, None, "refused\n    sbatch call: ...", "refused"),
+        ("", 0, None, "refused", "refused"),
+        # A job that is stopped has said nothing but which plug-ins it has loaded.
+        (NOTICE, 0, None, None, ""),
+        (SAID + NOTICE, 0, None, None, "error: no space"),
+    ],
+)
+def test_a_failed_job_is_one_line(
+    tmp_path, monkeypatch, log, lines, said, age, cluster, message, line
+):
+    monkeypatch.chdir(tmp_path)
+    texts = {"dataset.log": said} | ({"7.log": cluster} if cluster else {})
+    for name, text in texts.items():
+        if text is not None:
+            Path(name).write_text(text)
+    if said:
+        os.utime("dataset.log", (int(time.time()) - age,) * 2)
+    fail(log, *texts, message=message)
     log.info("Select jobs to execute...")
-    assert lines == ["dataset: job failed: error: no space"]
-
-
-def test_of_a_job_on_a_cluster_its_state_is_told_too(tmp_path, log, lines):
-    said = tmp_path / "batch_1.log"
-    said.write_text("point: terminated\n")
-    fail(
-        log, said, tmp_path / "7.log", message="status is: 'TIMEOUT'. For further error details see"
-    )
-    assert lines == ["batch_1: job failed: status is: 'TIMEOUT': point: terminated"]
-
-
-def test_of_a_long_message_the_first_line_is_told(tmp_path, log, lines):
-    fail(log, tmp_path / "warm.log", message="refused\n    sbatch call: ...")
-    assert lines == ["warm: job failed: refused"]
-
-
-def test_the_log_of_the_cluster_is_named_where_the_command_had_nothing_to_say(tmp_path, log, lines):
-    (tmp_path / "7.log").write_text("a page of text\n")
-    fail(log, tmp_path / "none.log", tmp_path / "7.log", message="status is: 'NODE_FAIL'.")
-    assert lines == [f"none: job failed: status is: 'NODE_FAIL': see {tmp_path / '7.log'}"]
-
-
-def test_a_log_of_an_earlier_attempt_is_not_told(tmp_path, log, lines):
-    said = tmp_path / "claims.log"
-    said.write_text("error: of yesterday\n")
-    os.utime(said, (0, 0))
-    fail(log, said)
-    assert lines == [f"claims: job failed: see {said}"]
-
-
-def test_a_log_whose_file_system_keeps_coarse_times_is_told(tmp_path, log, lines):
-    said = tmp_path / "dataset.log"
-    said.write_text("error: no space\n")
-    whole_seconds = int(time.time()) - 1
-    os.utime(said, (whole_seconds, whole_seconds))
-    fail(log, said)
-    assert lines == ["dataset: job failed: error: no space"]
-
-
-def test_no_empty_log_is_named(tmp_path, log, lines):
-    empty = tmp_path / "warm.log"
-    empty.touch()
-    fail(log, empty, message="refused")
-    assert lines == ["warm: job failed: refused"]
+    assert lines == [": ".join(filter(None, ("dataset: job failed", line)))]
 
 
 def test_a_job_without_a_log_is_told_by_its_rule(log, lines):
@@ -184,7 +177,21 @@ def test_a_workflow_that_is_followed_tells_failed_jobs_and_ends_with_the_status(
     watch.summarize()
     output = capsys.readouterr().err
     assert "run: job failed" in output and "Execute" not in output
-    assert "\n3 points: " in output
+    assert "\n3 points: " in output and "report" not in output
+
+
+@pytest.mark.parametrize("age", [-1, 1])
+def test_a_workflow_ends_with_the_place_of_a_report_that_is_not_older_than_the_dataset(
+    study, tmp_path, capsys, age
+):
+    folder = tmp_path / study.name
+    folder.mkdir()
+    for name, date in (("dataset.nc", 1), ("report.html", 1 + age)):
+        (folder / name).touch()
+        os.utime(folder / name, (date, date))
+    Watch(study, folder).summarize()
+    ending = f"\nreport: {folder}/report.html\n"
+    assert capsys.readouterr().err.endswith(ending) == (age > 0)
 
 
 def test_adopted_points_are_not_waited_for(study, tmp_path):

@@ -10,11 +10,22 @@ import pytest
 import yaml
 
 from sim.__main__ import main
+from sim.base.additions import (
+    TALUS,
+    AdditionError,
+    attribute_additions_to,
+    shipped,
+)
 from sim.base.errors import InputError
-from sim.parameters import SYSTEMS, canonical_values, parse_point
+from sim.base.plugins import load_plugins
+from sim.parameters import SYSTEMS, BeltParameters, canonical_values, parse_point
+from sim.parameters.choices import extended
+from sim.parameters.laws import law
+from sim.parameters.motions import MOTION, motion
 from sim.study.catalogue import FIGURES
 from sim.study.load import load_study, parse_study
 from sim.study.reference import BEGIN, END, insert_reference, reference_text, schema, schema_text
+from tests.made.plugins import restore_plugins
 
 CONFIG = Path(__file__).parents[2] / "config"
 GUIDE = (CONFIG / "README.md").read_text(encoding="utf-8")
@@ -156,3 +167,37 @@ def test_a_guide_without_markers_is_left_alone(tmp_path, capsys):
     assert "markers" in capsys.readouterr().err
     assert (tmp_path / "README.md").read_text() == "by hand\n"
     assert main(["schema", "--write", str(tmp_path / "nowhere")]) == 2
+
+
+def test_the_row_of_the_laws_is_what_each_says_of_itself():
+    (row, *_) = [line for line in reference_text().splitlines() if line.startswith("| `law` |")]
+    texts = [f"{name} ({one.description})" for name, one in shipped("law").items()]
+    assert len(texts) > 3 and all(text in row for text in texts)
+    said = schema()["$defs"]["ChuteParameters"]["properties"]["law"]["description"]
+    assert said in row and said.startswith("contact law: walton_braun (")
+
+
+def test_the_motions_are_what_each_says_of_itself(tmp_path):
+    path = tmp_path / "own.py"
+    path.write_text(
+        "import sim\n"
+        "sim.motion('slow', make=dict, state=lambda m, a: (0, 0, 0), description='a slow one')\n"
+        "sim.motion('fast', make=dict, state=lambda m, a: (0, 0, 0))\n"
+    )
+    with restore_plugins():
+        load_plugins(path)
+        said = extended(BeltParameters, MOTION).model_fields["motion"].description
+    usual = shipped("motion")["harmonic"].description
+    assert said == f"motion of the base: harmonic ({usual}), slow (a slow one), fast"
+
+
+@pytest.mark.parametrize(
+    ("declare", "functions"),
+    [(law, ("make", "force", "energy", "collision_time")), (motion, ("make", "state"))],
+)
+def test_what_ships_says_what_it_is(declare, functions):
+    with (
+        pytest.raises(AdditionError, match="one: description is text, not empty: got ''"),
+        attribute_additions_to(TALUS),
+    ):
+        declare("one", **dict.fromkeys(functions, print))

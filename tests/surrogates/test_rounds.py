@@ -8,7 +8,7 @@ import pytest
 from sim.base.errors import InputError
 from sim.dataset.build import build
 from sim.dataset.results import load_current, load_results
-from sim.dataset.rounds import known_points, read_round, round_files, rounds_to_come
+from sim.dataset.rounds import points_of_rounds, read_round, round_files, rounds_to_come
 from sim.report.status import survey
 from sim.report.status_table import as_text
 from sim.study.load import load_study
@@ -77,7 +77,7 @@ def test_rounds_end_at_the_error(ended):
     path, results, number, lines = ended
     folder = results / "made"
     study = load_study(path, results)
-    count = len(known_points(study, folder))
+    count = len(points_of_rounds(study, folder))
     assert number > 1 and count == 8 + 4 * (number - 1)
     assert rounds_to_come(study, folder) == 0 and len(round_files(study, folder)) == number
     surrogate = load(folder).surrogate("velocity")
@@ -95,7 +95,7 @@ def test_points_of_rounds_are_those_that_more_points_would_have(ended):
     text = path.read_text().replace("points: 8", f"points: {8 + 4 * (number - 1)}")
     larger = path.with_name("larger.yaml")
     larger.write_text(text)
-    known = known_points(load_study(path, results), results / "made")
+    known = points_of_rounds(load_study(path, results), results / "made")
     assert set(load_study(larger, results).points) == set(known)
 
 
@@ -140,7 +140,7 @@ def test_a_budget_ends_rounds(tmp_path):
     hours = float(dataset["wall_time"].sum()) / 3600
     write_study(tmp_path, error=0.0001, budget=0.8 * hours)
     number = go_on(path, results)
-    added = len(known_points(load_study(path, results), results / "made")) - 8
+    added = len(points_of_rounds(load_study(path, results), results / "made")) - 8
     assert 4 <= added <= 7 and number <= 3
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import sim
-from sim.dataset.rounds import known_points
+from sim.dataset.rounds import points_of_rounds
 from sim.study.load import load_study
 from tests.made.processes import ROOT, wait_until
 from tests.made.project import bare_folder, command, planned_jobs, snakemake
@@ -44,7 +44,7 @@ def test_rounds_have_added_points_and_ended(tree):
     files = sorted((folder / "rounds").glob("*.json"), key=lambda path: int(path.stem))
     rounds = [json.loads(path.read_text()) for path in files]
     assert rounds[0] and not rounds[-1] and all(rounds[:-1])
-    known = known_points(study, folder)
+    known = points_of_rounds(study, folder)
     assert len(known) == 6 + sum(map(len, rounds))
     assert {path.stem for path in (folder / "runs").glob("belt-*.nc")} == set(known)
 

@@ -1,4 +1,4 @@
-# Answers to the questions of the study: its surrogates.
+# Answers to the questions of the study: surrogates, sensitivities, calibrations.
 
 
 rule questions:

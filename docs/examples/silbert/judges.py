@@ -5,9 +5,10 @@ from sim.claims.verdict import Untestable
 
 
 def steeper(evidence, *, least):
-    """Judge whether the mean velocity rises with the angle."""
-    flows = evidence.line("chute", "angle", bumps=1, depth=4, friction=0.5, restitution=0.88)
+    """Judge whether the mean velocity of steady flows rises with the angle."""
+    line = evidence.line("chute", "angle", bumps=1, depth=4, friction=0.5, restitution=0.88)
+    flows = {angle: flow for angle, flow in line.items() if flow.regime == "steady"}
     if len(flows) < least:
-        raise Untestable(f"fewer than {least} angles on bumps")
-    velocities = [place.values("velocity") for place in flows.values()]
+        raise Untestable(f"fewer than {least} angles with a steady flow on bumps")
+    velocities = [flow.values("velocity") for flow in flows.values()]
     return [trend("V and θ", [velocities], flows.values())]

@@ -22,6 +22,7 @@ def make(p: Any) -> NamedTuple:
 
 motion(
     "harmonic",
+    description="sine and cosine of one frequency, of a plane also of a second one",
     make=make,
     state=None,
     owns=("phase_along", "overtone", "overtone_amplitude", "overtone_along", "overtone_phase"),

@@ -84,7 +84,7 @@ function applyFilters(form) {
   form.querySelector("output").textContent = `${shown} of ${rows.length} shown`;
 }
 
-for (const form of all("form.filters")) {
+for (const form of all("form.filters[data-table]")) {
   form.addEventListener("submit", (event) => event.preventDefault());
   form.addEventListener("input", () => applyFilters(form));
   // The fields are empty only after the event.
@@ -160,10 +160,12 @@ for (const button of all("[data-play]")) {
   });
 }
 
-// Print everything, then leave the page as it was.
+// Print what is open on the screen; all of it, if the reader asks for that.
+const printAll = document.getElementById("print-all");
+printAll.addEventListener("change", () => document.documentElement.classList.toggle("print-all", printAll.checked));
 let opened = [];
 addEventListener("beforeprint", () => {
-  opened = all("details:not([open])");
+  opened = printAll.checked ? all("details:not([open])") : [];
   for (const one of opened) one.open = true;
 });
 addEventListener("afterprint", () => {

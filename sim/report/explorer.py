@@ -1,0 +1,144 @@
+"""The explorer of a report: the numbers of all points, and the program that draws them.
+
+The page draws with Vega-Lite. Program and numbers are in the page itself, compressed, so that it
+loads nothing from elsewhere.
+"""
+
+import base64
+import gzip
+import json
+from collections.abc import Mapping, Sequence
+from importlib.metadata import version
+from math import isfinite
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from sim.base.files import atomic_write
+from sim.base.statistics import student_half_width
+from sim.engine.identity import cache_directory
+from sim.figures.quantity import label_with_unit, unit_of
+from sim.parameters import SYSTEMS, field_info
+from sim.report.runs import varied_parameters
+from sim.study.plottable import numbers
+
+#: Significant digits of the numbers.
+_DIGITS = 5
+
+#: What the table of points says in words, and how the explorer labels it.
+_WORDS = {"regime": "regime", "quality": "quality of the mean", "series": "series"}
+
+
+def explorer_data(dataset: xr.Dataset, runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return what the explorer shows of the points of a dataset, by system.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        The dataset of the study.
+    runs : sequence of mapping
+        Its table of runs, see `sim.report.runs.run_rows`, with the ``page`` of each point.
+
+    Returns
+    -------
+    dict
+        By system ``columns`` and ``links``. A column has a ``name``, a ``label`` with its unit, a
+        ``kind`` (``parameter``, ``observable`` or ``word``) and its ``values``, one per point and
+        ``None`` where unknown; the series of a point are a list. An observable is a mean over
+        replicates; its ``half`` is half the width of the 95 % interval. ``links`` lead to the page
+        of a point, or to its row in the table of runs.
+    """
+    systems = {}
+    for system in dict.fromkeys(run["system"] for run in runs):
+        rows = [run for run in runs if run["system"] == system]
+        points = dataset.isel(point=[run["number"] - 1 for run in rows])
+        columns = [*_parameters(points, system), *_observables(points, system, rows)]
+        columns += [
+            {"name": name, "label": label, "kind": "word", "values": [row[name] for row in rows]}
+            for name, label in _WORDS.items()
+        ]
+        systems[system] = {
+            "columns": columns,
+            "links": [run["page"] or f"#run-{run['number']}" for run in rows],
+        }
+    return systems
+
+
+def _parameters(points: xr.Dataset, system: str) -> list[dict[str, Any]]:
+    """Return the columns of the parameters that differ between the points of a system."""
+    columns = []
+    for name, values in varied_parameters(points, system).items():
+        declared, is_number = field_info(SYSTEMS[system])[name], values.dtype.kind in "fi"
+        unit = declared.scale or ("" if declared.unit == "1" else declared.unit)
+        columns.append(
+            {
+                "name": name,
+                "label": label_with_unit(f"{name} {declared.symbol}".strip(), unit),
+                "kind": "parameter" if is_number else "word",
+                "values": _numbers(values) if is_number else [str(value) for value in values],
+            }
+        )
+    return columns
+
+
+def _observables(
+    points: xr.Dataset, system: str, rows: Sequence[Mapping[str, Any]]
+) -> list[dict[str, Any]]:
+    """Return the columns of the observables of a system that have more than one value."""
+    is_completed = (points["status"] == "completed").values
+    columns = []
+    for name, observable in numbers(system).items():
+        if observable.is_mean or observable.source not in points:
+            continue
+        if name == "velocity":
+            means = np.array([row["velocity"] for row in rows], dtype=float)
+            halves = np.array([row["half_width"] for row in rows], dtype=float)
+        else:
+            values = np.where(is_completed, points[observable.source].values, np.nan)
+            finite = [replicates[np.isfinite(replicates)] for replicates in values]
+            means = np.array([each.mean() if each.size else np.nan for each in finite])
+            halves = np.array([float(student_half_width(each)) for each in finite])
+        if len(np.unique(means[np.isfinite(means)])) > 1:
+            unit = unit_of(observable.unit, "si", system)
+            column = {
+                "name": name,
+                "label": label_with_unit(name.replace("_", " "), unit),
+                "kind": "observable",
+                "values": _numbers(means),
+            }
+            if np.isfinite(halves).any():
+                column["half"] = _numbers(halves)
+            columns.append(column)
+    return columns
+
+
+def _numbers(values: np.ndarray) -> list[float | None]:
+    """Return numbers of a few digits, ``None`` where they are not finite."""
+    return [float(f"{value:.{_DIGITS}g}") if isfinite(value) else None for value in values]
+
+
+def compressed(data: Any) -> str:
+    """Return data as JSON that is compressed and in letters that a page can hold."""
+    text = json.dumps(data, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+    return _letters(text.encode())
+
+
+def drawing_program() -> str:
+    """Return the program of Vega-Lite, compressed like `compressed`.
+
+    It is bundled once for a version of the library, then read from the cache.
+    """
+    path = cache_directory(with_plugins=False) / f"vega-{version('vl-convert-python')}.txt"
+    if path.is_file():
+        return path.read_text(encoding="ascii")
+    from vl_convert import javascript_bundle
+
+    text = _letters(javascript_bundle("window.vegaEmbed = vegaEmbed;").encode())
+    with atomic_write(path) as temporary:
+        temporary.write_text(text, encoding="ascii")
+    return text
+
+
+def _letters(content: bytes) -> str:
+    return base64.b64encode(gzip.compress(content, mtime=0)).decode("ascii")

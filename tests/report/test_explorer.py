@@ -1,0 +1,78 @@
+"""Numbers that the explorer of a report shows."""
+
+import gzip
+import json
+from base64 import b64decode
+
+import numpy as np
+import pytest
+
+from sim.dataset.results import load_results
+from sim.report.explorer import compressed, drawing_program, explorer_data
+from sim.report.runs import run_rows
+from sim.study.plottable import numbers
+from tests.made.figures import make_figures
+
+
+@pytest.fixture(scope="module")
+def dataset(tmp_path_factory):
+    _, results = make_figures(tmp_path_factory.mktemp("made"))
+    return load_results(results / "made" / "dataset.nc").dataset
+
+
+@pytest.fixture(scope="module")
+def systems(dataset):
+    runs = run_rows(dataset, [])
+    for run in runs:
+        run["page"] = f"pages/{run['point']}.html" if run["number"] == 1 else ""
+    return explorer_data(dataset, runs)
+
+
+def column(systems, system: str, name: str) -> dict:
+    (one,) = (each for each in systems[system]["columns"] if each["name"] == name)
+    return one
+
+
+def test_each_system_has_its_points(dataset, systems):
+    for system, table in systems.items():
+        count = int((dataset["system"] == system).sum())
+        assert len(table["links"]) == count > 0
+        assert all(len(one["values"]) == count for one in table["columns"])
+    assert sum(len(table["links"]) for table in systems.values()) == dataset.sizes["point"]
+
+
+def test_links_lead_to_the_page_of_a_point_or_to_its_row(systems):
+    links = [link for table in systems.values() for link in table["links"]]
+    assert [link for link in links if link.startswith("pages/")] == [links[0]]
+    assert len(set(links)) == len(links)
+
+
+def test_observables_are_means_of_completed_replicates_with_their_interval(dataset, systems):
+    compared = 0
+    for system, table in systems.items():
+        rows = dataset.isel(point=(dataset["system"] == system).values)
+        is_completed = rows["status"] == "completed"
+        shown = [one for one in table["columns"] if one["kind"] == "observable"]
+        assert "velocity" in [one["name"] for one in shown if one["half"]]
+        for one in shown:
+            source = numbers(system)[one["name"]].source
+            means = rows[source].where(is_completed).mean("replicate").values
+            np.testing.assert_allclose(np.array(one["values"], dtype=float), means, rtol=1e-4)
+            compared += 1
+    assert compared > 2
+
+
+def test_parameters_that_do_not_vary_are_left_out(dataset, systems):
+    for system, table in systems.items():
+        for one in table["columns"]:
+            if one["kind"] == "parameter":
+                values = dataset[one["name"]].values[(dataset["system"] == system).values]
+                assert len(set(values)) > 1, one["name"]
+    assert column(systems, "belt", "frequency")["label"] == "frequency f\N{NO-BREAK SPACE}(Hz)"
+
+
+def test_compressed_data_and_program_can_be_read_again(systems):
+    assert json.loads(gzip.decompress(b64decode(compressed(systems)))) == systems
+    program = drawing_program()
+    assert b"vegaEmbed" in gzip.decompress(b64decode(program))
+    assert drawing_program() == program
