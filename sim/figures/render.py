@@ -14,6 +14,7 @@ from PIL.PngImagePlugin import PngInfo
 
 from sim.base.errors import InputError
 from sim.base.files import atomic_write
+from sim.base.messages import one_of
 from sim.dataset.results import Results, load_results, require_known_options
 from sim.figures.caption import caption
 from sim.figures.data import FigureData, figure_data
@@ -64,7 +65,7 @@ def find_spec(name: str, plots: Mapping[str, FigureSpec] | None = None) -> Figur
         hint = (
             "" if plots is not None else "with --study STUDY.yaml a plot of that study; without, "
         )
-        raise InputError.of_value("figure", "name", name, f"{hint}one of {', '.join(specs)}")
+        raise InputError.of_value("figure", "name", name, hint + one_of(name, specs))
     return specs[name]
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.base.errors import InputError
+from sim.base.messages import one_of
 from sim.parameters import (
     NUMERICAL,
     SYSTEMS,
@@ -82,7 +83,7 @@ def _require_known_names(
         raise contents.error("name", name, "a name that no other plot has, capitals or not")
     for number, one in enumerate(contents.plot.series or []):
         if one not in series:
-            raise contents.error(f"series[{number}]", one, "one of " + ", ".join(series))
+            raise contents.error(f"series[{number}]", one, one_of(one, series))
 
 
 def _plot_spec(contents: PlotContents, series: Sequence[str]) -> FigureSpec:
