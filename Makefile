@@ -21,6 +21,8 @@ $(STAMP): requirements.lock
 	@$(PYTHON) -m venv $(VENV) || { \
 	  echo "'$(PYTHON) -m venv' failed: install the venv module of this Python (python3-venv on Debian)" >&2; exit 2; }
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --requirement requirements.lock
+	@# Else every job compiles what it imports where PYTHONDONTWRITEBYTECODE is set.
+	@$(BIN)/python -m compileall -q -j 0 -x '/tests?/' $(VENV)/lib sim >/dev/null || true
 	@touch $(STAMP)
 	@echo 'ready: . $(VENV)/bin/activate'
 

@@ -14,7 +14,6 @@ from sim.base.program import __version__
 if TYPE_CHECKING:
     from sim.base.plugins import load_plugins
     from sim.claims.claim import judge
-    from sim.dataset.results import load
     from sim.engine.dynamics.status import BlowUp
     from sim.engine.flow import Flow, simulate
     from sim.parameters.choices import parameter
@@ -24,6 +23,7 @@ if TYPE_CHECKING:
     from sim.study.load import points
     from sim.study.papers import paper
     from sim.study.plot_kinds import plot_kind
+    from sim.surrogates.results import load
 
 __all__ = [
     "BlowUp",
@@ -49,7 +49,7 @@ _PLACES = {
     "Flow": "sim.engine.flow:Flow",
     "judge": "sim.claims.claim:judge",
     "law": "sim.parameters.laws:law",
-    "load": "sim.dataset.results:load",
+    "load": "sim.surrogates.results:load",
     "load_plugins": "sim.base.plugins:load_plugins",
     "motion": "sim.parameters.motions:motion",
     "observable": "sim.parameters.observables:observable",

@@ -42,8 +42,8 @@ COMMANDS = {
     "points": ("sim.report.points:show", "list the points of a study and what they cost"),
     "status": ("sim.report.status_table:show", "show how far a study is"),
     "refine": (
-        "sim.dataset.boundaries:write_round",
-        "work out the points of a round of refinement",
+        "sim.surrogates.rounds:write_round",
+        "work out the points of a round, of boundaries and surrogates",
     ),
     "schema": ("sim.study.reference:show", "print the JSON schema of studies and points"),
     "run": ("sim.engine.command:run", "run one point"),
@@ -59,6 +59,11 @@ COMMANDS = {
     ),
     "dataset": ("sim.dataset.build:build", "combine the runs of a study in one dataset"),
     "boundaries": ("sim.dataset.boundaries:build", "write the boundaries found as CSV"),
+    "questions": (
+        "sim.surrogates.answers:build",
+        "answer the questions of a study from its dataset",
+    ),
+    "predict": ("sim.report.predict:predict", "predict between the points of a study"),
     "claims": ("sim.claims.verdict_files:build", "judge the claims of both papers on a study"),
     "decide": ("sim.report.decide:decide", "add the replicates that open questions need"),
     "figure": ("sim.figures.several:draw_figures", "draw figures from a dataset"),
@@ -184,13 +189,16 @@ def parser(prog: str) -> argparse.ArgumentParser:
         description = f"{text[0].upper()}{text[1:]}."
         parsers[name] = commands.add_parser(name, help=text, description=description)
         parsers[name].set_defaults(function=function)
-    study_commands = "points refine adopt dataset boundaries claims decide report orphans publish"
+    study_commands = (
+        "points refine adopt dataset boundaries questions claims decide report orphans publish"
+    )
     for name in study_commands.split():
         _add_study(parsers[name])
     _add_study(parsers["status"], nargs="?", help="(default: config/quick.yaml)")
     _add_start_options(parsers["init"], parsers["study"])
     _add_study_options(parsers)
     _add_point_options(parsers)
+    _add_predict_options(parsers["predict"])
     _add_result_options(parsers)
     return parser
 
@@ -331,6 +339,33 @@ def _add_point_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
     )
     export.add_argument(
         "--replicate", type=int, default=0, metavar="N", help="its number, from 0 (default: 0)"
+    )
+
+
+def _add_predict_options(predict: argparse.ArgumentParser) -> None:
+    predict.add_argument(
+        "source", type=Path, metavar="STUDY.yaml or FOLDER", help="study, or its results"
+    )
+    predict.add_argument(
+        "--at",
+        action="append",
+        default=[],
+        metavar="PARAMETER=VALUE",
+        help="value of a parameter, or several with commas; once for each parameter",
+    )
+    predict.add_argument(
+        "--of", metavar="NAME", help="surrogate, or observable (default: the only surrogate)"
+    )
+    predict.add_argument(
+        "--extrapolate", action="store_true", help="outside the ranges of the points, too"
+    )
+    predict.add_argument("--format", choices=("table", "json"), default="table")
+    predict.add_argument(
+        "--results",
+        type=Path,
+        default=Path("results"),
+        metavar="FOLDER",
+        help="folder of all results (default: results)",
     )
 
 

@@ -6,6 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sim.claims.claim import claims
+from sim.claims.evidence import Evidence
 from sim.claims.judge import judge
 from sim.claims.readings import readings_of
 from sim.claims.verdict_files import as_mapping
@@ -46,6 +48,21 @@ def test_verdicts_follow_from_the_dataset(study, monkeypatch):
         for each in (read_claims(study / "claims.json", replaceable=False), again)
     ]
     assert verdicts[0] == verdicts[1]
+
+
+@pytest.mark.parametrize(
+    ("claim_id", "settings"),
+    [("W11", {"cell": {10}}), ("W22", {"depth": {20}, "stiffness": {100, 1000}})],
+)
+def test_the_price_of_a_claim_is_that_of_the_statistic_that_answers_it(claim_id, settings):
+    """W11 is a share per cell, and W22 compares two stiffnesses at one depth."""
+    results = load_results(ROOT / PUBLISHED / "paper_walton" / "dataset.nc")
+    claim = next(claim for claim in claims() if claim.id == claim_id)
+    checks = claim.checks_on(Evidence(results, "published"))
+    points = {point for check in checks if check.has_vote for point in check.points}
+    rows = results.dataset.sel(point=sorted(points))
+    for name, values in settings.items():
+        assert set(rows[name].values.tolist()) == values
 
 
 @pytest.mark.parametrize("study", STUDIES, ids=name)

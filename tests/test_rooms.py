@@ -19,7 +19,7 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 ONLY = {
     "dataset": {"engine": {"stored_run", "identity"}},
     "figures": {"engine": set()},
-    "report": {"engine": {"stored_run", "identity", "progress"}},
+    "report": {"engine": {"shared_runs", "stored_run", "identity", "progress"}},
     "papers": {
         "base": {"plugins", "statistics"},
         "parameters": {"", "belt"},

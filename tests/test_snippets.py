@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 from importlib.util import find_spec
+from itertools import dropwhile
 from pathlib import Path
 from typing import NamedTuple
 
@@ -139,7 +140,8 @@ def commands(text: str) -> list[list[str]]:
             else:
                 current.append(word)
         found.append(current)
-    plain = ([word for word in words if not re.fullmatch(r"\w+=.*", word)] for words in found)
+    # Values of variables stand before a command.
+    plain = (list(dropwhile(re.compile(r"\w+=.*").fullmatch, words)) for words in found)
     return [cut(words) for words in plain if words]
 
 
@@ -159,6 +161,7 @@ def understood(words: list[str]) -> None:
 
 @pytest.mark.parametrize("page", PAGES)
 def test_studies_and_points_are_valid(page, tmp_path):
+    write_tables(page, tmp_path)
     for text in of_kind(page, "yaml"):
         given = yaml.safe_load(text)
         if "plugins" in given or given.keys() & {"author", "figures", "claims"}:
@@ -172,7 +175,15 @@ def test_studies_and_points_are_valid(page, tmp_path):
         else:
             key = {"defaults"} if given.keys() <= {"chute", "belt"} else set(given)
             fragment = {"defaults": given} if key == {"defaults"} else given
-            assert parse_study(FRAME | fragment, page, tmp_path)
+            assert parse_study(FRAME | fragment, tmp_path / "study.yaml", tmp_path)
+
+
+def write_tables(page: str, folder: Path) -> None:
+    """Write the CSV files that the studies of a page name, with the table that it shows."""
+    named = re.findall(r"(?:file|data): ([\w-]+\.csv)", "\n".join(of_kind(page, "yaml")))
+    tables = [text for text in of_kind(page, "text") if re.match(r".+, .+\n\d", text)]
+    for name, table in zip(dict.fromkeys(named), tables, strict=False):
+        (folder / name).write_text(table)
 
 
 @pytest.mark.parametrize("page", PAGES)

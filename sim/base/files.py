@@ -1,15 +1,14 @@
-"""Files: atomic writes, locks, private folders, and times by which Snakemake reruns jobs."""
+"""Files: atomic writes, regular files, locks, and private folders."""
 
 import errno
 import logging
 import os
+import re
+import shutil
 import stat
-import sys
 import tempfile
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from glob import escape
 from pathlib import Path
 from typing import BinaryIO
 
@@ -19,57 +18,101 @@ from sim.base.errors import InputError
 
 log = logging.getLogger("talus")
 
-#: Maximum difference (s) of clocks of machines that share a folder; and a time before all others.
-CLOCK_ERROR = 60.0
-OLD = 86400.0
 
-#: A time (s) before all runs; and the shift (s) that dates a run file back to before that time.
-YEAR_2000 = 946684800.0
-FIFTY_YEARS = 50 * 365.25 * 86400
+@contextmanager
+def atomic_write(path: Path, durable: bool = True) -> Iterator[Path]:
+    """Yield a temporary path to write to; the file is renamed to ``path`` when the block succeeds.
 
-#: Outputs of the workflow in the folder of a study, beside adopted datasets.
-OUTPUTS = (
-    *("adopted/*.nc", "runs/*.nc", "runs/.warm", "rounds/*.json", "figures/*", "pages/*.html"),
-    *("dataset.nc", "boundaries.csv", "claims.csv", "verdicts.csv", "claims.json", "report.html"),
-)
+    After an error ``path`` is unchanged, and the temporary file gone.
+
+    Parameters
+    ----------
+    path : Path
+        The file; an existing one is replaced. A link is replaced, not followed.
+    durable : bool
+        Put the file on the disk before it is renamed, safe from a power cut.
+
+    Raises
+    ------
+    OSError
+        When the file cannot be written. The error names ``path``.
+    """
+    with temporary_folder(path) as folder:
+        temporary = folder / path.name
+        try:
+            yield temporary
+            if durable:
+                _flush(temporary)
+            temporary.replace(path)
+            if durable:
+                _flush(path.parent)
+        except OSError as error:
+            # Users do not know the temporary name.
+            if error.errno and error.filename in (None, str(temporary)):
+                raise OSError(error.errno, error.strerror, str(path)) from error
+            raise
 
 
 @contextmanager
-def atomic_write(path: Path) -> Iterator[Path]:
-    """Yield a temporary path beside ``path`` to write to; rename it when the block succeeds.
+def temporary_folder(path: Path) -> Iterator[Path]:
+    """Yield a new, empty folder beside ``path``, which nobody else can write; it is removed after.
 
-    After an error ``path`` is unchanged, the temporary file gone; an `OSError` names ``path``.
-    Temporary files of killed processes are removed first.
+    All files that appear whole are written in such a folder. Its name cannot be foretold, so nobody
+    can have put a link in the place of what is written. Folders that killed processes have left
+    for the same ``path`` are removed first.
+
+    Raises ``OSError`` that says so where writing has failed on a full disk.
     """
-    remove_leftovers(path)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        yield temporary
-        _flush(temporary)
-        temporary.replace(path)
-        _flush(path.parent)
+        remove_leftovers(path)
+        name = tempfile.mkdtemp(".part", f".{path.name}.{os.getpid()}.", path.parent)
     except OSError as error:
-        # The error of a full disk names no file, and users do not know the temporary name.
-        if error.errno and error.filename in (None, str(temporary)):
-            raise OSError(error.errno, error.strerror, str(path)) from error
+        raise OSError(error.errno, error.strerror, str(path)) from error
+    try:
+        yield Path(name)
+    except (OSError, RuntimeError) as error:
+        # Of a full disk, libraries say "HDF error" or "permission denied".
+        if number := _shortage(Path(name)):
+            raise OSError(number, os.strerror(number), str(path)) from error
         raise
     finally:
-        temporary.unlink(missing_ok=True)
+        shutil.rmtree(name, ignore_errors=True)
 
 
 def remove_leftovers(path: Path) -> None:
-    """Remove the temporary files of killed processes that were writing ``path``."""
-    for temporary in path.parent.glob(f".{escape(path.name)}.*.part"):
-        if not _is_alive(temporary.name.split(".")[-2]):
-            temporary.unlink(missing_ok=True)
+    """Remove what killed processes have left of writing ``path``."""
+    pattern = re.compile(rf"\.{re.escape(path.name)}\.(\d+)\.(?:\w+\.)?part")
+    with os.scandir(path.parent) as entries:
+        leftovers = [
+            entry
+            for entry in entries
+            if (match := pattern.fullmatch(entry.name)) and not _is_alive(match[1])
+        ]
+    for entry in leftovers:
+        if entry.is_dir(follow_symlinks=False):
+            shutil.rmtree(entry.path, ignore_errors=True)
+        else:
+            with suppress(FileNotFoundError):
+                Path(entry.path).unlink()
 
 
-def open_regular(path: Path) -> BinaryIO:
-    """Open a regular file for reading bytes.
+def _shortage(folder: Path) -> int:
+    """Return the number of the error where a folder has not even a megabyte left, else 0."""
+    try:
+        with tempfile.TemporaryFile(dir=folder) as file:
+            os.posix_fallocate(file.fileno(), 0, 1 << 20)
+    except OSError as error:
+        return error.errno if error.errno in (errno.ENOSPC, errno.EDQUOT) else 0
+    return 0
+
+
+def open_regular(path: Path, follow: bool = True) -> BinaryIO:
+    """Open a regular file for reading bytes; where not to ``follow`` links, they are none.
 
     Raises ``OSError`` for anything else: a pipe or a device may never end.
     """
-    number = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    flags = os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC
+    number = os.open(path, flags if follow else flags | os.O_NOFOLLOW)
     if not stat.S_ISREG(os.fstat(number).st_mode):
         os.close(number)
         raise OSError(errno.EINVAL, "not a regular file", str(path))
@@ -97,23 +140,29 @@ def lock_of(path: Path) -> FileLock:
 
     Raises ``OSError`` where the file cannot be written, which is no lack of locks.
     """
-    # Locking would empty the target of a symbolic link.
     if path.is_symlink():
         path.unlink()
-    path.touch()
+    # A link that appears now is not followed, and a pipe keeps nobody waiting.
+    flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
+    os.close(os.open(path, flags, 0o666))
     return FileLock(path, fallback_to_soft=False)
 
 
 @contextmanager
-def file_lock(path: Path) -> Iterator[bool]:
+def file_lock(path: Path, wait: bool = True) -> Iterator[bool]:
     """Lock ``path`` for one process at a time; yield True after waiting for another process.
 
+    Where it shall not ``wait``, raise ``Timeout``, an ``OSError``, while another one has the lock.
     The kernel releases the lock when the process ends. On a file system without locks nobody waits.
     """
     name = path.with_name(f".{path.name}.lock")
     lock, has_waited = lock_of(name), False
-    with suppress(OSError):
-        has_waited = _wait_for(lock)
+    try:
+        has_waited = _wait_for(lock, wait)
+    except Timeout:
+        raise
+    except OSError:
+        pass  # no locks on this file system
     try:
         yield has_waited
     finally:
@@ -122,11 +171,13 @@ def file_lock(path: Path) -> Iterator[bool]:
         lock.release()
 
 
-def _wait_for(lock: FileLock) -> bool:
+def _wait_for(lock: FileLock, wait: bool) -> bool:
     """Acquire the lock; return True if another process held it."""
     try:
         lock.acquire(blocking=False)
     except Timeout:
+        if not wait:
+            raise
         log.warning("%s: waiting for another process that makes the same file", lock.lock_file)
         lock.acquire()
         return True
@@ -232,48 +283,3 @@ def user_temporary_folder() -> Path:
 
 def _others_may_write(status: os.stat_result) -> bool:
     return bool(status.st_mode & (stat.S_IWGRP | stat.S_IWOTH))
-
-
-def write_start(path: Path) -> None:
-    """Write a file that is older than all runs, with fresh content each time; see `age`.
-
-    Snakemake reruns a job if an input is newer than its output and has changed since the output was
-    made. This holds whatever Snakemake has recorded of a failed job.
-    """
-    path.parent.mkdir(exist_ok=True)
-    path.write_text(str(time.time_ns()), encoding="utf-8")
-    os.utime(path, (YEAR_2000, YEAR_2000))
-
-
-def age(path: Path, is_old: bool) -> None:
-    """Date an output before the file of `write_start`, or restore its time."""
-    with suppress(OSError):
-        time_modified = path.stat().st_mtime
-        if is_old != (time_modified < YEAR_2000):
-            time_modified += -FIFTY_YEARS if is_old else FIFTY_YEARS
-            os.utime(path, (time_modified, time_modified))
-
-
-def correct_future_times(results: Path) -> None:
-    """Correct times of `OUTPUTS` in the future, due to a wrong clock, so that no change is missed.
-
-    A run file gets the present time. All other files, which derive from runs, get a very old time.
-    Snakemake then makes those anew whose inputs have changed, as their checksums show. One line on
-    standard error names what the system does not let correct.
-    """
-    now, problems = time.time(), []
-    for path in (path for pattern in OUTPUTS for path in results.glob(pattern)):
-        try:
-            if path.is_file() and path.stat().st_mtime > now + CLOCK_ERROR:
-                new_time = now if path.match("runs/*.nc") else OLD
-                os.utime(path, (new_time, new_time))
-        except FileNotFoundError:
-            pass  # removed in the meantime
-        except OSError as error:
-            problems.append(f"{path}: {error.strerror}")
-    if problems:
-        names = InputError.of_several(problems)
-        print(
-            f"warning: dated in the future, so what derives from it may not be made again: {names}",
-            file=sys.stderr,
-        )

@@ -18,10 +18,21 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "laws": ("engine", "parameters", "base"),
     "measures": ("parameters", "base"),
     "dataset": ("measures", "engine", "study", "parameters", "base"),
-    "figures": ("dataset", "measures", "engine", "study", "parameters", "base"),
+    "surrogates": ("dataset", "measures", "engine", "study", "parameters", "base"),
+    "figures": ("surrogates", "dataset", "measures", "engine", "study", "parameters", "base"),
     "claims": ("dataset", "measures", "engine", "study", "parameters", "base"),
     "papers": ("claims", "dataset", "measures", "engine", "study", "parameters", "base"),
-    "report": ("claims", "figures", "dataset", "measures", "engine", "study", "parameters", "base"),
+    "report": (
+        "claims",
+        "figures",
+        "surrogates",
+        "dataset",
+        "measures",
+        "engine",
+        "study",
+        "parameters",
+        "base",
+    ),
 }
 
 #: Room whose edits invalidate no output: runs depend on the number of the numerics instead.

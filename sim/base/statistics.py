@@ -1,4 +1,6 @@
-"""The one confidence level of all intervals, and Student's distribution at it."""
+"""Statistics of replicates: intervals at one confidence level, and orders of single runs."""
+
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -49,3 +51,37 @@ def mean_interval(values: np.ndarray, half_widths: np.ndarray) -> tuple[float, s
     if values.size == 1 and np.isfinite(own):
         return own, "within run"
     return np.nan, "none"
+
+
+def share_of_rises(groups: Sequence[np.ndarray]) -> tuple[float, float]:
+    """Return how often one value of each group, drawn at random, rises throughout.
+
+    A paper that has one run per point can say "increases monotonically" of such a draw alone.
+
+    Parameters
+    ----------
+    groups : sequence of (R,) arrays
+        Replicates of each point, in the order of the points.
+
+    Returns
+    -------
+    (float, float)
+        The share of all choices of one value per group, and its standard error by the jackknife
+        over the values of all groups.
+    """
+    share, variance = _share_of_rises(groups), 0.0
+    for number, group in enumerate(groups):
+        others = [
+            _share_of_rises([*groups[:number], np.delete(group, left_out), *groups[number + 1 :]])
+            for left_out in range(group.size)
+        ]
+        variance += (group.size - 1) * float(np.var(others))
+    return share, float(np.sqrt(variance))
+
+
+def _share_of_rises(groups: Sequence[np.ndarray]) -> float:
+    below, share = np.array([-np.inf]), np.array([1.0])
+    for group in groups:
+        share = (share * (below < group[:, None])).sum(axis=1) / group.size
+        below = group
+    return float(share.sum())

@@ -113,6 +113,9 @@ class Claim(BaseModel):
         "", description="the protocol that decides it; else converged runs do where there are any"
     )
     number: Number | None = Field(None, description="what the paper does not give")
+    alternatives: dict[Line, dict[str, Bound]] = Field(
+        {}, exclude=True, description="other readings of this claim alone: other bounds, by words"
+    )
     paper: Line = Field(OWN, description="short name of its paper")
     system: str = Field(description="system whose runs decide it")
     judge: SkipValidation[JudgeFunction] = Field(exclude=True, description="its judge")
@@ -122,6 +125,9 @@ class Claim(BaseModel):
         for name in self.figures:
             if name not in FIGURES:
                 raise broken_rule("figures", name, "the name of a figure")
+        for name in {name for changes in self.alternatives.values() for name in changes}:
+            if name not in self.bounds:
+                raise broken_rule("alternatives", name, f"one of the bounds {[*self.bounds]}")
         try:
             self.texts()
         except ValueError as error:
@@ -142,7 +148,9 @@ class Claim(BaseModel):
             return self.bounds
         return self.bounds | {self.number.bound: self.number.headline if number is None else number}
 
-    def checks_on(self, subject: Any, number: float | None = None) -> tuple[Check, ...]:
+    def checks_on(
+        self, subject: Any, number: float | None = None, alternative: str = ""
+    ) -> tuple[Check, ...]:
         """Return the checks of the judge on evidence, or on a reading for a claim on the model.
 
         Parameters
@@ -151,6 +159,8 @@ class Claim(BaseModel):
             What the judge gets.
         number : float, optional
             Value of the number that the paper does not give, by default its headline.
+        alternative : str, optional
+            One of the other readings of the claim, by its words.
 
         Raises
         ------
@@ -160,7 +170,8 @@ class Claim(BaseModel):
             For any other error of a plug-in's judge, with its line there.
         """
         try:
-            checks = tuple(self.judge(subject, **self.bounds_at(number)))
+            bounds = self.bounds_at(number) | self.alternatives.get(alternative, {})
+            checks = tuple(self.judge(subject, **bounds))
             if not all(isinstance(check, Check) for check in checks) or not checks:
                 raise TypeError("a judge returns checks, one at least")
             checks = tuple(map(_usable_check, checks))
@@ -201,8 +212,9 @@ def _usable_check(check: Check) -> Check:
         if not holds:
             got = in_short(getattr(check, key))
             raise AdditionError(f"{label}.{key}: got {got}; allowed: {allowed}")
-    what, unit, withheld = map(printable, (check.what, check.unit, check.withheld))
-    return replace(check, what=what, unit=unit, withheld=withheld)
+    texts = check.what, check.unit, check.withheld, check.text
+    what, unit, withheld, text = map(printable, texts)
+    return replace(check, what=what, unit=unit, withheld=withheld, text=text)
 
 
 def judge(

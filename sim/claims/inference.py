@@ -3,16 +3,21 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import combinations
-from math import inf, nan, sqrt
+from math import inf, nan, prod
 
 import numpy as np
 from scipy import stats
 from uncertainties import UFloat, ufloat
 
-from sim.claims.place import Place
-from sim.claims.verdict import REPRODUCED, RISK, Check, holm_p
+from sim.base.statistics import share_of_rises
+from sim.claims.checks import reported
+from sim.claims.place import Place, replicate_mean
+from sim.claims.verdict import INCONCLUSIVE, REPRODUCED, RISK, SIGMAS, Check, holm_p
 
 Groups = Sequence[np.ndarray]
+
+#: How the name of a likelihood begins: a paper with one run per point sees what its sentence says.
+LIKELIHOOD = "probability that of one run per point"
 
 #: Largest number of values whose trend is tested by permutations, and number of permutations.
 FEW, PERMUTATIONS = 12, 4999
@@ -25,6 +30,9 @@ def trend(
     *,
     rising: bool = True,
     monotone: bool = False,
+    margin: float | None = None,
+    labels: Sequence[str] = (),
+    unit: str = "",
 ) -> Check:
     """Return the check that a quantity rises (or falls) along a parameter: Jonckheere's trend test.
 
@@ -47,11 +55,20 @@ def trend(
         Whether the claim is about any two groups and every stratum. Then it also fails where one
         of them clearly goes the other way, with Holm's correction. All pairs are tested, not
         neighbours alone: single steps may be too small to show a decrease over several steps.
+    margin : float, optional
+        With ``monotone`` and positive values, the claim then holds only where no two groups go the
+        other way by this share or more (one-sided equivalence): that no reversal is seen is no
+        evidence that there is none.
+    labels : sequence of str
+        Names of the groups, ``"20 Hz"`` for instance. With ``monotone`` the text of the check then
+        names the surest reversal, if that refutes the claim, with the interval of the difference.
+    unit : str
+        Unit of the values, for that text.
     """
     sign = 1 if rising else -1
     p_rising: list[float] = []
     p_falling: list[float] = []
-    taus, sizes, p_pairs = [], [], []
+    taus, sizes, p_pairs, pairs, p_apart = [], [], [], [], []
     for groups in strata:
         values = sign * np.concatenate(groups)
         order = np.repeat(np.arange(len(groups)), [len(group) for group in groups])
@@ -60,8 +77,15 @@ def trend(
         taus.append(stats.kendalltau(order, values).statistic)
         sizes.append(values.size)
         if monotone:
+            numbers = [*combinations(range(len(groups)), 2)]
+            pairs += [(groups, one, other) for one, other in numbers]
             p_pairs += [
-                mann_whitney_p(sign * low, sign * high) for low, high in combinations(groups, 2)
+                mann_whitney_p(sign * groups[one], sign * groups[other]) for one, other in numbers
+            ]
+        if margin is not None:
+            p_apart += [
+                _no_reversal_p(*(pair if rising else pair[::-1]), margin)
+                for pair in combinations(groups, 2)
             ]
     p_contrary = [_stouffer_p(p_falling, sizes)]
     if monotone:
@@ -69,9 +93,30 @@ def trend(
     tau = float(np.average(taus, weights=sizes))
     p_fails = holm_p(p_contrary)
     # A clear fall somewhere refutes a rise, however clear the overall trend.
-    p_values = (_stouffer_p(p_rising, sizes) if p_fails > RISK else 1.0), p_fails
+    p_holds = max(_stouffer_p(p_rising, sizes), *p_apart, 0.0) if p_fails > RISK else 1.0
     # The threshold applies to τ, whose sign is the direction of the trend.
-    return _p_value_check(f"Kendall's τ of {quantity}", sign * tau, rising, p_values, places)
+    check = _p_value_check(
+        f"Kendall's τ of {quantity}", sign * tau, rising, (p_holds, p_fails), places
+    )
+    if not (labels and pairs and p_fails <= RISK):
+        return check
+    groups, one, other = pairs[int(np.argmin(p_pairs))]
+    reversal = _reversal(groups, one, other, labels, unit)
+    return replace(check, text=f"{check.value:.3g}; {reversal}")
+
+
+def _no_reversal_p(low: np.ndarray, high: np.ndarray, margin: float) -> float:
+    """Return the p-value that ``high`` is lower than ``low`` by less than a share, if at all."""
+    return mann_whitney_p((1 + margin) * high, low)
+
+
+def _reversal(groups: Groups, one: int, other: int, labels: Sequence[str], unit: str) -> str:
+    """Return in words by how much the mean of one group is above or below that of another."""
+    change = replicate_mean(groups[other]) - replicate_mean(groups[one])
+    verb = "rises" if change.nominal_value > 0 else "falls"
+    size = ufloat(abs(change.nominal_value), SIGMAS * change.std_dev)
+    amount = f"{size:.2uP}".replace("±", " ± ") if np.isfinite(size.std_dev) else f"{size.n:.3g}"
+    return f"{verb} from {labels[one]} to {labels[other]} by {amount} {unit}".rstrip()
 
 
 def _trend_p(order: np.ndarray, values: np.ndarray, alternative: str) -> float:
@@ -97,30 +142,23 @@ def _trend_p(order: np.ndarray, values: np.ndarray, alternative: str) -> float:
     ).pvalue
 
 
+def reported_order(quantity: str, strata: Sequence[Groups], *, rising: bool = True) -> Check:
+    """Report how likely one run per point is in the order of a sentence, in all strata at once."""
+    sign = 1 if rising else -1
+    orders = [single_rise([sign * group for group in groups]) for groups in strata]
+    return reported_likelihood(quantity, orders)
+
+
 def single_rise(groups: Groups) -> UFloat:
-    """Return the probability that one value of each group, drawn at random, rises throughout.
-
-    A paper that has one run per point can say "increases monotonically" of such a draw alone. The
-    interval is that of the jackknife over the values of all groups.
-    """
-    value = _share_of_rises(groups)
-    variance = 0.0
-    for number, group in enumerate(groups):
-        others = [
-            _share_of_rises([*groups[:number], np.delete(group, left_out), *groups[number + 1 :]])
-            for left_out in range(group.size)
-        ]
-        variance += (group.size - 1) * float(np.var(others))
-    return ufloat(value, sqrt(variance))
+    """Return the probability that one value of each group, drawn at random, rises throughout."""
+    return ufloat(*share_of_rises(groups))
 
 
-def _share_of_rises(groups: Groups) -> float:
-    """Return the share of all choices of one value per group that rise from group to group."""
-    below, share = np.array([-inf]), np.array([1.0])
-    for group in groups:
-        share = (share * (below < group[:, None])).sum(axis=1) / group.size
-        below = group
-    return float(share.sum())
+def reported_likelihood(quantity: str, likelihoods: Iterable[UFloat]) -> Check:
+    """Report the probability that one run per point shows all of several independent orders."""
+    check = reported(f"{LIKELIHOOD} {quantity}", prod(likelihoods))
+    low, high = max(0.0, check.value - check.half_width), min(1.0, check.value + check.half_width)
+    return replace(check, text=f"{check.value:.2g} ({low:.2g} to {high:.2g})")
 
 
 def outranks(
@@ -141,6 +179,31 @@ def mann_whitney_p(above: np.ndarray, below: np.ndarray) -> float:
     return _finite_p(stats.mannwhitneyu(above, below, alternative="greater").pvalue)
 
 
+def same_by_rank(
+    quantity: str,
+    first: np.ndarray,
+    second: np.ndarray,
+    margin: float,
+    places: Iterable[Place],
+) -> Check:
+    """Return the check that two samples of positive values (R,) are the same within a share.
+
+    It holds where the first, raised by the ``margin``, ranks above the second and the second, so
+    raised, above the first (two one-sided tests of Mann and Whitney). It fails where one of them
+    ranks above the other, so raised (Bonferroni). The value shown is the ratio of their medians.
+    Replicates may be in different states.
+    """
+    raised = 1 + margin
+    p_holds = max(_no_reversal_p(first, second, margin), _no_reversal_p(second, first, margin))
+    p_fails = 2 * min(
+        mann_whitney_p(first, raised * second), mann_whitney_p(second, raised * first)
+    )
+    ratio = float(np.median(first) / np.median(second))
+    p_values = p_holds, min(1.0, p_fails)
+    check = _p_value_check(quantity, ratio, True, p_values, places, 1 - margin)
+    return replace(check, high=raised)
+
+
 def share_above(
     quantity: str, count: int, number: int, threshold: float, places: Iterable[Place] = ()
 ) -> Check:
@@ -149,7 +212,24 @@ def share_above(
         stats.binomtest(count, number, threshold, alternative=alternative).pvalue
         for alternative in ("greater", "less")
     )
-    return _p_value_check(quantity, count / number, True, (p_holds, p_fails), places, threshold)
+    check = _p_value_check(quantity, count / number, True, (p_holds, p_fails), places, threshold)
+    return replace(check, text=share_text(count, number))
+
+
+def reported_share(quantity: str, count: int, number: int, places: Iterable[Place] = ()) -> Check:
+    """Return a check without thresholds of a share of runs: so many of a number."""
+    check = reported(quantity, count / number, places)
+    return replace(check, half_width=nan, text=share_text(count, number))
+
+
+def share_text(count: int, number: int) -> str:
+    """Write a share of runs with its 95 % interval (Wilson).
+
+    >>> share_text(5, 5), share_text(13, 18)
+    ('5 of 5 (0.57 to 1)', '13 of 18 (0.49 to 0.88)')
+    """
+    low, high = share_interval(count, number)
+    return f"{count} of {number} ({low:.2g} to {high:.2g})"
 
 
 def at_least(quantity: str, number: int, checks: Sequence[Check]) -> Check:
@@ -172,6 +252,11 @@ def at_least(quantity: str, number: int, checks: Sequence[Check]) -> Check:
         low=number - 0.5,
         high=inf,
         points=tuple(dict.fromkeys(point for check in checks for point in check.points)),
+        open_points=tuple(
+            dict.fromkeys(
+                point for check in checks if check.verdict == INCONCLUSIVE for point in check.points
+            )
+        ),
         # Looks are in the p-values of the checks already.
         tested=(
             conjunction_p(p_holds, number),

@@ -9,7 +9,14 @@ from sim.claims.evidence import Evidence
 from sim.claims.experiments import run_experiment
 from sim.claims.judgement import MODEL, PROTOCOLS, Judgement, Variant
 from sim.claims.points import Points
-from sim.claims.readings import GRID, combined_readings, is_regridded, reading_label, readings_of
+from sim.claims.readings import (
+    DEFAULT,
+    GRID,
+    combined_readings,
+    is_regridded,
+    reading_label,
+    readings_of,
+)
 from sim.claims.verdict import Check, Untestable
 from sim.dataset.results import Results
 from sim.study.papers import Readings
@@ -52,7 +59,7 @@ def _variants(
 
     A reading without runs of its own changes nothing: a claim that names the parameters of a
     reading uses the same points under both. Nor does another profile grid, if the claim uses no
-    profile.
+    profile. Alternatives of the claim are judged under each reading of the runs.
     """
     if claim.kind == "model":
         for changes in readings.model:
@@ -60,7 +67,8 @@ def _variants(
             checks = run_experiment(claim, changes)
             yield Variant(MODEL, label, checks, control=readings.control_reason(changes))
         return
-    keys, grids = set(), set()
+    keys: set[tuple[Any, ...]] = set()
+    grids = set()
     for reading, evidence in evidence_by_reading:
         grid, regridded = reading.get(GRID), is_regridded(reading, readings.headline)
         if regridded and grid not in grids:
@@ -72,25 +80,42 @@ def _variants(
         label = reading_label(claim.system, reading, readings)
         variant = _judge_under(claim, evidence, label, readings.control_reason(reading))
         if regridded:
-            votes = tuple(check for check in variant.checks if check.has_vote)
-            variant = replace(variant, checks=votes)
+            variant = replace(variant, checks=_votes(variant))
         key = variant.protocol, tuple(map(_rounded, variant.checks))
         if reading == readings.headline or not (variant.reason or key in keys):
             yield variant
             grids.add(grid)
         keys.add(key)
+        usual = tuple(map(_rounded, _votes(variant)))
+        for words in claim.alternatives if grid is None else ():
+            both = words if label == DEFAULT else f"{label}; {words}"
+            other = _judge_under(claim, evidence, both, variant.control, words)
+            votes = _votes(other)
+            rounded = tuple(map(_rounded, votes))
+            # What an alternative does not change is the reading of the runs itself.
+            if votes and rounded != usual and (other.protocol, words, rounded) not in keys:
+                yield replace(other, checks=votes)
+            keys.add((other.protocol, words, rounded))
+
+
+def _votes(variant: Variant) -> tuple[Check, ...]:
+    """Return the checks of a variant that vote."""
+    return tuple(check for check in variant.checks if check.has_vote)
 
 
 def _rounded(check: Check) -> tuple[Any, ...]:
     """Return what tells one check from another; equal sums may differ in their last digits."""
-    numbers = check.value, check.half_width, check.samples, *(check.tested or ())
+    sizes = check.value, check.half_width, check.low, check.high, check.samples
+    numbers = *sizes, *(check.tested or ())
     rest = check.what, check.part, check.votes, check.withheld, check.points
     return *(f"{number:.9g}" for number in numbers), *rest
 
 
-def _judge_under(claim: Claim, evidence: Evidence, reading: str, control: str) -> Variant:
+def _judge_under(
+    claim: Claim, evidence: Evidence, reading: str, control: str, alternative: str = ""
+) -> Variant:
     try:
-        checks = claim.checks_on(evidence)
+        checks = claim.checks_on(evidence, alternative=alternative)
     except Untestable as error:
         return Variant(evidence.protocol, reading, reason=str(error), control=control)
     except ZeroDivisionError:
@@ -99,7 +124,7 @@ def _judge_under(claim: Claim, evidence: Evidence, reading: str, control: str) -
     checks_by_number = {}
     for value in claim.number.values if claim.number else ():
         try:
-            checks_by_number[value] = claim.checks_on(evidence, value)
+            checks_by_number[value] = claim.checks_on(evidence, value, alternative)
         except (Untestable, ZeroDivisionError):
             continue
     # Judges of a study's own claims need not test whether flows are steady.

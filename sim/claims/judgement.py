@@ -73,12 +73,16 @@ class Judgement:
 
         A claim of which some parts hold, whatever they are compared with, is reproduced in part.
         """
-        headline_verdict = self.verdict_under(self.headline)
-        if self.claim.contradiction and headline_verdict != UNTESTABLE:
+        if self.claim.contradiction and self.verdict_under(self.headline) != UNTESTABLE:
             return PAPER_INCONSISTENT
+        return self._consistent_verdict
+
+    @property
+    def _consistent_verdict(self) -> str:
+        """The headline verdict, unless it depends on something."""
         dependences = list(filter(None, map(self._dependence, self._parts)))
         if not dependences:
-            return headline_verdict
+            return self.verdict_under(self.headline)
         return REPRODUCED_IN_PART if REPRODUCED in self.part_verdicts.values() else dependences[0]
 
     @property
@@ -97,13 +101,14 @@ class Judgement:
 
     @property
     def by_number(self) -> dict[float, str]:
-        """The verdict by value of the number that the paper does not give."""
+        """The verdict by value of the number that the paper does not give.
+
+        It depends on the reading or the protocol at some values, and at others not.
+        """
         number = self.claim.number
         if number is None or self.verdict == UNTESTABLE:
             return {}
-        return {
-            value: self._with_number(value).verdict_under(self.headline) for value in number.values
-        }
+        return {value: self._with_number(value)._consistent_verdict for value in number.values}
 
     def _with_number(self, value: float) -> "Judgement":
         """Return the judgement with another value of the number."""

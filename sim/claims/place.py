@@ -68,6 +68,12 @@ class Place:
         """Number of completed replicates."""
         return int(self._is_completed.sum())
 
+    @property
+    def replicates(self) -> int:
+        """Number of replicates that were run, those that blew up included."""
+        status = self._variables["status"].values[self._index]
+        return int(np.isin(status, ("completed", "failed")).sum())
+
     @cached_property
     def outcome(self) -> dict[str, Any]:
         """Statistics pooled over replicates, see `sim.dataset.replicates`."""

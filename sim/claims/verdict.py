@@ -93,6 +93,10 @@ class Check:
     looks : int
         How often it has been judged, this time included, with the option of buying more runs where
         it is open; 0 in a study that buys none. See `spent`.
+    text : str
+        The measured value in words, where ± does not say it: counts of runs, lopsided intervals.
+    open_points : tuple of str
+        The points among them that more replicates would decide; all of them if it is empty.
     """
 
     what: str
@@ -111,6 +115,8 @@ class Check:
     short: tuple[str, ...] = ()
     coarse: bool = False
     looks: int = 0
+    text: str = ""
+    open_points: tuple[str, ...] = ()
 
     @property
     def has_vote(self) -> bool:

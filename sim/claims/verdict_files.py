@@ -1,7 +1,7 @@
 """Verdicts as files: JSON with all evidence, a table of checks, and one of verdicts by reading."""
 
 import hashlib
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from math import nan
 from pathlib import Path
 from typing import Any
@@ -19,7 +19,7 @@ from sim.dataset.results import load_current
 from sim.study.load import load_study
 
 #: Fields of a check that judges and `decide` use and the files do not hold.
-_INTERNAL_FIELDS = {"tested", "short", "coarse"}
+_INTERNAL_FIELDS = {"tested", "short", "coarse", "open_points"}
 
 
 def build(study_path: str | Path, results: str | Path = "results") -> Path:
@@ -82,7 +82,11 @@ def as_mapping(judgements: list[Judgement], study: str) -> dict[str, Any]:
                     {
                         "value": value,
                         "verdict": verdict,
-                        "checks": [_check(check) for check in _voting_checks(judgement, value)],
+                        # Their runs are those of the headline value.
+                        "checks": [
+                            _check(replace(check, points=()))
+                            for check in _voting_checks(judgement, value)
+                        ],
                     }
                     for value, verdict in judgement.by_number.items()
                 ],
@@ -114,7 +118,12 @@ def _variant(variant: Variant, judgement: Judgement) -> dict[str, Any]:
         "verdict": variant.verdict(judgement.claim.parts),
         "reason": variant.reason,
         **({"unsteady": variant.unsteady} if variant.unsteady else {}),
-        "checks": [_check(check) for check in variant.checks],
+        # What is reported beside the votes under other readings is in the table alone.
+        "checks": [
+            _check(check)
+            for check in variant.checks
+            if variant.reading == judgement.headline or check.has_vote
+        ],
     }
 
 
@@ -128,6 +137,8 @@ def _check(check: Check) -> dict[str, Any]:
         "verdict": check.verdict,
         "plan": plan(check),
     }
+    if not check.text:
+        del fields["text"]
     return {name: _plain(value) for name, value in (fields | derived).items()}
 
 

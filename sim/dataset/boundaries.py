@@ -1,6 +1,5 @@
 """Boundaries between regimes: their rounds of refinement, and their locations as a table."""
 
-import json
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -10,7 +9,7 @@ from sim.base.errors import InputError
 from sim.base.files import atomic_write
 from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.rounds import RESULT_COLUMNS, side, side_of_run
-from sim.parameters import Parameters, canonical_values, complete_values, field_info, point_id
+from sim.parameters import Parameters, complete_values, field_info, point_id
 from sim.study.expand import point_with_membership
 from sim.study.load import Boundary, Study, load_study
 from sim.study.refine import Sides, divide_range, locate_boundary, next_values
@@ -21,42 +20,6 @@ if TYPE_CHECKING:
 
 #: Returns the side of a boundary that the run of a point is on, ``None`` where it is not known.
 SideFinder = Callable[[Boundary, Parameters], str | None]
-
-
-def write_round(study_path: str | Path, number: int, results: str | Path = "results") -> Path:
-    """Write the points that a round of refinement adds to ``results/<study>/rounds/<number>.json``.
-
-    Parameters
-    ----------
-    study_path : str or Path
-        The study file.
-    number : int
-        Number of the round, from 1; the runs of all rounds before it must be there.
-    results : str or Path
-        Folder of all results.
-
-    Returns
-    -------
-    Path
-        The file written: parameters by id of the point. It appears complete or not at all.
-
-    Raises
-    ------
-    InputError
-        When the study has no such round, or a run file is missing or is not one.
-    """
-    study = load_study(study_path, results)
-    if not 1 <= number <= study.rounds:
-        allowed = f"a round of the study, 1 to {study.rounds}" if study.rounds else "none"
-        raise InputError.of_value("ROUND", "", number, allowed)
-    folder = Path(results) / study.name
-    points = added_points(study, number, folder / "runs")
-    text = json.dumps({key: canonical_values(point) for key, point in points.items()}, indent=1)
-    output = folder / "rounds" / f"{number}.json"
-    output.parent.mkdir(parents=True, exist_ok=True)
-    with atomic_write(output) as temporary:
-        temporary.write_text(text + "\n", encoding="utf-8")
-    return output
 
 
 def added_points(study: Study, number: int, runs: Path) -> dict[str, Parameters]:

@@ -6,7 +6,7 @@ holds the particles of points whose particles a figure draws. The group ``runs``
 of each row, so that the file need not be read again.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from sim.base.errors import InputError
@@ -22,8 +23,8 @@ from sim.base.seals import seal
 from sim.dataset.boundaries import add_rounds, find_sides, tabulate
 from sim.dataset.combine import natural_velocities, profiles, root, runs, si_parameters
 from sim.dataset.earlier import keep_dataset
-from sim.dataset.results import GROUP
-from sim.dataset.rounds import points_of_rounds
+from sim.dataset.results import COLUMNS, GROUP, Results, with_all_parameters
+from sim.dataset.rounds import add_further_points, points_of_rounds
 from sim.dataset.rows import (
     OF_PROFILES,
     PARTICLES,
@@ -37,7 +38,7 @@ from sim.dataset.sources import gather_rows
 from sim.engine.stored_run import current_status
 from sim.parameters import SYSTEMS, Parameters, point_id
 from sim.study.expand import point_with_membership
-from sim.study.load import Boundary, Study, load_study
+from sim.study.load import Boundary, Point, Study, load_study
 from sim.study.plot_kinds import Shown
 from sim.study.refine import Sides
 
@@ -98,6 +99,7 @@ def build(
     blocks = gather(study.points)
     sides = find_sides(study, folder / "runs")
     first, study = study.points, add_rounds(study, sides)
+    study = add_further_points(study, points_of_rounds(study, folder))
     blocks += gather({key: point for key, point in study.points.items() if key not in first})
     with atomic_write(output) as temporary:
         for group, dataset in _groups(blocks, study, sides):
@@ -106,6 +108,41 @@ def build(
         if not finished:
             keep_dataset(temporary, folder)
     return output
+
+
+def gather_results(
+    study: Study, folder: Path, series: str, points: Mapping[str, Parameters]
+) -> Results:
+    """Return the results of points of a series without writing a dataset.
+
+    Parameters
+    ----------
+    study : Study
+        The study.
+    folder : Path
+        Its results.
+    series : str
+        The series.
+    points : mapping
+        Its points by id, those of rounds included.
+
+    Raises
+    ------
+    InputError
+        When a run file is missing or damaged, see `gather_rows`.
+    """
+    members = {
+        key: study.points.get(key) or Point(key, point, (series,), ())
+        for key, point in points.items()
+    }
+    blocks = gather_rows(study, folder, members)
+    part = replace(study, points=members, boundaries=())
+    groups = dict(_groups(blocks, part, ()))
+    return Results(
+        dataset=with_all_parameters(groups[None]),
+        profiles={name: groups[name] for name in SYSTEMS if name in groups},
+        boundaries=pd.DataFrame(columns=COLUMNS),
+    )
 
 
 def _select_finished(study: Study, folder: Path, output: Path) -> Study:
@@ -117,8 +154,9 @@ def _select_finished(study: Study, folder: Path, output: Path) -> Study:
             "--finished", "", str(output), "a file that is not among the runs"
         )
     require_writable(output.parent, "--finished")
-    points = dict(study.points)
-    for key, parameters in points_of_rounds(study, folder).items():
+    known = points_of_rounds(study, folder)
+    points = dict(add_further_points(study, known).points)
+    for key, parameters in known.items():
         for boundary in study.boundaries if key not in study.points else ():
             if _is_along(boundary, parameters):
                 points[key] = point_with_membership(

@@ -26,7 +26,7 @@ _LENGTH_TEXT = (
 )
 
 #: The scalars that make up the energy ledger of a replicate.
-_LEDGER_SCALARS = (
+LEDGER_SCALARS = (
     "energy_residual",
     "frictional_power",
     "normal_power",
@@ -80,7 +80,7 @@ def caveat_of_run(run: Summary, parameters: Parameters) -> str:
     if "energy_residual" not in run.scalars:
         return caveat(own_caveat, (), parameters, overlaps, lengths)
     shared = {"particles": parameters.particles, "mass": parameters.mass}
-    columns = {name: run.scalars[name] for name in _LEDGER_SCALARS if name in run.scalars}
+    columns = {name: run.scalars[name] for name in LEDGER_SCALARS if name in run.scalars}
     replicates = (
         dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)
     )

@@ -29,7 +29,7 @@ _PARAMETERS = tuple(dict.fromkeys(chain(*(model.model_fields for model in SYSTEM
 GROUP = "boundaries"
 
 #: All columns of a table without rows.
-_COLUMNS = ("name", "system", "of", "along", "unit", "figures", *RESULT_COLUMNS)
+COLUMNS = ("name", "system", "of", "along", "unit", "figures", *RESULT_COLUMNS)
 
 
 #: Fields that identify a boundary in a study and in its dataset.
@@ -177,7 +177,7 @@ def load_results(path: str | Path) -> Results:
             points = list(file.groups[PARTICLES].groups) if PARTICLES in groups else []
             adopted = _read_adopted(file) if RUNS in groups else {}
         return Results(
-            dataset=_with_all_parameters(_load_group(path, None)),
+            dataset=with_all_parameters(_load_group(path, None)),
             profiles=Groups(path, {name: name for name in SYSTEMS if name in groups}),
             boundaries=read_table(path),
             states=Groups(path, {point: f"{PARTICLES}/{point}" for point in points}),
@@ -219,7 +219,7 @@ def _checked_dataset(path: Path) -> AbstractContextManager[None]:
     return checked_read(path, "dataset", replaceable=is_study_dataset(path), sealed=True)
 
 
-def _with_all_parameters(dataset: xr.Dataset) -> xr.Dataset:
+def with_all_parameters(dataset: xr.Dataset) -> xr.Dataset:
     """Return a dataset with the parameters of all systems, including those added after it."""
     coords = {str(name): values.values for name, values in dataset.coords.variables.items()}
     none = np.full(dataset.sizes["point"], np.nan)
@@ -244,7 +244,7 @@ def read_table(dataset: Path) -> pd.DataFrame:
     with checked_read(dataset, "dataset", replaceable=is_study_dataset(dataset), sealed=True):
         with netCDF4.Dataset(dataset) as file:
             if GROUP not in file.groups:
-                return pd.DataFrame(columns=_COLUMNS)
+                return pd.DataFrame(columns=COLUMNS)
         with xr.open_dataset(dataset, engine="netcdf4", group=GROUP) as group:
             table = group.to_dataframe()
     return table.assign(**added_columns({name: table[name].to_numpy() for name in table}))

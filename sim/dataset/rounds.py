@@ -1,7 +1,8 @@
 """Rounds of refinement that have finished, and the sides of a boundary that runs are on."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import cast
 
@@ -19,6 +20,7 @@ from sim.parameters import (
     point_id,
 )
 from sim.parameters.belt import ONSET_TRANSPORT
+from sim.study.expand import point_with_membership
 from sim.study.model import Study
 
 #: Columns of the table of boundaries that hold results.
@@ -69,9 +71,28 @@ def read_round(path: Path) -> dict[str, Parameters]:
 
 
 def round_files(study: Study, folder: Path) -> list[Path]:
-    """Return the files of the finished rounds, given the results folder of the study."""
-    files = (folder / "rounds" / f"{number}.json" for number in range(1, study.rounds + 1))
-    return list(filter(Path.is_file, files))
+    """Return the files of the finished rounds, given the results folder of the study.
+
+    A round that adds no point is the last one.
+    """
+    files: list[Path] = []
+    for number in range(1, study.rounds + 1):
+        path = folder / "rounds" / f"{number}.json"
+        if not path.is_file():
+            break
+        files.append(path)
+        if not read_round(path):
+            break
+    return files
+
+
+def rounds_to_come(study: Study, folder: Path) -> int:
+    """Return how many rounds are to come at least: one, where their number is open."""
+    files = round_files(study, folder)
+    if files and not read_round(files[-1]):
+        return 0
+    left = study.rounds - len(files)
+    return min(left, 1) if any(one.has_rounds for one in study.surrogates) else left
 
 
 def points_of_rounds(study: Study, folder: Path) -> dict[str, Parameters]:
@@ -80,6 +101,21 @@ def points_of_rounds(study: Study, folder: Path) -> dict[str, Parameters]:
     for path in round_files(study, folder):
         points |= read_round(path)
     return points
+
+
+def add_further_points(study: Study, known: Collection[str]) -> Study:
+    """Return the study with the points that rounds have added to the series of its surrogates.
+
+    ``known`` are the ids of all points, those of rounds included.
+    """
+    points, series = dict(study.points), dict(study.series)
+    for one in study.surrogates if len(known) > len(points) else ():
+        if not one.has_rounds:
+            continue
+        for key, parameters in one.added(known).items():
+            points[key] = point_with_membership(points, parameters, one.series, one.figures)
+            series[one.series] = tuple(dict.fromkeys((*series[one.series], key)))
+    return replace(study, points=points, series=series)
 
 
 def side_of_run(path: Path, of: str, parameters: Parameters) -> str | None:

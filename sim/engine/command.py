@@ -3,12 +3,14 @@
 ``warm`` compiles the engine before many runs start, so that no two compile the same code.
 """
 
+import hashlib
 import json
 import logging
 import signal
 import sys
 from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import suppress
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -16,7 +18,8 @@ from sim.base.errors import InputError
 from sim.base.files import require_writable
 from sim.base.program import program
 from sim.base.yaml import read_yaml
-from sim.parameters import Parameters, parse_point, point_id
+from sim.engine.identity import cache_directory, library_versions
+from sim.parameters import Parameters, canonical_values, parse_point, point_id
 from sim.parameters.roles import compiled_parameters
 
 log = logging.getLogger("talus")
@@ -104,10 +107,14 @@ def batch(results: Path) -> int:
 def _run_with_log(parameters: Parameters, runs: Path, logs: Path) -> int:
     """Run a point with its own log file; return the exit code."""
     name = point_id(parameters)
-    handler = logging.FileHandler(logs / f"{name}.log", mode="w", encoding="utf-8")
+    path = logs / f"{name}.log"
+    # A new file, never one that a link names.
+    path.unlink(missing_ok=True)
+    handler = logging.FileHandler(path, mode="x", encoding="utf-8")
     root = logging.getLogger()
     root.addHandler(handler)
     try:
+        _take_from_others(parameters, runs)
         return _run_one(parameters, runs / f"{name}.nc", quiet=False, record_failure=True)
     except SystemExit:
         print(f"{name}: terminated; the next start continues it", file=sys.stderr)
@@ -126,6 +133,15 @@ def _run_with_log(parameters: Parameters, runs: Path, logs: Path) -> int:
     finally:
         root.removeHandler(handler)
         handler.close()
+
+
+def _take_from_others(parameters: Parameters, runs: Path) -> None:
+    """Take what another study has of a point, as it may have run it since the jobs were planned."""
+    from sim.engine.shared_runs import find_runs, take_runs
+
+    shared = find_runs(runs, {point_id(parameters): parameters})
+    for name in take_runs(runs, shared):
+        log.info("%s: taken from %s", name, shared[name].path)
 
 
 def _run_one(parameters: Parameters, output: Path, quiet: bool, record_failure: bool) -> int:
@@ -188,17 +204,33 @@ def variants(points: Iterable[Parameters]) -> list[Parameters]:
 def warm(points: Iterable[Parameters], processes: int = 1) -> None:
     """Compile everything that runs of these points will call, and store it in the cache folder.
 
-    Systems share little code: with several ``processes`` they are compiled in parallel.
+    Systems share little code: with several ``processes`` they are compiled in parallel. A mark in
+    the folder says what has been compiled there, so that the next call need not load numba.
     """
+    small = variants(points)
+    mark = cache_directory() / f"warm-{_compiled_for(small)}"
+    if mark.exists():
+        return
     systems: dict[type, list[Parameters]] = {}
-    for point in variants(points):
+    for point in small:
         systems.setdefault(type(point), []).append(point)
     if processes == 1 or len(systems) == 1:
         for group in systems.values():
             _compile(group)
-        return
-    with ProcessPoolExecutor(processes, get_context("fork")) as pool:
-        list(pool.map(_compile, systems.values()))
+    else:
+        with ProcessPoolExecutor(processes, get_context("fork")) as pool:
+            list(pool.map(_compile, systems.values()))
+    with suppress(OSError):
+        mark.touch()
+
+
+def _compiled_for(points: Iterable[Parameters]) -> str:
+    """Return a hash of points, libraries and processor: a home may be that of several machines."""
+    processor = Path("/proc/cpuinfo")
+    lines = processor.read_text("utf-8").splitlines() if processor.exists() else []
+    kind = {line for line in lines if line.startswith(("model name", "flags", "Features"))}
+    facts = [canonical_values(point) for point in points], library_versions(), sorted(kind)
+    return hashlib.sha256(repr(facts).encode()).hexdigest()[:12]
 
 
 def _compile(points: Iterable[Parameters]) -> None:

@@ -9,11 +9,12 @@ from contextlib import contextmanager, suppress
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from time import monotonic
+from typing import Annotated
 
 from pydantic import AwareDatetime, BaseModel, ConfigDict, Field, ValidationError
 from tqdm import tqdm
 
-from sim.base.files import read_regular
+from sim.base.files import atomic_write, read_regular
 from sim.base.words import duration
 from sim.parameters import Parameters, point_id
 
@@ -33,8 +34,16 @@ CREDIT = 120.0
 CREDIT_SAMPLES = 3
 
 
-#: Largest number in a progress file; a file with a larger one was not written by this program.
+#: Largest number in a progress file, and its earliest and latest time; a file with others was not
+#: written by this program.
 LARGEST = 10**18
+EARLIEST, LATEST = datetime(2000, 1, 1, tzinfo=UTC), datetime(3000, 1, 1, tzinfo=UTC)
+
+#: Longest time left (s) that is told, a century.
+CENTURY = 100 * 365.25 * 86400
+
+#: A time of a progress file.
+Time = Annotated[AwareDatetime, Field(ge=EARLIEST, le=LATEST)]
 
 
 class Progress(BaseModel):
@@ -72,9 +81,9 @@ class Progress(BaseModel):
     particles: int = Field(gt=0, le=LARGEST)
     rate: float = Field(ge=0, le=LARGEST)
     elapsed: float = Field(ge=0, le=LARGEST)
-    started: AwareDatetime
-    updated: AwareDatetime
-    expires: AwareDatetime
+    started: Time
+    updated: Time
+    expires: Time
     pid: int = Field(gt=0, lt=2**31)
     host: str
 
@@ -85,10 +94,11 @@ class Progress(BaseModel):
 
     @property
     def remaining_seconds(self) -> float | None:
-        """Expected seconds to the total; None until a rate is known."""
+        """Expected seconds to the total; None until a rate is known by which it will be reached."""
         if self.rate == 0:
             return None
-        return max(0, self.total - self.done) * self.particles / self.rate
+        seconds = max(0, self.total - self.done) * self.particles / self.rate
+        return seconds if seconds < CENTURY else None
 
     @property
     def remaining_time(self) -> str:
@@ -164,9 +174,11 @@ def progress(
         # Terminated after a checkpoint: the file stays, so that the run counts as interrupted.
         raise
     except BaseException:
-        _remove(file)
+        with suppress(OSError):
+            file.unlink(missing_ok=True)
         raise
-    _remove(file)
+    with suppress(OSError):
+        file.unlink(missing_ok=True)
 
 
 class _Meter:
@@ -250,21 +262,10 @@ def bar(total: int, name: str, unit: str, quiet: bool = False, done: int = 0) ->
     )
 
 
-def _remove(file: Path) -> None:
-    for path in (file, _temporary(file)):
-        with suppress(OSError):
-            path.unlink(missing_ok=True)
-
-
-def _temporary(file: Path) -> Path:
-    return file.with_name(f"{file.name}.part")
-
-
 def _write(file: Path, now: Progress) -> None:
     """Replace the progress file; an error must not end a run.
 
     The file need not survive a power cut, so nothing waits for the disk.
     """
-    with suppress(OSError):
-        _temporary(file).write_text(now.model_dump_json(indent=2) + "\n")
-        _temporary(file).replace(file)
+    with suppress(OSError), atomic_write(file, durable=False) as temporary:
+        temporary.write_text(now.model_dump_json(indent=2) + "\n")

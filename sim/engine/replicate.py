@@ -5,7 +5,7 @@ It starts as in the paper, or from the final state of another run.
 
 import logging
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
@@ -203,11 +203,6 @@ class Origin(NamedTuple):
 
     start: Start
     samples: tuple[int, ...]
-
-
-def is_alike(first: Sequence[int], second: Sequence[int]) -> bool:
-    """True where the replicates that two sequences have in common started at the same sample."""
-    return all(a == b for a, b in zip(first, second, strict=False))
 
 
 def origin_of(parameters: Parameters, output: Path) -> Origin | None:

@@ -19,11 +19,12 @@ from sim.base.program import __version__
 from sim.base.statistics import mean_interval
 from sim.engine.identity import NUMERICS, library_versions, source_hash
 from sim.engine.progress import length, progress
-from sim.engine.replicate import Origin, Replicate, is_alike, origin_of, stored_replicate
+from sim.engine.replicate import Origin, Replicate, origin_of, stored_replicate
 from sim.engine.run_file import Layout, Stage, read_stages, write
 from sim.engine.states import States, checkpoint_interval
 from sim.engine.stored_run import (
     current_status,
+    is_alike,
     read_origin_samples,
 )
 from sim.engine.systems.recorder import Record

@@ -90,6 +90,11 @@ def unpack(archive: bytes) -> FlatState:
     return state
 
 
+def state_file(output: Path) -> Path:
+    """Return the path of the states of the run that writes ``output``."""
+    return output.with_name(f".{output.name}.state")
+
+
 class Resumable(Protocol):
     """A replicate of a number, with all that is needed to continue it."""
 
@@ -131,7 +136,7 @@ class States:
         origin: Sequence[int] = (),
         is_own: bool = True,
     ):
-        self.path = output.with_name(f".{output.name}.state")
+        self.path = state_file(output)
         self.interval = interval
         self._identity = {"format": FORMAT, "numerics": NUMERICS, "point": point_id(parameters)}
         self._origin = list(origin)
@@ -254,3 +259,15 @@ class States:
         if is_damaged(self.path):
             raise ValueError("damaged: the checksum is wrong")
         return header["sizes"]
+
+
+def stored_samples(output: Path, parameters: Parameters) -> list[int]:
+    """Return the samples in the states of a point's replicates beside its run file.
+
+    It is empty where no state can be used.
+    """
+    if state_file(output).is_file() and not state_file(output).is_symlink():
+        with suppress(InputError, OSError):
+            states = States(output, parameters, is_own=False)
+            return [states.samples(n) for n in range(parameters.replicates) if n in states]
+    return []

@@ -52,12 +52,12 @@ def has_enough(path: Path, parameters: Parameters) -> bool:
 
     The file is not checked for damage.
     """
-    return find_stage(_read_amounts(path, parameters), amounts(parameters)) is not None
+    return find_stage(read_stage_amounts(path, parameters), amounts(parameters)) is not None
 
 
 def needs_growth(path: Path, parameters: Parameters) -> bool:
     """True where a run file of the present numerics has less than the amounts of its point."""
-    stages = _read_amounts(path, parameters)
+    stages = read_stage_amounts(path, parameters)
     return bool(stages) and find_stage(stages, amounts(parameters)) is None
 
 
@@ -66,11 +66,11 @@ def planned_amounts(path: Path, parameters: Parameters) -> dict[str, float]:
 
     These are its present amounts where they are enough. The file is not checked for damage.
     """
-    stages = _read_amounts(path, parameters)
+    stages = read_stage_amounts(path, parameters)
     return amounts(with_larger_amounts(parameters, stages[0]) if stages else parameters)
 
 
-def _read_amounts(path: Path, parameters: Parameters) -> list[dict[str, float]]:
+def read_stage_amounts(path: Path, parameters: Parameters) -> list[dict[str, float]]:
     """Return the amounts of each stage of a run file of a point; empty for other numerics."""
     with suppress(OSError, LookupError, ValueError):
         if summary := read_summary(path):
@@ -79,6 +79,11 @@ def _read_amounts(path: Path, parameters: Parameters) -> list[dict[str, float]]:
             if is_run_of(read_attributes(file), parameters):
                 return stage_amounts(file, amounts(parameters))
     return []
+
+
+def is_alike(first: Sequence[int], second: Sequence[int]) -> bool:
+    """True where the replicates that two sequences have in common started at the same sample."""
+    return all(a == b for a, b in zip(first, second, strict=False))
 
 
 def read_origin_samples(path: Path) -> list[int]:

@@ -104,7 +104,7 @@ def _animate_chute(row: Mapping[str, Any], state: xr.Dataset) -> Animation:
     right.set_xlim(min(0.0, low - margin), high + margin)
     right.set_ylim(0, heights.max() + 0.5)
     right.set_xlabel("velocity u (m/s)")
-    right.set_ylabel("height z (σ)")
+    right.set_ylabel("height z/σ")
     clock = left.set_title(" ", loc="left", fontsize=8.5)
 
     def show(number: int) -> None:
@@ -222,8 +222,8 @@ def _draw_surroundings(axes: Axes, belt: BeltScene) -> None:
     axes.set_xlim(belt.frame.left, belt.frame.right)
     axes.set_ylim(belt.frame.bottom, belt.frame.top)
     axes.grid(visible=False)
-    axes.set_xlabel("along the belt x (⟨d⟩)")
-    axes.set_ylabel("height z (⟨d⟩)")
+    axes.set_xlabel("along the belt x/⟨d⟩")
+    axes.set_ylabel("height z/⟨d⟩")
     bar = axes.figure.colorbar(
         ScalarMappable(belt.norm, COLOURS), ax=axes, aspect=25, pad=0.02, shrink=0.8
     )

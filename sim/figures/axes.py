@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
+from matplotlib.colors import to_hex
 from matplotlib.container import ErrorbarContainer
 from matplotlib.markers import CARETDOWN, CARETLEFT, CARETRIGHT, CARETUP
 from matplotlib.ticker import FixedLocator, LogLocator, NullFormatter
@@ -159,14 +160,17 @@ def has_cut_bars(
 def mark_cut_bars(axes: Axes) -> None:
     """Put a caret on the edge where an error bar leaves the axes; their limits must be final."""
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    error_bars = (bars.lines for bars in axes.containers if isinstance(bars, ErrorbarContainer))
-    for points, _, bars in error_bars:
-        for (x, y), (far, high) in (ends for part in bars for ends in part.get_segments()):
+    containers = (bars for bars in axes.containers if isinstance(bars, ErrorbarContainer))
+    for bars in (part for container in containers for part in container.lines[2]):
+        for (x, y), (far, high) in bars.get_segments():
             ends = [(y < bottom, x, bottom, CARETDOWN), (high > top, x, top, CARETUP)]
             if far > x:
                 ends = [(x < left, left, y, CARETLEFT), (far > right, right, y, CARETRIGHT)]
             for is_cut, *place, caret in ends:
                 if is_cut:
-                    look: dict[str, Any] = {"marker": caret, "color": points.get_color()}
+                    look: dict[str, Any] = {
+                        "marker": caret,
+                        "color": to_hex(np.asarray(bars.get_color())[0]),
+                    }
                     (mark,) = axes.plot(*place, **look, scalex=False, scaley=False)
-                    mark.set_transform(points.get_transform())
+                    mark.set_transform(bars.get_transform())

@@ -104,10 +104,10 @@ def cells(points: Sequence[PointParticles], top: float) -> tuple[Figure, list[Ax
         axes.grid(visible=False)
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_locator(MultipleLocator(5))
-        axes.set_xlabel("position along the belt x (⟨d⟩)")
+        axes.set_xlabel("position along the belt x/⟨d⟩")
         if len(points) > 1:
             axes.set_title(f"{row['protocol']}, {row['steps_per_cycle']:g} steps a cycle", size=9)
-    panels[0].set_ylabel("height z (⟨d⟩)")
+    panels[0].set_ylabel("height z/⟨d⟩")
     return figure, list(panels)
 
 

@@ -63,7 +63,7 @@ def draw(data: FigureData) -> Figure:
     axes.set_xlim(left=0)
     axes.set_ylim(*_range(table["mean"]))
     labels = data.spec.options.get("labels", {})
-    axes.set_xlabel(labels.get("x", "height above the belt z (⟨d⟩)"))
+    axes.set_xlabel(labels.get("x", "height above the belt z/⟨d⟩"))
     axes.set_ylabel(labels.get("y", profile.heading))
     place_legend(figure, axes)
     return figure

@@ -1,6 +1,7 @@
 """The caption of a figure, and its sentences on parameters, intervals, regimes and gaps."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from math import isfinite
 from typing import Any
 
@@ -11,6 +12,7 @@ from sim.figures.quantity import Quantity, quantities
 from sim.figures.style import is_undecided
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import quantity, setting
+from sim.study.plot_contents import name_in_words
 
 #: How captions name the regimes that are not steady.
 _REGIMES = {
@@ -19,6 +21,10 @@ _REGIMES = {
     "undetermined": "slowing, or with a trend that is not clear",
     "mixed": "with replicates in different regimes",
 }
+
+
+#: Most values of a parameter that a caption lists.
+MOST_VALUES = 12
 
 
 def caption(data: FigureData, notes: Sequence[str]) -> str:
@@ -46,6 +52,29 @@ def point_notes(data: FigureData) -> list[str]:
     return [interval_sentence(data.rows), regime_sentence(data.rows)]
 
 
+def bar_notes(data: FigureData, rows: pd.DataFrame, quantities: Sequence[Quantity]) -> list[str]:
+    """Return the sentences of a caption on bars and markers of some rows of a figure.
+
+    Only velocities have intervals of one replicate.
+    """
+    shown = replace(data, rows=rows)
+    others = [quantity for quantity in quantities if quantity.name != "velocity"]
+    if len(others) == len(quantities):
+        return quantity_notes(shown, [_of_rows(quantity, rows) for quantity in quantities])
+    without_bar = [
+        name_in_words(quantity.name)
+        for quantity in others
+        if quantity.half_width[rows.index].isna().any()
+    ]
+    sentences = [f"No bar of the {name} where only one replicate is known." for name in without_bar]
+    return [interval_sentence(rows), *sentences, regime_sentence(rows)]
+
+
+def _of_rows(quantity: Quantity, rows: pd.DataFrame) -> Quantity:
+    value, half_width = quantity.value[rows.index], quantity.half_width[rows.index]
+    return replace(quantity, value=value, half_width=half_width)
+
+
 def quantity_notes(data: FigureData, quantities: Sequence[Quantity]) -> list[str]:
     """Return the sentences of a caption on error bars and markers of quantities.
 
@@ -67,14 +96,28 @@ def velocity_text(row: Mapping[str, Any]) -> str:
 
 
 def parameters_sentence(rows: pd.DataFrame, system: str, names: Sequence[str]) -> str:
-    """Write the parameters that the points of a figure share, or all their values."""
+    """Write the parameters that the points of a figure share, or all their values.
+
+    Empty where no parameter is named.
+    """
+    if not names:
+        return ""
     parts = [
-        quantity(system, name, rows[name])
+        values_text(system, name, rows[name])
         if field_info(SYSTEMS[system])[name].unit
         else " and ".join(setting(system, name, value) for value in sorted(set(rows[name])))
         for name in names
     ]
     return "Parameters: " + "; ".join(parts) + "."
+
+
+def values_text(system: str, name: str, values: pd.Series) -> str:
+    """Write the values of a parameter, or the ends and the number of many."""
+    number = values.nunique()
+    if number <= MOST_VALUES:
+        return quantity(system, name, values)
+    ends = quantity(system, name, [values.min(), values.max()]).replace(", ", " to ")
+    return f"{ends} ({number} values)"
 
 
 def protocol_sentence(rows: pd.DataFrame, system: str) -> str:
@@ -116,8 +159,11 @@ def interval_sentence(rows: pd.DataFrame) -> str:
     return "Error bars: " + ", ".join(parts) + "."
 
 
-def regime_sentence(rows: pd.DataFrame) -> str:
-    """Explain filled, pale and open markers, with numbers of points; empty if all are steady."""
+def regime_sentence(rows: pd.DataFrame, *, has_bars: bool = True) -> str:
+    """Explain filled, pale and open markers, with numbers of points; empty if all are steady.
+
+    ``has_bars`` says whether the markers have error bars.
+    """
     shown = rows[rows["completed"] > 0]
     is_open = is_undecided(shown)
     steady = (shown["regime"] == "steady") & ~is_open
@@ -126,8 +172,8 @@ def regime_sentence(rows: pd.DataFrame) -> str:
     if is_open.any():
         subject = "pale ones may be" if parts else "pale markers are flows that may be steady"
         parts.append(
-            f"{subject}, their runs are too short to tell ({points_text(is_open.sum())}), "
-            "and their error bars may be too small"
+            f"{subject}, their runs are too short to tell ({points_text(is_open.sum())})"
+            + ", and their error bars may be too small" * has_bars
         )
     if unsteady:
         subject = "open ones are" if parts else "open markers are flows"
@@ -147,18 +193,17 @@ def _unsteady_counts(rows: pd.DataFrame) -> list[str]:
     return [f"{points_text(count)} {_REGIMES[regime]}" for regime, count in counts.items()]
 
 
-def unsteady_sentence(rows: pd.DataFrame) -> str:
-    """Count the flows not shown to be steady, for plots without such markers; empty if none is."""
+def unsteady_sentence(rows: pd.DataFrame, mark: str = "drawn all the same") -> str:
+    """Count the flows not shown to be steady, for plots without such markers; empty if none is.
+
+    ``mark`` says how they are drawn.
+    """
     shown = rows[rows["completed"] > 0]
     is_open = is_undecided(shown)
     unsteady = _unsteady_counts(shown[~is_open])
     if is_open.any():
         unsteady.append(f"{points_text(is_open.sum())} whose runs are too short to tell")
-    return (
-        f"Not shown to be steady, and drawn all the same: {', '.join(unsteady)}."
-        if unsteady
-        else ""
-    )
+    return f"Not shown to be steady, and {mark}: {', '.join(unsteady)}." if unsteady else ""
 
 
 def caveat_sentence(rows: pd.DataFrame) -> str:

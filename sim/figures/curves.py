@@ -12,9 +12,10 @@ from matplotlib.figure import Figure
 
 from sim.figures import paper_curves
 from sim.figures.axes import has_cut_bars, limit_axis, mark_cut_bars, set_log
-from sim.figures.caption import interval_sentence, point_notes, quantity_notes, regime_sentence
+from sim.figures.caption import bar_notes, point_notes
 from sim.figures.data import FigureData, varying_parameters
 from sim.figures.family import draw_family
+from sim.figures.fit import Fit, draw_fits, fit_columns, fit_curves, fit_notes
 from sim.figures.foreign_data import (
     append_foreign_data,
     draw_foreign_data,
@@ -22,29 +23,32 @@ from sim.figures.foreign_data import (
     foreign_values,
     set_run_ticks,
 )
+from sim.figures.looks import legend, number_of_curves, shared_look
 from sim.figures.plot import (
     Panels,
     curve_keys,
     label_axes,
-    legend,
     missing_value_note,
     nonpositive_note,
     observable_label,
     observed_quantity,
     panels,
     parameter_label,
-    shared_look,
     width_of,
     write_no_data,
 )
 from sim.figures.quantity import Quantity, quantity_table
 from sim.figures.style import CurveStyle, Look
+from sim.figures.variables import is_number
 from sim.parameters import SYSTEMS
-from sim.study.plot_contents import name_in_words, parameter_phrase
+from sim.study.plot_contents import SCATTER_HINT, parameter_phrase
 from sim.study.plottable import numbers
 
 #: Shift between neighbouring curves, points of print.
 _PITCH = 2.4
+
+#: Widest shift between the first and the last curve, points of print.
+_WIDEST = 10 * _PITCH
 
 #: Most ticks per inch of a horizontal axis that shows an observable.
 _TICKS_PER_INCH = 1.8
@@ -79,7 +83,9 @@ def draw(data: FigureData) -> Figure:
         else observable_label(data, by_name[spec.options["second"]])
     )
     label_axes(figure, shown, x, observable_label(data, by_name[spec.options["show"]]))
-    legend(figure, shown, foreign)
+    legend(figure, shown, foreign, number_of_curves(data, _keys(data)))
+    if spec.options["scattered"]:
+        figure.suptitle(_hint(len(data.rows)), fontsize=9)
     return figure
 
 
@@ -88,7 +94,8 @@ def _draw_curves(
 ) -> None:
     """Draw the curves of a panel; curves along a parameter are shifted against each other."""
     points = rows[_has_all_values(quantities)[rows.index]]
-    options: dict[str, Any] = {"pitch": _PITCH}
+    number = max(1, len(points[_keys(data)].drop_duplicates()))
+    options: dict[str, Any] = {"pitch": min(_PITCH, _WIDEST / number)}
     if "x" in quantities:
         points = points.assign(**{_OBSERVED_X: quantities["x"].value})
         options = {"spread": quantities["x"].half_width}
@@ -96,6 +103,19 @@ def _draw_curves(
     accelerating = points["regime"] == "accelerating"
     options |= {"look": _look(data), "unjoined": accelerating}
     draw_family(axes, points, quantities["y"], along, _keys(data), (), **options)
+    draw_fits(axes, _fits(data, rows, quantities), _look(data))
+
+
+def _fits(data: FigureData, rows: pd.DataFrame, quantities: dict[str, Quantity]) -> list[Fit]:
+    """Return the fits to the curves of some points; empty for a plot without ``fit``."""
+    if not data.spec.options["fit"]:
+        return []
+    points = rows[_has_all_values(quantities)[rows.index]]
+    if "x" in quantities:
+        points = points.assign(**{_OBSERVED_X: quantities["x"].value})
+    keys = list(dict.fromkeys([*_keys(data), *data.spec.curves]))
+    along = data.spec.axes[0] if data.spec.axes else _OBSERVED_X
+    return fit_curves(data.spec.options["fit"], points, quantities["y"], along, keys)
 
 
 def _quantities(data: FigureData) -> dict[str, Quantity]:
@@ -125,29 +145,34 @@ def _keys(data: FigureData) -> list[str]:
     """Return the parameters that name curves.
 
     With an observable on the x axis, numerical parameters that are not requested vary along curves.
+    Points of a design have no curves.
     """
-    fields, keys = SYSTEMS[data.spec.system].model_fields, curve_keys(data)
-    if not data.spec.options["second"]:
+    system, keys, options = data.spec.system, curve_keys(data), data.spec.options
+    if options["scattered"]:
+        return []
+    if not options["second"]:
         return list(keys)
-    requested = data.spec.options["curves"]
-    return [
-        name for name in keys if name in requested or fields[name].annotation not in (int, float)
-    ]
+    return [name for name in keys if name in options["curves"] or not is_number(system, name)]
 
 
 def _parameters_along(data: FigureData) -> list[str]:
     """Return the parameters that vary along the curves of one observable against another."""
     named = list(dict.fromkeys([*_keys(data), *data.spec.curves]))
     curves = [curve for _, curve in data.rows.groupby(named)] if named else [data.rows]
-    others = [name for name in SYSTEMS[data.spec.system].model_fields if name not in named]
+    shown = {*named, *data.spec.axes}
+    others = [name for name in SYSTEMS[data.spec.system].model_fields if name not in shown]
     varied = {name for curve in curves for name in varying_parameters(curve, others)}
     return [name for name in others if name in varied]
 
 
 def _look(data: FigureData) -> Look:
-    """Return the look of the curves; lines need exactly one parameter that varies along them."""
+    """Return the look of the curves; lines need exactly one parameter that varies along them.
+
+    A fitted line takes the place of the one that joins points.
+    """
     look = shared_look(data, _keys(data))
-    if data.spec.axes or len(_parameters_along(data)) == 1:
+    is_joined = data.spec.axes or len(_parameters_along(data)) == 1
+    if is_joined and not (data.spec.options["scattered"] or data.spec.options["fit"]):
         return look
 
     def unjoined_look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
@@ -183,6 +208,7 @@ def table(data: FigureData) -> pd.DataFrame:
         return paper_curves.table(data)
     quantities = _quantities(data)
     rows = quantity_table(data, list(quantities.values()))
+    rows = rows.assign(**fit_columns(data, _fits(data, data.rows, _drawable_quantities(data))))
     # The parameter on x follows the id of the point.
     x = quantities["x"].label if "x" in quantities else rows.columns[1]
     return append_foreign_data(data, rows, x, quantities["y"].label)
@@ -210,31 +236,28 @@ def notes(data: FigureData) -> list[str]:
         )
         for axis, quantity in shown_quantities.items()
     )
-    along = [] if spec.axes else _parameters_along(data)
+    fits = _fits(data, completed, quantities)
+    is_loose = (spec.axes and not spec.options["scattered"]) or fits
+    along = [] if is_loose else _parameters_along(data)
     aside = spec.axes and keys and len(shown[keys].drop_duplicates()) > 1
-    accelerating = len(along) < 2 and (shown["regime"] == "accelerating").any()
+    accelerating = len(along) < 2 and not fits and (shown["regime"] == "accelerating").any()
     return [
-        *_notes_on_bars(replace(data, rows=shown), list(shown_quantities.values())),
+        *([f"{_hint(len(data.rows))}."] if spec.options["scattered"] else []),
+        *bar_notes(data, shown, list(shown_quantities.values())),
         *(["Error bars that end in a caret go on beyond the axes."] if is_cut else []),
         *(["Curves are drawn a little aside of each other."] if aside else []),
         *_notes_on_lines([parameter_phrase(spec.system, name) for name in along]),
         *(["Lines are interrupted at flows that accelerate."] if accelerating else []),
+        *fit_notes(data, fits),
         *missing_value_note(len(completed) - with_values),
         *nonpositive_note(omitted, "points" if omitted > 1 else "point"),
         *foreign_data_notes(data),
     ]
 
 
-def _notes_on_bars(data: FigureData, quantities: list[Quantity]) -> list[str]:
-    """Return sentences on bars and markers; only velocities have intervals of one replicate."""
-    others = [quantity for quantity in quantities if quantity.name != "velocity"]
-    if len(others) == len(quantities):
-        return quantity_notes(data, quantities)
-    without_bar = [
-        name_in_words(quantity.name) for quantity in others if quantity.half_width.isna().any()
-    ]
-    sentences = [f"No bar of the {name} where only one replicate is known." for name in without_bar]
-    return [interval_sentence(data.rows), *sentences, regime_sentence(data.rows)]
+def _hint(count: int) -> str:
+    """Return what a plot of curves says that has points of a design."""
+    return f"{count} points, hardly two of them on one curve; {SCATTER_HINT}"
 
 
 def _notes_on_lines(along: list[str]) -> list[str]:

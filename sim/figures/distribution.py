@@ -13,11 +13,11 @@ from matplotlib.figure import Figure
 from sim.figures.axes import set_log
 from sim.figures.caption import unsteady_sentence
 from sim.figures.data import FigureData
+from sim.figures.looks import legend, number_of_curves, shared_look
 from sim.figures.plot import (
     above_zero,
     curve_keys,
     label_axes,
-    legend,
     missing_value_note,
     named_columns,
     nonpositive_note,
@@ -25,7 +25,6 @@ from sim.figures.plot import (
     panels,
     parameter_label,
     replicate_values,
-    shared_look,
     write_no_data,
 )
 from sim.figures.quantity import unit_of
@@ -56,7 +55,7 @@ def draw(data: FigureData) -> Figure:
         figure, shown, parameter_label(spec.system, along), observable_label(data, observable)
     )
     write_no_data(shown, observable.name)
-    legend(figure, shown)
+    legend(figure, shown, None, number_of_curves(data, curve_keys(data)))
     return figure
 
 

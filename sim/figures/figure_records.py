@@ -57,13 +57,16 @@ def current_record(
 ) -> FigureRecord | None:
     """Return the record of a figure as its files are now, or None where a file is missing.
 
-    The source is the hash of ``code``, entry of the catalogue and dataset.
+    The source is the hash of ``code``, entry of the catalogue, dataset and the answer that it
+    shows, if any.
     """
     source = hashlib.sha256(f"{code} {spec!r}".encode())
+    answers = [dataset_path.parent / spec.options["answer"]] if "answer" in spec.options else []
     try:
-        with open_regular(dataset_path) as file:
-            file.seek(max(0, file.seek(0, os.SEEK_END) - TAIL))
-            source.update(file.read())
+        for path in (dataset_path, *answers):
+            with open_regular(path) as file:
+                file.seek(max(0, file.seek(0, os.SEEK_END) - TAIL))
+                source.update(file.read())
         files = {suffix: _checksum(folder / f"{spec.name}{suffix}") for suffix in spec.suffixes}
     except OSError:
         return None

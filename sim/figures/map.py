@@ -11,15 +11,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
 from sim.figures.axes import set_log
 from sim.figures.boundaries import BAR_PITCH, boundary_notes, draw_boundaries
-from sim.figures.caption import unsteady_sentence
-from sim.figures.configuration import COLOURS
 from sim.figures.data import FigureData, velocity_table
 from sim.figures.foreign_data import (
     append_foreign_data,
@@ -27,15 +23,13 @@ from sim.figures.foreign_data import (
     foreign_data_notes,
     set_run_ticks,
 )
+from sim.figures.looks import legend
 from sim.figures.plot import (
     PANEL_SIZE,
     SINGLE_SIZE,
     Panels,
     given_labels,
     label_axes,
-    legend,
-    missing_value_note,
-    observable_label,
     observed_quantity,
     panels,
     parameter_label,
@@ -43,12 +37,9 @@ from sim.figures.plot import (
 )
 from sim.figures.quantity import quantity_table
 from sim.figures.style import THEORY, place_legend
+from sim.figures.value_map import draw_values, value_notes
 from sim.study.figure_spec import CREEP
 from sim.study.plot_kinds import REGIME
-from sim.study.plottable import numbers
-
-#: Size of a square, points.
-_MARKER_SIZE = 11.0
 
 #: Height of a paper's map of the chute, inches.
 _CHUTE_HEIGHT = 4.3
@@ -69,7 +60,7 @@ MARKS = {
 
 
 def draw(data: FigureData) -> Figure:
-    """Draw a marker per point: one of its regime, or a square coloured by the observable."""
+    """Draw a marker per point of its regime, or cells or contours of the observable."""
     spec = data.spec
     figure, shown = panels(data)
     if spec.paper and spec.options["show"] == REGIME:
@@ -79,7 +70,7 @@ def draw(data: FigureData) -> Figure:
         for axes, rows in shown:
             _draw_regimes(axes, rows, rows["regime"], spec.axes)
     else:
-        _draw_values(data, figure, shown)
+        draw_values(data, figure, shown)
     foreign = draw_foreign_data(data, shown)
     _set_axes(data, shown)
     label_axes(figure, shown, *(parameter_label(spec.system, name) for name in spec.axes))
@@ -152,44 +143,6 @@ _THEORIES = {
 }
 
 
-def _draw_values(data: FigureData, figure: Figure, shown: Panels) -> None:
-    """Draw a square per point, filled with the colour of its value; open without a value."""
-    x, y = data.spec.axes
-    values = _coloured_values(data)
-    scale = LogNorm if "colour" in data.spec.options["log"] else Normalize
-    norm = scale(values.min(), values.max()) if len(values) else Normalize()
-    for axes, rows in shown:
-        empty_points = rows[~rows.index.isin(values.index)]
-        axes.plot(
-            empty_points[x],
-            empty_points[y],
-            "s",
-            color="#888888",
-            markerfacecolor="white",
-            zorder=2,
-        )
-        part = rows[rows.index.isin(values.index)]
-        axes.scatter(
-            part[x],
-            part[y],
-            s=_MARKER_SIZE**2,
-            c=COLOURS(norm(values[part.index])),
-            marker="s",
-            edgecolors="#444444",
-            linewidths=0.5,
-            zorder=3,
-        )
-    bar = figure.colorbar(ScalarMappable(norm, COLOURS), ax=[axes for axes, _ in shown], pad=0.02)
-    bar.set_label(observable_label(data, numbers(data.spec.system)[data.spec.options["show"]]))
-    bar.outline.set_visible(False)
-
-
-def _coloured_values(data: FigureData) -> pd.Series:
-    """Return the values that have a colour, by row of the points."""
-    value = observed_quantity(data).value
-    return value[value > 0] if "colour" in data.spec.options["log"] else value.dropna()
-
-
 def _set_axes(data: FigureData, shown: Panels) -> None:
     """Set scales, and put ticks at the values that were run."""
     x, y = data.spec.axes
@@ -198,7 +151,8 @@ def _set_axes(data: FigureData, shown: Panels) -> None:
     for axes, _ in shown:
         for axis in {"x", "y"} & set(log):
             set_log(axes, axis)
-        axes.margins(0.1)
+        if data.spec.options["show"] == REGIME:
+            axes.margins(0.1)
         axes.autoscale_view()
         set_run_ticks(axes, data, x, width_of(shown))
         set_run_ticks(axes, data, y, height, "y")
@@ -223,7 +177,4 @@ def notes(data: FigureData) -> list[str]:
             if data.spec.paper
             else ["One marker per point.", *foreign_data_notes(data)]
         )
-    missing = len(data.rows) - len(_coloured_values(data))
-    value = "a value above 0" if "colour" in data.spec.options["log"] else "a value"
-    note = missing_value_note(missing, value, "Open")
-    return ["One square per point.", *note, unsteady_sentence(data.rows), *foreign_data_notes(data)]
+    return [*value_notes(data), *foreign_data_notes(data)]

@@ -7,30 +7,25 @@ lists the logarithmic axes.
 """
 
 import textwrap
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
-from sim.dataset.results import Results
+from sim.dataset import observed
 from sim.figures.caption import points_text
 from sim.figures.data import FigureData, parameter_columns, varying_parameters
 from sim.figures.quantity import Quantity, label_with_unit, replicate_means, scale_of, unit_of
 from sim.figures.style import (
-    LOOKS,
-    CurveStyle,
-    Look,
-    cycle_style,
     escape_label,
-    legend_above,
     settings,
+    with_subscript,
 )
 from sim.parameters import SYSTEMS, field_info
-from sim.parameters.words import PROTOCOLS, setting
+from sim.parameters.words import PROTOCOLS
 from sim.study.plot_contents import name_in_words, parameter_phrase
 from sim.study.plottable import Observable, numbers
 
@@ -65,18 +60,8 @@ def replicate_values(data: FigureData, observable: Observable) -> list[np.ndarra
 
     Replicates without a finite value, such as failed ones, are left out.
     """
-    points, scale = data.rows["point"], _scale(data, observable)
-    if observable.is_mean:
-        values = [_means(data.results, point, observable.source) for point in points]
-    else:
-        dataset = data.results.dataset
-        table = (
-            dataset[observable.source].sel(point=points.values).values
-            if observable.source in dataset
-            else None
-        )
-        values = [np.zeros(0)] * len(points) if table is None else list(table)
-    return [row[np.isfinite(row)] / divisor for row, divisor in zip(values, scale, strict=True)]
+    values = observed.replicate_values(data.results, observable, data.rows["point"].tolist())
+    return [row / divisor for row, divisor in zip(values, _scale(data, observable), strict=True)]
 
 
 def _scale(data: FigureData, observable: Observable) -> pd.Series:
@@ -120,19 +105,6 @@ def rows_of_points(
     return rows.rename(columns=headings)
 
 
-def _means(results: Results, point: str, profile: str) -> np.ndarray:
-    """Return the mean of a profile, weighted by packing, for each completed replicate, (R,).
-
-    Not-a-number where no slice has a value.
-    """
-    values, _ = results.profile(point, profile)
-    packing, _ = results.profile(point, "packing_profile")
-    weight = np.where(np.isfinite(values), packing, 0.0)
-    total = weight.sum(axis=1)
-    sums = (np.nan_to_num(values) * weight).sum(axis=1)
-    return np.divide(sums, total, out=np.full(len(total), np.nan), where=total > 0)
-
-
 def observable_label(data: FigureData, observable: Observable) -> str:
     """Return the axis label of an observable: its name and unit."""
     unit = unit_of(observable.unit, data.spec.options["units"], data.spec.system)
@@ -142,9 +114,9 @@ def observable_label(data: FigureData, observable: Observable) -> str:
 def parameter_label(system: str, name: str) -> str:
     """Return the axis label of a parameter, in the unit of study files."""
     row = field_info(SYSTEMS[system])[name]
-    return wrap_label(
-        label_with_unit(parameter_phrase(system, name), row.scale or row.unit_text.strip())
-    )
+    unit = row.scale or row.unit_text.strip()
+    text = wrap_label(label_with_unit(parameter_phrase(system, name), unit))
+    return with_subscript(text, row.symbol)
 
 
 def wrap_label(text: str) -> str:
@@ -167,8 +139,8 @@ def panels(data: FigureData) -> tuple[Figure, Panels]:
     grid = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False)
     shown = []
     for axes, value in zip(grid.flat, values, strict=False):
-        title = protocols.get(value) or setting(data.spec.system, name, value)
-        axes.set_title(escape_label(title), fontsize=9)
+        title = protocols.get(value) or settings(data.spec.system, [(name, value)])
+        axes.set_title(title, fontsize=9)
         shown.append((axes, rows[rows[name] == value]))
     for axes in grid.flat[len(values) :]:
         axes.set_visible(False)
@@ -231,54 +203,6 @@ def curve_keys(data: FigureData) -> tuple[str, ...]:
     apart = {*spec.axes, *spec.curves}
     parameters = [name for name in SYSTEMS[spec.system].model_fields if name not in apart]
     return *spec.options["curves"], *varying_parameters(rows, parameters)
-
-
-def shared_look(data: FigureData, named: Sequence[str]) -> Look:
-    """Return a look that gives a curve, identified by parameters, one style in all panels."""
-    system = data.spec.system
-    indices: dict[str, int] = {}
-    keys = [name for name in named if name != "protocol"]
-    curves = data.rows[keys].drop_duplicates().sort_values(keys) if keys else data.rows[:1]
-    for values in curves[keys].to_dict("records"):
-        indices[settings(system, values.items())] = len(indices)
-
-    def look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
-        label = settings(system, ((name, names[name]) for name in keys if name in names))
-        return cycle_style(indices.get(label, index)), label
-
-    return look
-
-
-def legend(figure: Figure, shown: Panels, foreign: Mapping[str, Any] | None = None) -> None:
-    """Put one legend above all panels, with each label once; none where no curve has a label.
-
-    The figure grows where the legend has more than a few lines. With more curves than styles, the
-    legend only gives their number. ``foreign`` are the entries of foreign data, by label. Their
-    labels may equal those of curves.
-    """
-    entries: dict[str, Any] = {}
-    for axes, _ in shown:
-        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
-            entries.setdefault(label, handle)
-    entries.pop("", None)
-    if len(entries) > LOOKS:
-        entries = {f"{len(entries):,} curves, which the data names": Line2D([], [], linestyle="")}
-    handles = [*entries.values(), *(foreign or {}).values()]
-    if labels := [*entries, *(foreign or {})]:
-        legend_above(figure, handles, labels)
-
-
-def groups(
-    data: FigureData, rows: pd.DataFrame
-) -> Iterator[tuple[CurveStyle, str, Mapping[str, Any]]]:
-    """Yield style, legend entry and row of each completed point: each is one curve."""
-    keys = curve_keys(data)
-    look = shared_look(data, keys)
-    completed = rows[rows["completed"] > 0].sort_values(list(keys)) if keys else rows
-    for index, row in enumerate(completed[completed["completed"] > 0].to_dict("records")):
-        names = {str(name): row[name] for name in keys}
-        style, label = look(names, index)
-        yield style, label, {str(name): value for name, value in row.items()}
 
 
 def write_no_data(shown: Panels, noun: str) -> None:

@@ -24,12 +24,12 @@ from sim.figures.foreign_data import (
     foreign_data_notes,
     foreign_values,
 )
+from sim.figures.looks import groups, legend, number_of_curves
 from sim.figures.plot import (
     Panels,
     completed_rows,
-    groups,
+    curve_keys,
     label_axes,
-    legend,
     missing_value_note,
     nonpositive_note,
     observable_label,
@@ -130,7 +130,7 @@ def draw(data: FigureData) -> Figure:
     elif not spec.options["between"]:
         # Panels share their axes, and set limits do not follow later data.
         shown[0][0].set_ylim(bottom=min([0.0, *foreign_values(data, "y")]))
-    legend(figure, shown, foreign)
+    legend(figure, shown, foreign, number_of_curves(data, curve_keys(data)))
     return figure
 
 

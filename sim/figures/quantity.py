@@ -1,5 +1,6 @@
 """Quantities of points with their 95 % intervals, in SI units or natural ones of each point."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -27,6 +28,9 @@ _NATURAL = {
     "kg s-1": ((-0.5, 0.5, 1), "m√(g/d)"),
     "kg m-1 s-1": ((-1.5, 0.5, 1), "m√(g/d)/d"),
 }
+
+#: What natural units have, and those by which a label can be divided without brackets.
+_NATURAL_UNIT, _ONE_FACTOR = re.compile("[σ⟨]|^m?g$"), re.compile(r"⟨d⟩|\w|√\([^()]*\)")
 
 #: SI units as axes show them.
 _AXIS_UNITS = {
@@ -194,5 +198,17 @@ def scale_of(unit: str, units: str, rows: pd.DataFrame) -> pd.Series:
 
 
 def label_with_unit(text: str, unit: str) -> str:
-    """Return a label with its unit, if any: ``velocity (m/s)``, with a no-break space."""
-    return f"{text}\N{NO-BREAK SPACE}({unit})" if unit else text
+    """Return a label with its unit, if any; a quantity is divided by a natural unit.
+
+    The space before a unit in brackets does not break.
+
+    >>> label_with_unit("height z", "⟨d⟩"), label_with_unit("stress", "mg/σ²")
+    ('height z/⟨d⟩', 'stress/(mg/σ²)')
+    >>> label_with_unit("height z", "m") == "height z\N{NO-BREAK SPACE}(m)"
+    True
+    """
+    if not unit:
+        return text
+    if not _NATURAL_UNIT.search(unit):
+        return f"{text}\N{NO-BREAK SPACE}({unit})"
+    return f"{text}/{unit if _ONE_FACTOR.fullmatch(unit) else f'({unit})'}"

@@ -141,7 +141,7 @@ def _finish(panels: np.ndarray, row: Mapping[str, Any]) -> None:
     top = velocity.secondary_xaxis("top", functions=(lambda v: v / unit, lambda v: v * unit))
     top.set_xlabel("u / √(gσ)")
     velocity.set_xlabel("velocity u (m/s)\n(a)")
-    velocity.set_ylabel("height z (σ)")
+    velocity.set_ylabel("height z/σ")
     velocity.set_ylim(bottom=0)
     packing.set_xlabel("packing fraction φ\n(b)")
     for axes in panels:

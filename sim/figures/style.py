@@ -1,6 +1,7 @@
 """Style of all figures: fonts, colours, dashes, markers, the legend and its entries."""
 
 import math
+import re
 import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -12,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import offset_copy
 
+from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import PROTOCOLS, setting
 from sim.study.figure_spec import FigureSpec
 
@@ -21,9 +23,6 @@ COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e
 NAMED = dict(zip(("black", "blue", "red", "green", "pink", "sky", "orange"), COLOURS, strict=True))
 DASHES = ("-", (0, (5, 2)), (0, (5, 2, 1, 2)), (0, (1, 1.5)), (0, (5, 2, 1, 2, 1, 2)))
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "p")
-
-#: Number of different styles that `cycle_style` returns.
-LOOKS = len(COLOURS) * len(DASHES)
 
 SHORT_DASH = (0, (3, 1.5))
 LONG_DASH = DASHES[1]
@@ -71,6 +70,9 @@ PALE_LINE: dict[str, Any] = {"linewidth": 3.4, "alpha": 0.4, "zorder": 1.9}
 #: Size of the markers of the converged protocol where no line joins them.
 PALE_MARKER_SIZE = 7.0
 
+
+#: A letter, or a difference, with a subscript.
+_SUBSCRIPT = re.compile(r"(?<![\w$])(Δ?[^\W\d_])_([^\W_]+)(?![\w$])")
 
 #: Style of a level with which values are compared.
 LEVEL: dict[str, Any] = {"color": "#888888", "linestyle": ":", "linewidth": 0.9, "zorder": 1}
@@ -154,6 +156,15 @@ def escape_label(text: str) -> str:
     return (" " if text.startswith("_") else "") + text.replace("$", r"\$")
 
 
+def with_subscript(text: str, symbol: str) -> str:
+    r"""Return a text in which what follows _ in a symbol is a subscript, as matplotlib reads it.
+
+    >>> with_subscript("amplitude A_z/⟨d⟩", "A_z"), with_subscript("law_of E_$", "E_$")
+    ('amplitude $A_{z}$/⟨d⟩', 'law_of E_$')
+    """
+    return text.replace(symbol, _SUBSCRIPT.sub(r"$\1_{\2}$", symbol), 1) if symbol else text
+
+
 def move_aside(axes: Axes, artists: Iterable[Artist], x: float = 0, y: float = 0) -> None:
     """Shift artists by points of print, without any change of the limits of the axes."""
     for artist in artists:
@@ -219,4 +230,8 @@ def look_of(
 
 def settings(system: str, values: Iterable[tuple[str, object]]) -> str:
     """Write values of parameters for a legend: ``e = 0.85, K1 = 100 N/m``."""
-    return escape_label(", ".join(setting(system, name, value) for name, value in values))
+    declared = field_info(SYSTEMS[system])
+    return ", ".join(
+        with_subscript(escape_label(setting(system, name, value)), declared[name].symbol)
+        for name, value in values
+    )

@@ -18,11 +18,11 @@ from sim.dataset.run_file import RunFile
 from sim.figures.axes import set_log
 from sim.figures.caption import unsteady_sentence
 from sim.figures.data import FigureData
+from sim.figures.looks import groups, legend, number_of_curves
 from sim.figures.plot import (
     above_zero,
-    groups,
+    curve_keys,
     label_axes,
-    legend,
     nonpositive_note,
     observable_label,
     panels,
@@ -66,7 +66,7 @@ def draw(data: FigureData) -> Figure:
         observable_label(data, replicate_values),
     )
     write_no_data(shown, replicate_values.name)
-    legend(figure, shown)
+    legend(figure, shown, None, number_of_curves(data, curve_keys(data)))
     return figure
 
 

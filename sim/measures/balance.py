@@ -17,9 +17,11 @@ from sim.parameters.variables import ALL
 def missing_energy(run: Mapping[Any, Any]) -> float:
     """Return the share of the energy turned over that the ledger lacks, NaN without a ledger.
 
-    A run file has the share relative to the dissipated energy. Flows that accelerate turn over
-    more, most of all those without friction. Here their gain of kinetic energy counts too, from the
-    means over the window. Without ``frictional_power`` (belt) the residual is the share.
+    A run file has the share relative to the dissipated energy, or to the net work of a belt. Flows
+    that accelerate turn over more, most of all those that lose nothing: a rolling sphere. Here
+    their gain of kinetic energy counts too, from the means over the window. Without
+    ``frictional_power`` (belt) the residual is the share. It says nothing of a belt whose bed moves
+    as a block, which takes up and gives back energy and loses next to none.
     """
     if "energy_residual" not in run:
         return nan

@@ -49,6 +49,10 @@ ONSET_TRANSPORT = 0.1
 RATE = 55.0e6
 SETTLING_TIME = 0.7
 
+#: Time until a bed damped by the beads' own masses is at rest, over 1/γ_s: it picks up a drift that
+#: shear damping alone stops. And the longest such time, s.
+DRIFT_TIME, MOST_DRIFT = 25.0, 30.0
+
 
 class BeltParameters(Parameters):
     """Disks on a belt that vibrates at an angle (Gallas, Herrmann and Sokołowski 1992).
@@ -410,7 +414,10 @@ class BeltParameters(Parameters):
     def settling_steps(self) -> int:
         """Time steps before the first sample, about: the bed's settling and the prior cycles."""
         prior = self.prior_cycles * self.steps_per_cycle if self.prior_frequency > 0.0 else 0
-        return round(SETTLING_TIME / self.settling_step) + prior
+        drifts = self.damping_mass == "own" and self.shear_damping > 0.0
+        drift = DRIFT_TIME / (self.shear_damping * self.gravity) if drifts else 0.0
+        time = max(SETTLING_TIME, min(drift, MOST_DRIFT))
+        return round(time / self.settling_step) + prior
 
     def require_rules(self) -> None:
         """Raise for values that do not go together."""

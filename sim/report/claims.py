@@ -170,14 +170,12 @@ def _variant(
     title = PROTOCOLS[system].get(variant["protocol"], _MODEL).capitalize()
     is_headline = variant["reading"] == claim["headline"]
     reading = "" if variant["reading"] == "default" else f", {variant['reading']}"
-    # What is reported beside the votes is shown of the headline reading; ``claims.csv`` has it all.
-    checks = [check for check in variant["checks"] if is_headline or check["verdict"] != "reported"]
     return {
         **variant,
         "title": title + reading,
         "usual": is_headline,
         "unsteady": variant.get("unsteady", ""),
-        "checks": [_check(check, numbers) for check in checks],
+        "checks": [_check(check, numbers) for check in variant["checks"]],
     }
 
 
@@ -195,8 +193,8 @@ def _check(check: Mapping[str, Any], numbers: Mapping[str, int]) -> dict[str, An
 def _measured_text(check: Mapping[str, Any]) -> str:
     """Write the measured value of a check with its interval, or with the p-value of its test."""
     if check["tested"]:
-        return value_with_p(check["value"], check["p_holds"])
-    return value_with_interval(check["value"], check["half_width"])
+        return value_with_p(check["value"], check["p_holds"], check.get("text", ""))
+    return check.get("text") or value_with_interval(check["value"], check["half_width"])
 
 
 def reading_tables(claims: Sequence[Mapping[str, Any]], results: Results) -> list[dict[str, Any]]:
@@ -231,15 +229,12 @@ def reading_tables(claims: Sequence[Mapping[str, Any]], results: Results) -> lis
                 reading_label(paper.system, reading, paper.readings): reading
                 for reading in combined_readings(results, paper.system, paper.readings)
             }
-            # What is the same runs on another grid is told of the headline reading alone.
-            shown = [
-                label
-                for label in words
-                if not is_regridded(readings.get(label, {}), paper.readings.headline)
-            ]
+            # What is the same runs on another grid is told of the headline reading alone, and what
+            # is another reading of one claim in that claim.
             columns = [
-                _reading(label, readings.get(label, {}), paper_claims, results, paper)
-                for label in shown
+                _reading(label, readings[label], paper_claims, results, paper)
+                for label in words
+                if label in readings and not is_regridded(readings[label], paper.readings.headline)
             ]
             heading = {"paper": name, "author": paper.author, "why": paper.readings.why}
             tables.append(

@@ -1,6 +1,5 @@
 """Add replicates and longer runs where they can decide a question, within a budget."""
 
-import subprocess
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from math import ceil
@@ -14,7 +13,7 @@ from sim.claims.judge import judge
 from sim.claims.judgement import Judgement
 from sim.claims.readings import reading_label, readings_of
 from sim.dataset.results import Results, load_current
-from sim.study.command import snakemake_command
+from sim.study.command import run_with_signals, snakemake_command
 from sim.study.extra_amounts import ExtraAmounts, read_extra_amounts, write_extra_amounts
 from sim.study.load import Point, Study, load_study
 
@@ -64,9 +63,8 @@ def decide(study_path: Path, results: Path, cores: int | None) -> list[str] | in
     if cores < 1:
         raise InputError.of_value("--cores", "", cores, "an integer >= 1")
     while True:
-        process = subprocess.run(snakemake_command(study_path, cores))
-        if process.returncode:
-            return process.returncode
+        if code := run_with_signals(snakemake_command(study_path, cores)):
+            return code
         lines, bought = _round(study_path, results)
         print(*lines, sep="\n", flush=True)
         if not bought:
@@ -131,7 +129,7 @@ def _claim_offers(study: Study, results: Results, claim_ids: list[str]) -> Itera
         for reading in _readings(study, judged):
             times: dict[str, float] = {}
             for check in judged.open_checks(reading):
-                for point in check.points:
+                for point in check.open_points or check.points:
                     # Few samples give no estimate of the factor.
                     needed = check.replicate_factor if check.can_decide else MOST_FACTOR
                     times[point] = max(times.get(point, 1.0), needed)

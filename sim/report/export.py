@@ -1,6 +1,5 @@
 """Export the particles of a run in formats of other programs: AMBER, extended XYZ, LAMMPS, VTK."""
 
-import shutil
 from collections.abc import Callable
 from contextlib import ExitStack
 from itertools import product
@@ -12,7 +11,7 @@ import netCDF4
 import numpy as np
 
 from sim.base.errors import InputError
-from sim.base.files import atomic_write, require_writable
+from sim.base.files import atomic_write, require_writable, temporary_folder
 from sim.base.program import __version__
 from sim.base.seals import checked_read
 from sim.engine.stored_run import parameters_of
@@ -232,27 +231,24 @@ def write_vtk(path: Path, frames: Frames) -> None:
     import meshio
 
     folder = _vtk_folder(path)
-    part = folder.with_name(f".{folder.name}.part")
-    shutil.rmtree(part, ignore_errors=True)
-    part.mkdir()
     root = ElementTree.Element("VTKFile", type="Collection", version="0.1")
     collection = ElementTree.SubElement(root, "Collection")
     vertices = [("vertex", np.arange(len(frames.radius))[:, None])]
-    try:
+    with temporary_folder(folder) as part:
+        new_folder = part / folder.name
+        new_folder.mkdir()
         for number, frame in enumerate(frames):
             data = {"radius": frames.radius, "kind": frames.kind, "velocity": frame.velocity}
             if frame.spin is not None:
                 data["spin"] = frame.spin
             name = f"{number:06}.vtu"
-            meshio.Mesh(frame.position, vertices, data).write(part / name)
+            meshio.Mesh(frame.position, vertices, data).write(new_folder / name)
             attributes = {"timestep": f"{frame.time:.9g}", "file": f"{folder.name}/{name}"}
             ElementTree.SubElement(collection, "DataSet", attributes)
-        meshio.Mesh(_corners(frames), [("hexahedron", _HEXAHEDRON)]).write(part / "cell.vtu")
+        meshio.Mesh(_corners(frames), [("hexahedron", _HEXAHEDRON)]).write(new_folder / "cell.vtu")
         with atomic_write(path) as temporary:
             ElementTree.ElementTree(root).write(temporary, encoding="utf-8", xml_declaration=True)
-            part.rename(folder)
-    finally:
-        shutil.rmtree(part, ignore_errors=True)
+            new_folder.rename(folder)
 
 
 def _corners(frames: Frames) -> np.ndarray:

@@ -28,15 +28,18 @@ def finite_or_none(value: float) -> float | None:
     return value if isfinite(value) else None
 
 
-def value_with_p(value: float | None, chance: float | None) -> str:
+def value_with_p(value: float | None, chance: float | None, text: str = "") -> str:
     """Write a statistic with the p-value of its test, or alone where there is none.
+
+    ``text`` is the statistic in words, where a number does not say it.
 
     >>> value_with_p(0.8, 0.0123), value_with_p(0.8, 1e-9), value_with_p(0.33333, None)
     ('0.8, p = 0.012', '0.8, p < 0.0001', '0.333')
     """
+    statistic = text or ("–" if value is None else f"{value:.3g}")
     if value is None or chance is None:
-        return "–" if value is None else f"{value:.3g}"
-    return f"{value:.3g}, p " + (f"= {chance:.2g}" if chance >= _LEAST_P else f"< {_LEAST_P:g}")
+        return statistic
+    return f"{statistic}, p " + (f"= {chance:.2g}" if chance >= _LEAST_P else f"< {_LEAST_P:g}")
 
 
 def value_with_interval(value: float | None, half_width: float | None) -> str:

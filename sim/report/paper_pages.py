@@ -29,8 +29,7 @@ Only the text of both papers was at hand, no figure. Each claim has four verdict
 The last column says what changed since the second round, and then why the first criterion was
 restated. A verdict that changed since the second round is bold. It may hold under a condition ("at
 K1 = 1,000 N/m"); letters are the statements of a claim that says several things. *By number of
-ours* has the verdict of the headline reading and protocol for values of a number that the paper
-does not give.
+ours* has the verdict for values of a number that the paper does not give.
 
 Sentences, criteria and evidence: the reports
 ([Walton](../results/published/paper_walton/report.html),

@@ -5,6 +5,7 @@ import sys
 from collections import Counter
 from collections.abc import Container, Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import psutil
 
@@ -14,9 +15,11 @@ from sim.base.program import program
 from sim.base.words import count_text, duration
 from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.run_file import require_start_files
+from sim.engine.shared_runs import SharedRun, describe, find_runs
 from sim.parameters import complete_values, field_info
 from sim.study.cost import Estimate, estimate
 from sim.study.load import Point, Study, load_study
+from sim.study.plot_contents import SCATTER_HINT
 from sim.study.refine import PARTS, divide_range
 
 CORES = 2
@@ -31,7 +34,7 @@ LARGEST_LENGTH = 0.1
 _HEADINGS = ("id", "system", "particles", "steps", "core time", "figures", "series")
 _RIGHT = {"particles", "steps", "core time"}
 
-_NOTHING_ADOPTED: Mapping[str, str] = {}
+_NOTHING: Mapping[str, Any] = {}
 
 
 def show(study_path: Path, results: Path, format: str) -> str:
@@ -43,17 +46,23 @@ def show(study_path: Path, results: Path, format: str) -> str:
     points = {key: point.parameters for key, point in study.points.items()}
     sources = AdoptedPoints(study, results / study.name).sources(points)
     adopted = {key: source.dataset.stem for key, source in sources.items()}
+    others = {key: point for key, point in points.items() if key not in adopted}
+    shared = find_runs(results / study.name / "runs", others)
     if format == "json":
-        return as_json(study, adopted)
-    return "\n".join((as_table(study, adopted), *_run_lines(study, results)))
+        return as_json(study, adopted, shared)
+    return "\n".join((as_table(study, adopted, shared), *_run_lines(study, results)))
 
 
-def as_table(study: Study, adopted: Mapping[str, str] = _NOTHING_ADOPTED) -> str:
+def as_table(
+    study: Study,
+    adopted: Mapping[str, str] = _NOTHING,
+    shared: Mapping[str, SharedRun] = _NOTHING,
+) -> str:
     """Return an aligned line per point, then what is known of the study, and totals.
 
     That is designs, plots, points that figures omit, and caveats. ``adopted`` are the names of the
-    datasets from which points are adopted, by id of the point. ``steps`` and ``core time`` are sums
-    over all replicates of a point.
+    datasets from which points are adopted, by id of the point, and ``shared`` the runs that other
+    studies have. ``steps`` and ``core time`` are sums over all replicates of a point.
     """
     costs = _costs(study)
     rows = [_row(point, costs[point.id]) for point in study.points.values()]
@@ -66,15 +75,21 @@ def as_table(study: Study, adopted: Mapping[str, str] = _NOTHING_ADOPTED) -> str
         [
             _total_line(list(costs.values())),
             *_adopted_lines(adopted, costs),
+            *_shared_lines(shared, adopted, costs),
             *_trajectory_lines(list(costs.values())),
-            *([_refinement_line(study)] if study.rounds else []),
+            *([_refinement_line(study)] if study.boundaries else []),
+            *_surrogate_lines(study),
             *([_decision_line(study.decide.budget)] if study.decide else []),
         ],
     ]
     return "\n\n".join("\n".join(lines) for lines in sections if lines)
 
 
-def as_json(study: Study, adopted: Mapping[str, str] = _NOTHING_ADOPTED) -> str:
+def as_json(
+    study: Study,
+    adopted: Mapping[str, str] = _NOTHING,
+    shared: Mapping[str, SharedRun] = _NOTHING,
+) -> str:
     """Return the study, its points with all parameters, and the totals as JSON; see `as_table`."""
     costs = _costs(study)
     points = [
@@ -86,6 +101,7 @@ def as_json(study: Study, adopted: Mapping[str, str] = _NOTHING_ADOPTED) -> str:
             "left_out": point.left_out,
             "caveat": point.parameters.caveat,
             "adopted": adopted.get(point.id, ""),
+            "shared": str(shared[point.id].path) if point.id in shared else "",
             "particles": costs[point.id].particles,
             "steps": costs[point.id].steps,
             "core_seconds": round(costs[point.id].core_seconds, 3),
@@ -102,6 +118,8 @@ def as_json(study: Study, adopted: Mapping[str, str] = _NOTHING_ADOPTED) -> str:
     }
     if study.decide:
         totals["decisions_core_hours"] = study.decide.budget
+    if any(one.has_rounds for one in study.surrogates):
+        totals["surrogates_core_hours"] = sum(one.budget for one in study.surrogates)
     document = {"study": study.name, "title": study.title, "points": points, "totals": totals}
     return json.dumps(document, indent=2, ensure_ascii=False)
 
@@ -186,6 +204,7 @@ def _plot_lines(study: Study) -> list[str]:
     """Return a line per plot that the study file defines."""
     return [
         f"plot {name}: {spec.title} ({count_text(len(study.figures[name]), 'point')})"
+        + f"; {SCATTER_HINT}" * bool(spec.options.get("scattered"))
         for name, spec in study.plots.items()
     ]
 
@@ -236,6 +255,19 @@ def _adopted_lines(adopted: Mapping[str, str], costs: Mapping[str, Estimate]) ->
     ]
 
 
+def _shared_lines(
+    shared: Mapping[str, SharedRun], adopted: Container[str], costs: Mapping[str, Estimate]
+) -> list[str]:
+    """Return a line with what other studies have of the points and the core time of the others."""
+    seconds = sum(
+        cost.core_seconds
+        for key, cost in costs.items()
+        if key not in adopted and not (key in shared and shared[key].is_enough)
+    )
+    line = describe(shared.values())
+    return [f"{line}; core time of the others {duration(seconds)}"] if line else []
+
+
 def _trajectory_lines(costs: Sequence[Estimate]) -> list[str]:
     """Return a line with the disk space of trajectories, if there are any."""
     sizes = [cost.trajectory for cost in costs if cost.trajectory]
@@ -269,12 +301,23 @@ def _decision_line(budget: float) -> str:
     return f"decisions ({program()} decide) may add up to {budget:g} core hours"
 
 
+def _surrogate_lines(study: Study) -> list[str]:
+    """Return a line for each surrogate whose rounds add points."""
+    return [
+        f"surrogate {one.name}: rounds of {count_text(one.batch, 'point')} may add up to "
+        f"{one.budget:g} core hours, until its error is {100 * one.error:g} %"
+        for one in study.surrogates
+        if one.has_rounds
+    ]
+
+
 def _refinement_line(study: Study) -> str:
     """Write what rounds of refinement add: each divides one gap per boundary.
 
     The estimate assumes that no run is undecided.
     """
     count, total = 0, 0.0
+    rounds = max(boundary.rounds for boundary in study.boundaries)
     for boundary in study.boundaries:
         estimates = [
             estimate(boundary.parameters_at(value))
@@ -284,6 +327,6 @@ def _refinement_line(study: Study) -> str:
         count += points_added
         total += points_added * sum(cost.core_seconds for cost in estimates) / len(estimates)
     return (
-        f"{study.rounds} rounds of refinement for {len(study.boundaries):,} boundaries: about "
+        f"{rounds} rounds of refinement for {len(study.boundaries):,} boundaries: about "
         f"{count:,} further points, estimated core time {duration(total)}"
     )

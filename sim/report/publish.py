@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from sim.base.errors import InputError
-from sim.base.files import require_writable
+from sim.base.files import require_writable, temporary_folder
 from sim.base.seals import checked_read
 from sim.dataset.boundaries import format_csv
 from sim.dataset.results import Results, load_current
@@ -61,7 +61,7 @@ def publish(
     names = [*_published_files(study), *extra_files]
     _require_files(folder, names)
     _require_distinct(study.sources, names)
-    output, temporary = target / study.name, target / f".{study.name}.part"
+    output = target / study.name
     require_writable(target, "--to")
     _require_replaceable(output, folder, target)
     dataset_results = load_current(study, folder)
@@ -71,10 +71,12 @@ def publish(
     provenance_text = json.dumps(
         provenance(dataset_results), indent=1, ensure_ascii=False, allow_nan=False
     )
-    shutil.rmtree(temporary, ignore_errors=True)
-    try:
+    target.mkdir(parents=True, exist_ok=True)
+    with temporary_folder(output) as part:
+        temporary = part / study.name
         (temporary / "figures").mkdir(parents=True)
         for name in names:
+            (temporary / name).parent.mkdir(exist_ok=True)
             shutil.copyfile(folder / name, temporary / name)
         for file in study.sources:
             shutil.copyfile(file, temporary / file.name)
@@ -83,8 +85,6 @@ def publish(
         write_checksums(temporary)
         _require_small(temporary, output, target)
         _replace(temporary, output)
-    finally:
-        shutil.rmtree(temporary, ignore_errors=True)
     return output
 
 
@@ -96,7 +96,8 @@ def _published_files(study: Study) -> list[str]:
         for end in spec.suffixes
         if spec.animated or end != ".png"
     )
-    return [*RESULT_FILES, *(["boundaries.csv"] if study.boundaries else []), *figures]
+    boundaries = ["boundaries.csv"] if study.boundaries else []
+    return [*RESULT_FILES, *boundaries, *(one.file for one in study.surrogates), *figures]
 
 
 def _require_files(folder: Path, names: Sequence[str]) -> None:

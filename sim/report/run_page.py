@@ -16,8 +16,10 @@ import numpy as np
 from sim.base.errors import InputError
 from sim.base.files import atomic_write, read_regular, require_writable
 from sim.base.seals import read_seal
+from sim.dataset.caveats import LEDGER_SCALARS
 from sim.dataset.run_file import RunFile
 from sim.engine.stored_run import open_run_file, parameters_of
+from sim.measures.balance import missing_energy
 from sim.parameters import Parameters, as_yaml, complete_values, default_of, field_info
 from sim.parameters.words import setting
 from sim.report.numbers import template, value_with_interval
@@ -118,7 +120,7 @@ def _page(run: RunFile, parameters: Parameters, log: str, report: str) -> str:
         reason=attributes["reason"],
         caveat=attributes.get("caveat", ""),
         particles=parameters.particles,
-        replicates=_replicates(run),
+        replicates=_replicates(run, parameters),
         pictures=images,
         animation=_data_uri("image/webp", movie) if movie else "",
         parameters=_parameters(parameters),
@@ -144,9 +146,11 @@ def unusual_parameters(parameters: Parameters) -> str:
     return ", ".join(texts) or "all as in the paper"
 
 
-def _replicates(run: RunFile) -> list[dict[str, Any]]:
+def _replicates(run: RunFile, parameters: Parameters) -> list[dict[str, Any]]:
     """Return a row per replicate with its results."""
     rows = []
+    shared = {"particles": parameters.particles, "mass": parameters.mass}
+    ledger = [name for name in LEDGER_SCALARS if name in run]
     for number, status in enumerate(np.asarray(run["status"])):
         texts = {
             name: np.asarray(run[name])[number]
@@ -165,7 +169,9 @@ def _replicates(run: RunFile) -> list[dict[str, Any]]:
                     )
                 ),
                 "overlap": float(run["max_overlap"][number]),
-                "residual": float(run["energy_residual"][number]),
+                "residual": missing_energy(
+                    shared | {name: float(run[name][number]) for name in ledger}
+                ),
                 "samples": float(run["independent_samples"][number]),
                 "wall_time": float(run["wall_time"][number]),
             }

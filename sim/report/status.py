@@ -15,20 +15,25 @@ from sim.base.files import is_of_system
 from sim.base.seals import UNREADABLE
 from sim.dataset.adopted import AdoptedPoint, AdoptedPoints
 from sim.dataset.caveats import caveat_of_run
-from sim.dataset.rounds import points_of_rounds, round_files
+from sim.dataset.rounds import points_of_rounds, rounds_to_come
 from sim.dataset.run_file import summary_of
 from sim.engine.identity import NUMERICS, numerics_of
 from sim.engine.progress import CREDIT, Progress, may_end_early, progress_file, read_progress
+from sim.engine.shared_runs import SharedRun, find_runs
 from sim.engine.stored_run import has_enough
 from sim.parameters import Parameters, amounts
 from sim.study.cost import PROCESS_TIME, estimate
 from sim.study.extra_amounts import ExtraAmounts, read_extra_amounts, with_extra_amounts
 from sim.study.load import Study
+from sim.surrogates.answers import summary_lines
 
 STATES = ("done", "failed", "adopted", "running", "interrupted", "waiting")
 
 #: States in which a point has ended.
 ENDED_STATES = STATES[:3]
+
+#: States in which a point may take the run of another study.
+WAITING_STATES = STATES[4:]
 
 #: Names of run files, states and progress files; a point stopped midway may have only the latter.
 RUN_FILES = re.compile(r"([^.].*)\.nc|\.([^.].*)\.nc\.(?:state|progress)")
@@ -58,6 +63,8 @@ class PointStatus:
         Whether other numerics made its run file.
     caveat : str
         Its caveat, empty if there is none.
+    shared : SharedRun or None
+        The run of another study that a waiting or interrupted point will take.
     """
 
     state: str
@@ -67,6 +74,7 @@ class PointStatus:
     core_seconds: float = 0.0
     outdated: bool = False
     caveat: str = ""
+    shared: SharedRun | None = None
 
 
 @dataclass(frozen=True)
@@ -93,18 +101,22 @@ class StudyStatus:
     points : dict
         `PointStatus` by id, in the order of the study.
     core_seconds_left : float
-        Estimate for all points that are not done, failed or adopted, on one core.
+        Estimate for all points that are not done, failed, adopted or run by another study, on one
+        core.
     longest_left : float
         Longest time (s) that one of those points still needs on its own threads.
     at_most : bool
         Whether these times are upper bounds, because runs may end early.
     rounds_left : int
-        Rounds of refinement whose points are not known yet; these times do not include them.
+        Rounds whose points are not known yet, one where their number is open; these times do not
+        include them.
     orphans : tuple of str
         Points no longer in the study that have run files, or states of a stopped run. Empty while
         rounds are to come, as these may need any of them.
     budget : Budget, optional
         The budget of a study with a ``decide`` section.
+    answers : tuple of str
+        A line for each surrogate that is there.
     """
 
     name: str
@@ -116,6 +128,7 @@ class StudyStatus:
     rounds_left: int = 0
     orphans: tuple[str, ...] = ()
     budget: Budget | None = None
+    answers: tuple[str, ...] = ()
 
     @property
     def counts(self) -> dict[str, int]:
@@ -181,12 +194,24 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
         key: _point_status(key, value, runs, present, adopted.get(key))
         for key, value in parameters.items()
     }
-    to_come = study.rounds - len(round_files(study, folder))
+    waiting = {key: parameters[key] for key in points if points[key].state in WAITING_STATES}
+    for key, run in find_runs(runs, waiting).items():
+        points[key] = replace(points[key], shared=run)
+    to_come = rounds_to_come(study, folder)
     stored = {match[1] or match[2] for name in present if (match := RUN_FILES.fullmatch(name))}
     orphans = () if to_come else tuple(sorted(stored - points.keys()))
     time_left = _time_left(points, parameters)
     budget = _budget(study.decide.budget, points, extra) if study.decide else None
-    return StudyStatus(study.name, study.title, points, *time_left, to_come, orphans, budget)
+    return StudyStatus(
+        study.name,
+        study.title,
+        points,
+        *time_left,
+        to_come,
+        orphans,
+        budget,
+        answers=tuple(summary_lines(study, folder)),
+    )
 
 
 def _budget(hours: float, points: Mapping[str, PointStatus], extra: ExtraAmounts) -> Budget:
@@ -275,7 +300,7 @@ def _time_left(
     factors = _factors(points, parameters)
     total, longest, at_most = 0.0, 0.0, False
     for key, point in points.items():
-        if point.state in ENDED_STATES:
+        if point.state in ENDED_STATES or (point.shared and point.shared.is_enough):
             continue
         values = parameters[key]
         seconds_left = (

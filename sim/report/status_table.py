@@ -10,6 +10,7 @@ from typing import Any
 
 from sim.base.errors import InputError
 from sim.base.words import count_text, duration, printable
+from sim.engine.shared_runs import describe
 from sim.report.points import align_table
 from sim.report.status import ENDED_STATES, PointStatus, StudyStatus, survey
 from sim.study.load import DEFAULT_STUDY, load_study
@@ -72,6 +73,7 @@ def as_text(status: StudyStatus, width: int | None = None) -> str:
         _started_lines(status, width),
         _failed_lines(status, width),
         _closing_lines(status),
+        list(status.answers),
     ]
     return "\n\n".join("\n".join(lines) for lines in sections if lines)
 
@@ -92,6 +94,7 @@ def as_json(status: StudyStatus) -> str:
         "rounds_left": status.rounds_left,
         "orphans": list(status.orphans),
         "budget": _budget(status),
+        "answers": list(status.answers),
     }
     return json.dumps(document, indent=2, ensure_ascii=False)
 
@@ -158,6 +161,8 @@ def _closing_lines(status: StudyStatus) -> list[str]:
     else:
         cores = f"{status.cores:,} core" + "s" * (status.cores > 1)
         lines.append(f"time left {about} {duration(status.seconds_left)} on {cores}")
+    if line := describe(filter(None, (point.shared for point in status.points.values()))):
+        lines.append(line)
     if status.rounds_left:
         lines.append(f"rounds of refinement to come, not counted: {status.rounds_left}")
     if status.budget:
@@ -198,6 +203,8 @@ def _point_entry(key: str, point: PointStatus) -> dict[str, Any]:
             else None,
             "at_most": progress.at_most,
         }
+    if point.shared:
+        entry |= {"shared": str(point.shared.path)}
     if point.state in ENDED_STATES:
         entry |= {"core_seconds": round(point.core_seconds, 3), "outdated": point.outdated}
         entry |= {"reason": point.reason} if point.reason else {}
@@ -242,9 +249,8 @@ def list_orphans(study_path: Path, results: Path, remove: bool) -> list[str]:
     status = survey(study, results)
     if status.rounds_left:
         allowed = "a study whose rounds of refinement are known; run it first"
-        raise InputError.of_value(
-            study_path, "boundaries", f"{status.rounds_left} to come", allowed
-        )
+        key = "boundaries" if study.boundaries else "surrogate"
+        raise InputError.of_value(study_path, key, f"{status.rounds_left} to come", allowed)
     folder = results / study.name
     lines, total = [], 0
     for name in status.orphans:

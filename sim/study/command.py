@@ -4,9 +4,12 @@ import getpass
 import os
 import re
 import shlex
+import signal
+import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from sim.base.errors import InputError
@@ -119,6 +122,38 @@ def snakemake_command(
     options += ["--snakefile", str(package_folder("workflow") / "Snakefile")]
     # -P: Python must import no module from the current folder.
     return [sys.executable, "-P", "-m", "snakemake", *options, *extra]
+
+
+def run_with_signals(command: Sequence[str]) -> int:
+    """Run a command to its end and return its exit code; signals to end are handed on to it.
+
+    The command has a process group of its own, so that a key of the terminal sends it no second
+    signal. As the terminal would, interrupts and hang-ups go to all processes of that group.
+    """
+    received: list[int] = []
+    process = None
+
+    def hand_on(number: int, _: object) -> None:
+        received.append(number)
+        if process is not None and process.poll() is None:
+            send = os.kill if number == signal.SIGTERM else os.killpg
+            with suppress(ProcessLookupError):
+                send(process.pid, number)
+
+    numbers = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
+    handlers = {number: signal.signal(number, hand_on) for number in numbers}
+    try:
+        process = subprocess.Popen(command, process_group=0)
+        for number in list(received):
+            # It came while the process was being started.
+            hand_on(number, None)
+        code = process.wait()
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+    if received or code < 0:
+        return 128 + (received[0] if received else -code)
+    return code
 
 
 def _missing_environment() -> dict[str, str]:

@@ -19,8 +19,9 @@ from sim.study.catalogue import FIGURES
 from sim.study.figure_spec import FigureSpec, written
 from sim.study.file import StudyFile
 from sim.study.model import Point, Study
-from sim.study.plot_contents import PlotContents, caption_lead, default_title, varying_parameters
+from sim.study.plot_contents import PlotContents, same_plane, varying_parameters
 from sim.study.plot_kinds import plugin_code
+from sim.study.plot_texts import caption_lead, default_title
 
 
 def feed(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
@@ -34,7 +35,7 @@ def feed(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
         plots with clashing names, unknown series, parameters or observables, and parameters that
         do not vary.
     """
-    entries = _figures(study, files)
+    entries, data = _figures(study, files), []
     for number, (path, file) in enumerate(files):
         # A part knows its own series alone.
         series = [entry.name for _, entry in file.entries] if number else list(study.series)
@@ -45,7 +46,8 @@ def feed(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
             _require_known_names(contents, series, entries)
             entries[plot.name] = spec = _plot_spec(contents, names)
             _require_distinct_positions(spec, contents.points, contents.source, contents.place)
-    return replace(study, entries=entries)
+            data += [path.parent / one.file for one in plot.beside or () if one.file]
+    return replace(study, entries=entries, data=tuple(dict.fromkeys(data)))
 
 
 def _figures(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> dict[str, FigureSpec]:
@@ -88,20 +90,26 @@ def _require_known_names(
 
 def _plot_spec(contents: PlotContents, series: Sequence[str]) -> FigureSpec:
     """Return the figure entry of a plot of some series."""
-    plot, observable, second = contents.plot, contents.observable, contents.second
+    plot, second = contents.plot, contents.second
     contents.require_drawable()
     return FigureSpec(
         name=plot.name,
         kind=plot.kind,
         paper="",
         system=contents.system,
-        title=plot.title or default_title(plot, observable, second),
+        title=plot.title or default_title(contents),
         axes=contents.axes,
         curves=contents.groups,
-        lead=caption_lead(plot, observable, second, contents.system),
+        lead=caption_lead(contents),
         named=_caption_parameters(contents.system, contents.parameters),
         series=tuple(series),
-        options=plot.options | {"second": second.name if second else ""} | plugin_code(plot.kind),
+        options=plot.options
+        | {
+            "second": second.name if second else "",
+            "scattered": contents.suits_scatter,
+            "beside": contents.beside,
+        }
+        | plugin_code(plot.kind),
     )
 
 
@@ -180,9 +188,7 @@ def _caption_parameters(system: str, points: Sequence[Parameters]) -> tuple[str,
         and any(getattr(point, name) != canonical_number(row.default) for point in points)
     }
     chosen = always | unusual | set(varying_parameters(points))
-    if all(
-        getattr(point, "friction_plane", 0) == getattr(point, "friction", 0) for point in points
-    ):
+    if all(map(same_plane, points)):
         # The plane has the friction of the particles.
         chosen -= {"friction_plane"}
     return tuple(name for name in rows if name in chosen and name not in _NOT_IN_CAPTION)

@@ -11,6 +11,7 @@ from sim.base.additions import additions
 from sim.base.plugins import ALLOWED, PATTERN
 from sim.parameters import AMOUNTS, SYSTEMS, Parameters
 from sim.parameters.common import Real, broken_rule
+from sim.study.calibration import CalibrateFile
 from sim.study.design import Axis, axis_of
 from sim.study.design_file import DesignFile
 from sim.study.entries import (
@@ -29,6 +30,8 @@ from sim.study.papers import papers
 from sim.study.plot_file import PlotFile
 from sim.study.read import PART_NAME
 from sim.study.refine import MAX_ROUNDS, PARTS, further_rounds
+from sim.study.sensitivity import SensitivityFile
+from sim.study.surrogate import SurrogateFile
 
 #: Maximum number of points of a study.
 MAX_POINTS = 100_000
@@ -230,6 +233,13 @@ class StudyFile(Strict):
         "boundaries between regimes, found by refinement", min_length=1
     )
 
+    surrogate: list[SurrogateFile] = optional(
+        "observables anywhere between the points of a series, with their errors", min_length=1
+    )
+    sensitivity: list[SensitivityFile] = optional(
+        "what matters: how much each parameter changes an observable", min_length=1
+    )
+    calibrate: list[CalibrateFile] = optional("which parameters measurements allow", min_length=1)
     plots: list[PlotFile] = optional("plots of the study's own points", min_length=1)
     pages: bool = Field(
         False, description="a page on each point, linked by the report: what came out, pictures"

@@ -1,4 +1,4 @@
-"""Load a study: read, validate, expand and feed its file; and its points as a table."""
+"""Load a study: read, validate, expand, feed and ask its file; and its points as a table."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -13,7 +13,9 @@ from sim.study.expand import expand
 from sim.study.extra_amounts import read_extra_amounts, with_extra_amounts
 from sim.study.feed import feed
 from sim.study.model import Boundary, Point, Study
+from sim.study.questions import ask
 from sim.study.read import Document, read, with_parts
+from sim.study.surrogate_questions import ask_surrogates
 from sim.study.validate import validate
 
 if TYPE_CHECKING:
@@ -65,7 +67,7 @@ def _study(documents: list[Document], results: str | Path | None) -> Study:
     """Return the study of documents, with the amounts that decisions have added to its points."""
     files = validate(documents)
     study = expand(files)
-    study = feed(study, files)
+    study = ask_surrogates(ask(feed(study, files), files), files)
     if results is not None:
         folder = Path(results) / study.name
         require_writable(folder, f"{study.path}: study")

@@ -3,16 +3,20 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 from sim.base.additions import Plugin
 from sim.parameters import Parameters
+from sim.study.calibration import CalibrationSpec
 from sim.study.design import Axis, Design
 from sim.study.entries import DecideFile
 from sim.study.figure_spec import FigureSpec
 from sim.study.plot_kinds import Shown
 from sim.study.refine import further_rounds
+from sim.study.sensitivity import SensitivitySpec
+from sim.study.surrogate import MOST_ROUNDS, SurrogateSpec
 
 
 @dataclass(frozen=True)
@@ -99,6 +103,14 @@ class Study:
         Whether each point has a page, except points of later rounds.
     plugins : tuple of Plugin
         The plug-ins that it and its parts name.
+    data : tuple of Path
+        CSV files of data from elsewhere that it names.
+    surrogates : tuple of SurrogateSpec
+        Its surrogates.
+    sensitivities : tuple of SensitivitySpec
+        What it asks on how much parameters matter.
+    calibrations : tuple of CalibrationSpec
+        What it asks on which parameters measurements allow.
     """
 
     name: str
@@ -114,6 +126,10 @@ class Study:
     decide: DecideFile | None = None
     pages: bool = False
     plugins: tuple[Plugin, ...] = ()
+    data: tuple[Path, ...] = ()
+    surrogates: tuple[SurrogateSpec, ...] = ()
+    sensitivities: tuple[SensitivitySpec, ...] = ()
+    calibrations: tuple[CalibrationSpec, ...] = ()
 
     @cached_property
     def figures(self) -> dict[str, tuple[str, ...]]:
@@ -134,8 +150,9 @@ class Study:
 
     @property
     def sources(self) -> tuple[Path, ...]:
-        """The study file, the files of its parts, and those of the plug-ins beside them."""
-        return self.files + tuple(file for plugin in self.plugins for file in plugin.files)
+        """The study file, the files of its parts, and plug-ins and data beside them."""
+        plugins = tuple(file for plugin in self.plugins for file in plugin.files)
+        return self.files + plugins + self.data
 
     @property
     def path(self) -> Path:
@@ -143,8 +160,15 @@ class Study:
         return self.files[0]
 
     @property
+    def questions(self) -> tuple[SurrogateSpec | SensitivitySpec | CalibrationSpec, ...]:
+        """What is answered from the dataset, in this order."""
+        return *self.surrogates, *self.sensitivities, *self.calibrations
+
+    @property
     def rounds(self) -> int:
-        """Maximum number of rounds of refinement after the first."""
+        """Maximum number of rounds after the first; they end with one that adds no point."""
+        if any(one.has_rounds for one in self.surrogates):
+            return MOST_ROUNDS
         return max((boundary.rounds for boundary in self.boundaries), default=0)
 
     def particles_shown(self, figures: Iterable[str]) -> Shown:
@@ -159,7 +183,8 @@ class Study:
     @cached_property
     def _later_particles(self) -> Shown:
         """What a point of a later round may need: the figures that it feeds are not known yet."""
-        return self.particles_shown(name for one in self.boundaries for name in one.figures)
+        lists = [one.figures for one in self.boundaries] + [one.figures for one in self.surrogates]
+        return self.particles_shown(chain(*lists))
 
     def needs_run_file(self, point: str) -> bool:
         """Return whether a point needs its run file: for its page or a plot of time series."""
@@ -167,6 +192,7 @@ class Study:
             system, series = self.points[point].parameters.system, self.points[point].series
             return self.pages or any(spec.is_fed_by(system, series) for spec in self._time_series)
         names = {boundary.name for boundary in self.boundaries}
+        names |= {one.series for one in self.surrogates}
         return any(not names.isdisjoint(spec.series) for spec in self._time_series)
 
     @cached_property

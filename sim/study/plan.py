@@ -1,6 +1,7 @@
 """The plan of a workflow: which points of a study it runs, in which jobs, and at which cost."""
 
 import json
+import os
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -11,7 +12,8 @@ from typing import Any, Protocol
 from filelock import FileLock, Timeout
 
 from sim.base.errors import InputError
-from sim.base.files import age, atomic_write, lock_of, read_regular
+from sim.base.files import atomic_write, lock_of, read_regular
+from sim.base.times import age
 from sim.parameters import RUN_FILE, Parameters, canonical_json
 from sim.study.batches import plan_batches
 from sim.study.cost import Estimate, estimate
@@ -25,6 +27,14 @@ class RunFiles(Protocol):
     def has_enough(self, path: Path, parameters: Parameters) -> bool: ...
     def needs_growth(self, path: Path, parameters: Parameters) -> bool: ...
     def planned_amounts(self, path: Path, parameters: Parameters) -> dict[str, float]: ...
+
+
+class SharedRuns(Protocol):
+    """Functions that take runs of other studies: the module `sim.engine.shared_runs`."""
+
+    def find_runs(self, runs: Path, points: Mapping[str, Parameters]) -> dict[str, Any]: ...
+    def take_runs(self, runs: Path, shared: Mapping[str, Any]) -> set[str]: ...
+    def describe(self, shared: Iterable[Any]) -> str: ...
 
 
 class Adopted(Protocol):
@@ -51,6 +61,9 @@ class Plan:
         Its adopted points. Points in ``sources`` need no run file.
     read_round : callable
         Function: file of a round of refinement → points that it adds, by id.
+    shared_runs : SharedRuns, optional
+        Runs of other studies, which are taken where points lack a large enough run file here. They
+        count as run files of this study, also before `take_shared` is called.
     """
 
     def __init__(
@@ -60,23 +73,36 @@ class Plan:
         run_files: RunFiles,
         adopted: Adopted,
         read_round: Callable[[Path], Mapping[str, Parameters]],
+        shared_runs: SharedRuns | None = None,
     ):
         self.study, self.folder = study, folder
         self._run_files, self._adopted, self._read_round = run_files, adopted, read_round
         self.sources = adopted.sources(
             {key: point.parameters for key, point in study.points.items()}
         )
+        self._shared_runs, self._shared = shared_runs, dict[str, Any]()
+        self._find_shared(
+            {
+                key: point.parameters
+                for key, point in study.points.items()
+                if key not in self.sources
+            }
+        )
         self._amount_texts: dict[str, str] = {}
+        #: Points of each round by its file and when that was written.
+        self._rounds: dict[tuple[Path, int], Mapping[str, Parameters]] = {}
         self._owner, self._batches = folder / ".study", folder / "runs" / ".batches"
-        self._own_path = str(study.path.resolve())
+        self._own_path = os.fsencode(study.path.resolve())
 
     def parameters(self, point: str) -> Parameters:
         """Return the parameters of a point, from the study or any round of refinement."""
         if point in self.study.points:
             return self.study.points[point].parameters
-        rounds = (self.round_file(number) for number in range(1, self.study.rounds + 1))
-        for path in filter(Path.is_file, rounds):
-            if added := self._read_round(path).get(point):
+        for path in sorted((self.folder / "rounds").glob("*.json")):
+            version = path, path.stat().st_mtime_ns
+            if version not in self._rounds:
+                self._rounds[version] = self._read_round(path)
+            if added := self._rounds[version].get(point):
                 return added
         raise InputError(f"{point}: no point of {self.study.path}")
 
@@ -84,28 +110,63 @@ class Plan:
         """Return the path of the run file of a point."""
         return f"{self.folder}/runs/{point}.nc"
 
-    def round_file(self, number: int) -> Path:
-        """Return the path of the file with the points that a round of refinement adds."""
-        return self.folder / "rounds" / f"{number}.json"
-
     def origin_files(self, point: str) -> list[str]:
         """Return a list with the run file that a point starts from; for most points it is empty."""
         start = self.parameters(point).start_from
-        return [start if start.endswith(RUN_FILE) else self.run_file(start)] if start else []
+        return [start if start.endswith(RUN_FILE) else self.readable_file(start)] if start else []
 
-    def files_to_gather(self, rounds: Iterable[Path]) -> list[str]:
+    def readable_file(self, point: str) -> str:
+        """Return the run file of a point, or the one of another study that will be taken."""
+        shared = self._shared.get(point)
+        return str(shared.path) if shared and shared.is_enough else self.run_file(point)
+
+    @property
+    def shared_line(self) -> str:
+        """Line on the points that other studies have; empty where there are none."""
+        return self._shared_runs.describe(self._shared.values()) if self._shared_runs else ""
+
+    def take_shared(self, forget: Callable[[str], object]) -> None:
+        """Take the runs of other studies; ``forget`` what is recorded of run files of these names.
+
+        What is damaged is not taken, so these points are run.
+        """
+        shared, self._shared = self._shared, {}
+        if self._shared_runs and shared:
+            for point in self._shared_runs.take_runs(self.folder / "runs", shared):
+                forget(self.run_file(point))
+        for point in shared:
+            self._amount_texts.pop(point, None)
+            self.needs_run(point)
+
+    def _find_shared(self, points: Mapping[str, Parameters]) -> None:
+        if self._shared_runs:
+            self._shared |= self._shared_runs.find_runs(self.folder / "runs", points)
+
+    def files_to_gather(
+        self, rounds: Iterable[Path], forget: Callable[[str], object] | None = None
+    ) -> list[str]:
         """Return the run files of the study and of some rounds, and the adopted datasets.
 
-        ``rounds`` are the files of the rounds, each read before the next is asked for.
+        Parameters
+        ----------
+        rounds : iterable of Path
+            The files of the rounds, each read before the next is asked for. A round that adds
+            no point is the last one.
+        forget : callable, optional
+            See `take_shared`, which is called if it is given.
         """
         points = [point for point in self.study.points if point not in self.sources]
         for path in rounds:
-            added = self._read_round(path)
+            if not (added := self._read_round(path)):
+                break
             to_run = [point for point in added if not self._adopted.source(point, added[point])]
+            self._find_shared({point: added[point] for point in to_run})
             for point in to_run:
                 self.needs_run(point)
             points += to_run
-        return [*map(self.run_file, points), *map(str, self._adopted.files)]
+        if forget:
+            self.take_shared(forget)
+        return [*map(self.readable_file, points), *map(str, self._adopted.files)]
 
     def needs_run(self, point: str) -> bool:
         """True where a point lacks a run file with the present numerics and large enough amounts.
@@ -113,6 +174,8 @@ class Plan:
         A file with smaller amounts is dated back until they suffice. Snakemake records the
         parameters of a failed job as if it were done, so they cannot show that the file must grow.
         """
+        if shared := self._shared.get(point):
+            return not shared.is_enough
         path, parameters = Path(self.run_file(point)), self.parameters(point)
         is_enough = self._run_files.has_enough(path, parameters)
         age(path, not is_enough and self._run_files.needs_growth(path, parameters))
@@ -124,7 +187,8 @@ class Plan:
         A run file with large enough amounts keeps its text, so Snakemake only reruns others.
         """
         if point not in self._amount_texts:
-            path, parameters = Path(self.run_file(point)), self.parameters(point)
+            shared, parameters = self._shared.get(point), self.parameters(point)
+            path = shared.path if shared else Path(self.run_file(point))
             planned = self._run_files.planned_amounts(path, parameters)
             self._amount_texts[point] = json.dumps(planned, sort_keys=True)
         return self._amount_texts[point]
@@ -172,10 +236,10 @@ class Plan:
             raise InputError(f"{self.folder}: cannot be locked: its workflow is running") from None
         except OSError:
             pass  # no locks on this file system
-        notes = {self._owner: self._own_path, self._batches: json.dumps(batches)}
-        for path, text in notes.items():
+        notes = {self._owner: self._own_path, self._batches: json.dumps(batches).encode()}
+        for path, content in notes.items():
             with atomic_write(path) as temporary:
-                temporary.write_text(text, encoding="utf-8")
+                temporary.write_bytes(content)
         return lock
 
     def estimates(self, points: Iterable[str]) -> list[Estimate]:
@@ -215,6 +279,19 @@ class Plan:
         ]
 
     @property
+    def answer_files(self) -> list[str]:
+        """Paths of the files with the answers to the questions of the study."""
+        return [f"{self.folder}/{one.file}" for one in self.study.questions]
+
+    @property
+    def questions(self) -> list[tuple[Any, ...]]:
+        """Settings of the questions of the study; rules rerun when they change."""
+        return [
+            (one.settings, self.points_json(self.study.series[one.series][:1]))
+            for one in self.study.questions
+        ]
+
+    @property
     def boundary_searches(self) -> list[tuple[Any, ...]]:
         """Settings of the boundaries of the study; rules rerun when they change."""
         search = attrgetter("name", "of", "along", "low", "high", "tolerance")
@@ -232,10 +309,10 @@ class Plan:
         """
         # A damaged note names no study; the workflow rewrites it.
         with suppress(OSError, InputError, ValueError):
-            path = read_regular(self._owner).decode("utf-8")
+            path = read_regular(self._owner)
             if path == self._own_path:
                 return ""
-            other = load_study(path, plugins=False)
+            other = load_study(os.fsdecode(path), plugins=False)
             if other.name == self.study.name and set(other.points) != set(self.study.points):
                 return (
                     f"warning: {self.study.path}: study: {self.study.name} is also the name of "

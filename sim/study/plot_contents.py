@@ -1,14 +1,17 @@
-"""What a plot shows of a study: points, observables, parameters on its axes; title and caption."""
+"""What a plot shows of a study: points, observables, parameters on its axes."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 from sim.base.errors import InputError
 from sim.base.messages import near
 from sim.parameters import NUMERICAL, SYSTEMS, Parameters, field_info
+from sim.study.beside import DataSet, data_sets
 from sim.study.figure_spec import written
+from sim.study.measured import PURE
 from sim.study.model import Point
 from sim.study.plot_file import PlotFile
 from sim.study.plot_kinds import REGIME
@@ -21,6 +24,12 @@ from sim.study.plottable import (
 
 #: Maximum number of panels of a plot.
 MAX_PANELS = 12
+
+#: What is said of curves that have points of a design.
+SCATTER_HINT = "kind: scatter suits a design better"
+
+#: Fewest points of a design, and the share of them above which each would be a curve of its own.
+MIN_SCATTERED, SCATTERED_SHARE = 8, 0.6
 
 
 @dataclass(frozen=True)
@@ -80,15 +89,64 @@ class PlotContents:
             raise self.error(key, name, f"an observable other than {keys.observable}")
         return self._observable(key, name)
 
-    @property
+    @cached_property
     def axes(self) -> tuple[str, ...]:
         """Parameters on its axes."""
-        return () if self.second else self.plot.axis_names
+        if not self.plot.keys.several:
+            return () if self.second else self.plot.axis_names
+        named = getattr(self.plot, self.plot.keys.several)
+        if named is None:
+            named = [name for name in self._varied() if name not in self.groups]
+        return tuple(named)
+
+    def _varied(self) -> list[str]:
+        """Return the parameters that vary, without a friction of the plane that is no other."""
+        names = varying_parameters(self.parameters)
+        is_same = all(map(same_plane, self.parameters))
+        return [name for name in names if name != "friction_plane" or not is_same]
+
+    @property
+    def coloured(self) -> str:
+        """The parameter that colours tell apart, empty if it is something else or nothing."""
+        name = "" if self.plot.keys.observable == "colour" else self.plot.colour or ""
+        return "" if name == REGIME or name in every_name() else name
+
+    @cached_property
+    def suits_scatter(self) -> bool:
+        """Whether curves would have hardly more than one point each, as those of a design."""
+        plot, points = self.plot, self.parameters
+        if plot.kind != "curves" or not self.axes or len(points) < MIN_SCATTERED:
+            return False
+        names = [name for name in self._varied() if name not in self.axes]
+        groups = {tuple(getattr(point, name) for name in names) for point in points}
+        return len(groups) > SCATTERED_SHARE * len(points)
 
     @property
     def groups(self) -> tuple[str, ...]:
         """Parameters that tell curves and panels apart."""
         return (*(self.plot.curves or ()), *([self.plot.panels] if self.plot.panels else ()))
+
+    @cached_property
+    def beside(self) -> tuple[DataSet, ...]:
+        """Data that are not of the study."""
+        return data_sets(self.plot, Path(self.source).parent, self._unit_on)
+
+    def _unit_on(self, axis: str) -> str:
+        """Return the unit of an axis as UDUNITS reads it; empty for a natural one."""
+        keys = self.plot.keys
+        named: dict[str, Observable | None] = {
+            keys.observable: self.observable,
+            keys.second: self.second,
+        }
+        if getattr(self.plot, axis) in self.axes:
+            unit = field_info(SYSTEMS[self.system])[getattr(self.plot, axis)].unit
+        else:
+            observable = named.get(axis)
+            # Profiles without an observable there have the height.
+            unit = observable.unit if observable else "m"
+            if self.plot.units == "natural" and unit != PURE:
+                return ""
+        return unit
 
     def require_drawable(self) -> None:
         """Raise ``InputError`` for what the points do not keep or vary, or what hides a point."""
@@ -105,6 +163,8 @@ class PlotContents:
                 raise self.error(key, name, f"a parameter other than {places[name]}")
             places[name] = key
         self._require_few_panels()
+        self._require_few_axes()
+        self._require_colour()
         self._require_logarithms()
         self._require_distinct_map_points()
 
@@ -125,7 +185,12 @@ class PlotContents:
             (f"curves[{number}]" if len(plot.curves or []) > 1 else "curves", name)
             for number, name in enumerate(plot.curves or [])
         ]
-        return [*axes, *curves, *([("panels", plot.panels)] if plot.panels else [])]
+        several = [
+            (f"{plot.keys.several}[{number}]", name)
+            for number, name in enumerate(self.axes if plot.keys.several else ())
+        ]
+        others = [("panels", plot.panels or ""), ("colour", self.coloured)]
+        return [*axes, *several, *curves, *((key, name) for key, name in others if name)]
 
     def _require_varied(self, key: str, name: str) -> None:
         values = {getattr(point, name) for point in self.parameters}
@@ -142,11 +207,26 @@ class PlotContents:
                 allowed = f"a parameter of at most {MAX_PANELS} values"
                 raise self.error("panels", f"{self.plot.panels} with {count} values", allowed)
 
+    def _require_few_axes(self) -> None:
+        """Raise an error for more axes than there is room for, or for none."""
+        key, most = self.plot.keys.several, self.plot.keys.most
+        if key and not 0 < len(self.axes) <= most:
+            got = ", ".join(self.axes) or None
+            raise self.error(key, got, f"1 to {most} parameters that the points vary")
+
+    def _require_colour(self) -> None:
+        """Raise an error for a colour that shows an observable which the points do not keep."""
+        name = self.plot.colour
+        if self.plot.keys.observable != "colour" and name in every_name():
+            self._observable("colour", name)
+
     def _require_logarithms(self) -> None:
         """Raise an error for a logarithmic axis whose parameter is zero or less at some point."""
         for number, axis in enumerate(self.plot.log):
             name = getattr(self.plot, axis)
-            if name in self.axes:
+            if name in (*self.axes, self.coloured):
+                if not _is_number(self.system, name):
+                    raise self.error(f"log[{number}]", axis, f"no log, as {name} is no number")
                 least = min(getattr(point, name) for point in self.parameters)
                 if least <= 0:
                     got = f"{axis} with {name} = {written(least)}"
@@ -176,57 +256,17 @@ def varying_parameters(points: Sequence[Parameters]) -> list[str]:
     ]
 
 
+def same_plane(point: Parameters) -> bool:
+    """Return whether the plane has no friction of its own."""
+    return getattr(point, "friction_plane", 0) == getattr(point, "friction", 0)
+
+
+def _is_number(system: str, name: str) -> bool:
+    return SYSTEMS[system].model_fields[name].annotation in (int, float)
+
+
 def _value_text(value: Any) -> str:
     return str(value).lower() if isinstance(value, bool) else written(value)
-
-
-def default_title(plot: PlotFile, observable: Observable | None, second: Observable | None) -> str:
-    """Return the default title of a plot, such as ``Velocity against friction, by angle``."""
-    vertical, horizontal = _y_then_x(plot, observable, second)
-    what = plot.keys.what.format(name_in_words(vertical.name)) if vertical else "regimes"
-    names = [horizontal.name] if horizontal else plot.axis_names
-    over = _over_phrase(plot, list(map(name_in_words, names)), horizontal)
-    groups = [*(plot.curves or []), *([plot.panels] if plot.panels else [])]
-    title = f"{what} {over}" + (
-        f", by {' and '.join(map(name_in_words, groups))}" if groups else ""
-    )
-    return title[0].upper() + title[1:]
-
-
-def caption_lead(
-    plot: PlotFile, observable: Observable | None, second: Observable | None, system: str
-) -> str:
-    """Return the first sentence of the caption of a plot."""
-    vertical, horizontal = _y_then_x(plot, observable, second)
-    what = (
-        f"{name_in_words(vertical.name).capitalize()}: {vertical.meaning}"
-        if vertical
-        else "Regimes"
-    )
-    against = (
-        [f"{name_in_words(horizontal.name)} ({horizontal.meaning})"]
-        if horizontal
-        else [parameter_phrase(system, name) for name in plot.axis_names]
-    )
-    parts = [f"{what}, {_over_phrase(plot, against, horizontal)}"]
-    if plot.curves:
-        parts.append("curves: " + ", ".join(parameter_phrase(system, name) for name in plot.curves))
-    if plot.panels:
-        parts.append(f"panels: {parameter_phrase(system, plot.panels)}")
-    return "; ".join(parts) + "."
-
-
-def _y_then_x(
-    plot: PlotFile, observable: Observable | None, second: Observable | None
-) -> tuple[Observable | None, Observable | None]:
-    """Order two observables as (y, x)."""
-    return (second, observable) if second and plot.keys.second == "y" else (observable, second)
-
-
-def _over_phrase(plot: PlotFile, names: list[str], horizontal: Observable | None) -> str:
-    """Return the part of a title that begins with "over" or "against"."""
-    pattern = plot.keys.over if horizontal is None else "against {}"
-    return pattern.format(" and ".join(names))
 
 
 def parameter_phrase(system: str, name: str) -> str:
@@ -238,3 +278,9 @@ def parameter_phrase(system: str, name: str) -> str:
 def name_in_words(name: str) -> str:
     """Return a name from a study file in words."""
     return name.replace("_", " ")
+
+
+def in_words(names: Iterable[str]) -> str:
+    """Return names as a list in words: ``a``, ``a and b``, ``a, b and c``."""
+    *first, last = [*names] or [""]
+    return f"{', '.join(first)} and {last}" if first else last

@@ -1,13 +1,22 @@
 """Entries under ``plots`` of a study file: observables, parameters, and data beside them."""
 
+from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    WithJsonSchema,
+    model_validator,
+)
 
 from sim.base.additions import NAME as PLUGIN_NAME
 from sim.base.messages import one_of
 from sim.parameters.common import Real, broken_rule
 from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional, require_printable
+from sim.study.measured import ALLOWED_FILE, FILE
 from sim.study.plot_kinds import REGIME, Keys, find_kind, study_kinds
 from sim.study.plottable import every_name
 
@@ -33,7 +42,7 @@ _ALLOWED_BETWEEN = "two heights in diameters, 0 or more, the lower one first"
 
 
 def _as_list(value: Any) -> Any:
-    return [value] if isinstance(value, str) else value
+    return [value] if isinstance(value, (str, dict)) else value
 
 
 #: Type of a list of names, for which a file may give a single name.
@@ -60,31 +69,81 @@ _POINTS: dict[str, Any] = {
     "allowed": f"a list of points [x, y], numbers of size up to {MAX_MAGNITUDE:g}"
 }
 
+#: Values of ``beside``: its entry in the JSON schema, and in words.
+_ONE_OR_SEVERAL: dict[str, Any] = {
+    "type": ["array", "object"],
+    "anyOf": [{"type": "array"}, {"$ref": "#/$defs/BesideFile"}],
+    "allowed": f"a list of at most {MAX_BESIDE} mappings with label and points, or with file",
+}
+
+_NEEDED = {
+    "label": _LABEL["allowed"],
+    "points": f"{_POINTS['allowed']}, or a file",
+    "x": "the name of a column of the file",
+    "y": "the name of a column of the file",
+}
+
 #: A number that can be drawn.
 _DrawableNumber = Annotated[Real, Field(ge=-MAX_MAGNITUDE, le=MAX_MAGNITUDE)]
 
 
 class BesideFile(Strict):
-    """Data that are not of the study, in the units of the plot."""
+    """Data that are not of the study: points in the units of the plot, or columns of a CSV file."""
 
-    label: str = Field(
+    model_config = ConfigDict(
+        json_schema_extra={
+            "anyOf": [{"required": ["label", "points"]}, {"required": ["file", "x", "y"]}]
+        }
+    )
+
+    label: str = optional(
+        f"what it is, for legend and caption, at most {_MAX_LABEL_LENGTH} letters (omitted: the "
+        "name of the file)",
         pattern=r"\S",
-        description=f"what it is, for legend and caption, at most {_MAX_LABEL_LENGTH} letters",
-        json_schema_extra=_LABEL,
+        json_schema=_LABEL,
     )
-    points: list[Annotated[list[_DrawableNumber], Field(min_length=2, max_length=2)]] = Field(
+    points: list[Annotated[list[_DrawableNumber], Field(min_length=2, max_length=2)]] = optional(
+        "points [x, y], in the units of the axes as they are drawn",
         min_length=1,
-        description="points [x, y], in the units of the axes as they are drawn",
-        json_schema_extra=_POINTS,
+        json_schema=_POINTS,
     )
+    file: str = optional(
+        "in place of points: a CSV file in the folder of the study file, with units in its "
+        "headings, as velocity (mm/s), or those of the axes as they are drawn",
+        pattern=FILE,
+        json_schema={"allowed": ALLOWED_FILE},
+    )
+    x: str = optional("of a file: column on the horizontal axis")
+    y: str = optional("of a file: column on the vertical axis")
+    yerr: str = optional("of a file: column with the errors of y, half the length of their bars")
     line: bool = Field(False, description="a line through the points, in their order, not markers")
 
     @model_validator(mode="after")
-    def _require_label_and_line_ends(self) -> Self:
-        require_printable(self.label, "label", _MAX_LABEL_LENGTH)
-        if self.line and len(self.points) < 2:
+    def _require_points_or_columns(self) -> Self:
+        if self.file is None:
+            needed, others = ("label", "points"), ("x", "y", "yerr")
+        else:
+            needed, others = ("x", "y"), ("points",)
+        for key in needed:
+            if getattr(self, key) is None:
+                raise broken_rule(key, None, _NEEDED[key])
+        for key in others:
+            if (value := getattr(self, key)) is not None:
+                raise broken_rule(key, value, "points, or columns of a file, not both")
+        require_printable(self.name, "label", _MAX_LABEL_LENGTH)
+        if self.points and self.line and len(self.points) < 2:
             raise broken_rule("points", self.points, "at least two points for a line")
         return self
+
+    @property
+    def name(self) -> str:
+        """Label, which of a file may be its name."""
+        return self.label or Path(self.file).stem
+
+
+def allowed_on_logarithmic(axis: str) -> str:
+    """Return the numbers allowed on a logarithmic axis, in words."""
+    return f"numbers >= {1 / MAX_MAGNITUDE:g} on the logarithmic axis {axis}"
 
 
 class PlotFile(Strict):
@@ -100,15 +159,16 @@ class PlotFile(Strict):
     kind: Kind = Field(
         "curves",
         description="`curves` of a number with intervals; `map` over two parameters; `profiles` "
-        "over the height; `time_series`; `distribution` of the replicates; or one of a plug-in",
+        "over the height; `time_series`; `distribution` of the replicates; of points scattered in "
+        "several parameters `scatter`, `pairs`, `parallel`, `main_effects`; or one of a plug-in",
     )
     system: Literal["chute", "belt", "conveyor"] = optional(
         "which system, where the series have several"
     )
     title: str = Field("", description="one line (omitted: made from what is shown)")
     x: str = optional(
-        "parameter on the horizontal axis, of `curves` also another observable; of `profiles` the "
-        "observable (velocity)",
+        "parameter on the horizontal axis, of `curves` and `scatter` also another observable; of "
+        "`profiles` the observable (velocity)",
         json_schema=_OBSERVABLE_EXAMPLES,
     )
     y: str = optional(
@@ -117,8 +177,15 @@ class PlotFile(Strict):
         json_schema=_OBSERVABLE_EXAMPLES,
     )
     colour: str = optional(
-        "of a `map`: observable that the colour shows, or `regime` (omitted)",
+        "of a `map`: observable that the colour shows, or `regime` (omitted); of a `scatter` also "
+        "a parameter (omitted: one colour)",
         json_schema=_OBSERVABLE_EXAMPLES,
+    )
+    parameters: Names = optional(
+        "of `pairs`, `parallel` and `main_effects`: parameters on the axes (omitted: all "
+        "that vary)",
+        json_schema={"allowed": "a name, or a list of names"},
+        min_length=1,
     )
     curves: Names = optional(
         "parameter, or list of them, that tells curves apart",
@@ -141,11 +208,15 @@ class PlotFile(Strict):
         min_length=2,
         max_length=2,
     )
-    beside: list[BesideFile] = optional(
-        "data that are not of the study, drawn beside it: of `curves`, `profiles` and `map`",
+    beside: Annotated[list[BesideFile], BeforeValidator(_as_list)] = optional(
+        "data that are not of the study, drawn beside it: of `curves`, `profiles` and `map`; a "
+        "mapping, or a list of them",
+        json_schema=_ONE_OR_SEVERAL,
         min_length=1,
         max_length=MAX_BESIDE,
-        json_schema={"allowed": f"a list of at most {MAX_BESIDE} mappings with label and points"},
+    )
+    fit: Literal["linear", "quadratic", "power", "exponential"] = optional(
+        "of `curves`: law that is fitted to each curve and drawn in place of its line"
     )
     log: list[Literal["x", "y", "colour"]] = Field(
         [],
@@ -160,11 +231,12 @@ class PlotFile(Strict):
 
     @model_validator(mode="after")
     def _require_keys_of_kind(self) -> Self:
-        for key in ("x", "y", "colour", "curves", "panels", "between", "beside"):
+        keys = ("x", "y", "colour", "parameters", "curves", "panels", "between", "beside", "fit")
+        for key in keys:
             value = getattr(self, key)
             if value is not None and key not in self.keys_of_kind:
                 allowed = f"a key of {self.kind}: {', '.join(self.keys_of_kind)}"
-                raise broken_rule(key, value[0].label if key == "beside" else value, allowed)
+                raise broken_rule(key, value[0].name if key == "beside" else value, allowed)
             if value is None and key in self.keys.axes:
                 alternative = ", or an observable" if self.keys.second == key else ""
                 raise broken_rule(key, value, f"a parameter that the points vary{alternative}")
@@ -184,19 +256,23 @@ class PlotFile(Strict):
     def _require_drawable_beside(self) -> Self:
         labels: set[str] = set()
         for number, data in enumerate(self.beside or []):
-            if data.label in labels:
-                raise broken_rule(f"beside[{number}].label", data.label, "a label of its own")
-            labels.add(data.label)
-            for index, point in enumerate(data.points):
+            if data.name in labels:
+                raise broken_rule(f"beside[{number}].label", data.name, "a label of its own")
+            labels.add(data.name)
+            for index, point in enumerate(data.points or []):
                 low = [
                     axis
                     for axis, value in zip("xy", point, strict=True)
-                    if value < 1 / MAX_MAGNITUDE
+                    if value < self.least(axis)
                 ]
-                if axes := [axis for axis in low if axis in self.log]:
-                    allowed = f"numbers >= {1 / MAX_MAGNITUDE:g} on the logarithmic axis {axes[0]}"
+                if low:
+                    allowed = allowed_on_logarithmic(low[0])
                     raise broken_rule(f"beside[{number}].points[{index}]", point, allowed)
         return self
+
+    def least(self, axis: str) -> float:
+        """Return the least number that can be drawn on the axis ``"x"`` or ``"y"``."""
+        return 1 / MAX_MAGNITUDE if axis in self.log else -MAX_MAGNITUDE
 
     @property
     def keys(self) -> Keys:
@@ -213,7 +289,8 @@ class PlotFile(Strict):
         """Axes that can be logarithmic: where an observable is on one, or no regime."""
         second = [key for key in (self.keys.second,) if key and getattr(self, key)]
         axes = dict.fromkeys((*self.keys.log, *second))
-        return tuple(axis for axis in axes if (axis, self.observable) != ("colour", REGIME))
+        is_coloured = (self.colour or REGIME) != REGIME
+        return tuple(axis for axis in axes if axis != "colour" or is_coloured)
 
     @property
     def observable(self) -> str:
@@ -232,13 +309,12 @@ class PlotFile(Strict):
         return {
             "show": self.observable,
             "second": "",
+            "colour": self.colour or "",
+            "beside": (),
             "between": tuple(self.between or ()),
-            "beside": tuple(
-                (data.label, tuple(map(tuple, data.points)), data.line)
-                for data in self.beside or ()
-            ),
             "panels": self.panels or "",
             "curves": tuple(self.curves or ()),
             "units": self.units,
+            "fit": self.fit or "",
             "log": tuple(self.log),
         }

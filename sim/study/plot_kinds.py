@@ -72,6 +72,10 @@ class Keys:
         Function: system → observables that can be shown (`sim.study.plottable`), by name.
     second : str
         Key of a second observable, for a kind that can show one against another.
+    several : str
+        Key of a list of parameters, of which each has an axis; all that vary where it is omitted.
+    most : int
+        Most parameters in that list.
     log : tuple of str
         Axes that can be logarithmic.
     others : tuple of str
@@ -93,8 +97,10 @@ class Keys:
     usual: str = "velocity"
     shows: Callable[[str], Mapping[str, Any]] = lambda system: {}
     second: Literal["", "x", "y"] = ""
+    several: Literal["", "parameters"] = ""
+    most: int = 12
     log: tuple[Literal["x", "y", "colour"], ...] = ()
-    others: tuple[Literal["curves", "panels", "between", "beside"], ...] = ()
+    others: tuple[Literal["curves", "colour", "panels", "between", "beside", "fit"], ...] = ()
     of_papers: tuple[str, ...] = ()
     systems: tuple[str, ...] = ()
     what: str = "{}"
@@ -106,7 +112,7 @@ class Keys:
     @property
     def every(self) -> tuple[str, ...]:
         """All keys of a study's plot of the kind, besides those of all kinds."""
-        named = *self.axes, self.observable, self.second, *self.others
+        named = *self.axes, self.several, self.observable, self.second, *self.others
         return tuple(dict.fromkeys(filter(None, named)))
 
     @property
@@ -188,8 +194,8 @@ def plot_kind(
     if keys is None:
         require_one_of(f"plot {name}: like", like, study_kinds())
         base = find_kind(like)
-        # Nothing draws data beside the plot of a plug-in.
-        others = tuple(key for key in base.keys.others if key != "beside")
+        # Nothing draws data beside the plot of a plug-in, or fits a law to it.
+        others = tuple(key for key in base.keys.others if key not in ("beside", "fit"))
         base = replace(base, keys=replace(base.keys, others=others))
     elif like or not isinstance(keys, Keys):
         raise AdditionError(
@@ -221,8 +227,6 @@ def _usable(what: str, keys: Keys) -> Keys:
     AdditionError
         For the first of them, with the attribute of `Keys` and what is allowed.
     """
-    from sim.study.catalogue import FigureFile
-    from sim.study.plottable import Observable
 
     def require(key: str, value: Any, allowed: str, *, holds: bool) -> None:
         if not holds:
@@ -237,9 +241,8 @@ def _usable(what: str, keys: Keys) -> Keys:
     require("log", keys.log, "colour only where it is the key of the observable", holds=has_colour)
     # Nothing draws data beside the plot of a plug-in.
     require("others", keys.others, "curves, panels, between", holds="beside" not in keys.others)
-    for key, names in (("of_papers", FigureFile.model_fields), ("systems", SYSTEMS)):
-        for name in getattr(keys, key):
-            require(key, name, f"one of {', '.join(names)}", holds=name in names)
+    for name in keys.systems:
+        require("systems", name, f"one of {', '.join(SYSTEMS)}", holds=name in SYSTEMS)
     for key in ("what", "over"):
         text = getattr(keys, key)
         is_pattern = text.isprintable() and not set("{}") & set(text.replace("{}", "", 1))
@@ -247,7 +250,7 @@ def _usable(what: str, keys: Keys) -> Keys:
     for system in SYSTEMS:
         shown = keys.shows(system)
         are_observables = isinstance(shown, Mapping) and all(
-            isinstance(name, str) and isinstance(one, Observable) for name, one in shown.items()
+            isinstance(name, str) and hasattr(one, "meaning") for name, one in shown.items()
         )
         allowed = "a function: system -> observables by name, as sim.study.plottable.numbers"
         require("shows", shown, allowed, holds=are_observables)

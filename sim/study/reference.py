@@ -10,11 +10,14 @@ from pydantic.json_schema import models_json_schema
 
 from sim.base.errors import InputError
 from sim.parameters import SYSTEMS, FieldRow, field_info
+from sim.study.calibration import CalibrateFile
 from sim.study.catalogue import FIGURES
 from sim.study.design_file import DesignFile, Distribution
 from sim.study.entries import RANGE, RANGE_SCHEMA
 from sim.study.plot_file import BesideFile, PlotFile
 from sim.study.plottable import shown_by
+from sim.study.sensitivity import SensitivityFile
+from sim.study.surrogate import SurrogateFile
 from sim.study.validate import file_models
 
 SCHEMA_NAME = "schema.json"
@@ -67,6 +70,12 @@ def reference_text() -> str:
         _keys_table(Distribution),
         "### Keys of a boundary",
         _keys_table(entries.boundary),
+        "### Keys of a surrogate",
+        _keys_table(SurrogateFile),
+        "### Keys of a sensitivity",
+        _keys_table(SensitivityFile),
+        "### Keys of a calibration",
+        _keys_table(CalibrateFile),
         "### Keys of a plot",
         _keys_table(PlotFile),
         "### Keys of data beside a plot's own",

@@ -1,23 +1,18 @@
-"""Files appear complete or not at all, and have times by which Snakemake decides what is old."""
+"""Files appear complete or not at all, where nobody has put a link."""
 
 import errno
 import fcntl
 import os
 import subprocess
 import sys
-import time
 
 import pytest
 
 from sim.base.files import (
-    YEAR_2000,
-    age,
     atomic_write,
-    correct_future_times,
     file_lock,
     open_regular,
     read_regular,
-    write_start,
 )
 
 
@@ -44,14 +39,62 @@ def test_what_a_killed_process_left_is_removed_and_what_a_living_one_writes_is_n
     path = tmp_path / "made.txt"
     dead = subprocess.Popen([sys.executable, "-c", ""])
     dead.wait()
-    leftover = tmp_path / f".made.txt.{dead.pid}.part"
-    in_progress = tmp_path / f".made.txt.{os.getppid()}.part"
-    other = tmp_path / f".other.txt.{dead.pid}.part"
-    for file in (leftover, in_progress, other):
-        file.write_text("half")
+    leftover = tmp_path / f".made.txt.{dead.pid}.a1b2_c3d.part"
+    of_earlier_version = tmp_path / f".made.txt.{dead.pid}.part"
+    in_progress = tmp_path / f".made.txt.{os.getppid()}.a1b2_c3d.part"
+    others = [tmp_path / f".{name}.{dead.pid}.a1b2_c3d.part" for name in ("other", "made.txt.x")]
+    of_earlier_version.write_text("half")
+    for folder in (leftover, in_progress, *others):
+        folder.mkdir()
+        (folder / "made.txt").write_text("half")
     with atomic_write(path) as temporary:
         temporary.write_text("new")
-    assert sorted(tmp_path.iterdir()) == sorted([path, in_progress, other])
+    assert sorted(tmp_path.iterdir()) == sorted([path, in_progress, *others])
+
+
+def test_nobody_can_put_a_link_where_a_file_will_be_written(tmp_path):
+    """The temporary name cannot be foretold, and nobody else can write its folder."""
+    victim, path = tmp_path / "victim", tmp_path / "made.txt"
+    victim.write_text("precious")
+    for name in ("made.txt", f".made.txt.{os.getpid()}.part"):
+        (tmp_path / name).symlink_to(victim)
+    names = set()
+    for _ in range(2):
+        with atomic_write(path) as temporary:
+            assert not os.path.lexists(temporary)
+            assert temporary.parent.stat().st_mode & 0o777 == 0o700
+            names.add(temporary)
+            temporary.write_text("new")
+    assert len(names) == 2
+    assert victim.read_text() == "precious"
+    assert path.read_text() == "new" and not path.is_symlink()
+
+
+def test_a_file_has_the_rights_that_the_umask_leaves(tmp_path):
+    path, plain = tmp_path / "made.txt", tmp_path / "plain.txt"
+    plain.touch()
+    with atomic_write(path) as temporary:
+        temporary.touch()
+    assert path.stat().st_mode == plain.stat().st_mode
+
+
+@pytest.mark.parametrize(
+    "error", [RuntimeError("NetCDF: HDF error"), PermissionError(errno.EACCES, "denied", "x.part")]
+)
+def test_a_full_disk_is_called_one_whatever_the_library_says(error, tmp_path, monkeypatch):
+    """Libraries have other words for it."""
+
+    def allocate(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    path = tmp_path / "made.nc"
+    with pytest.raises(type(error)) as caught, atomic_write(path):
+        raise error
+    assert caught.value is error
+    monkeypatch.setattr("os.posix_fallocate", allocate)
+    with pytest.raises(OSError, match=f"No space left on device: '{path}'"), atomic_write(path):
+        raise error
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("name", [None, "temporary", "other"])
@@ -124,66 +167,3 @@ def test_a_link_to_a_file_is_read(tmp_path):
     (tmp_path / "file").write_bytes(b"some")
     (tmp_path / "link").symlink_to("file")
     assert read_regular(tmp_path / "link") == b"some"
-
-
-def test_the_start_file_is_old_and_never_the_same(tmp_path):
-    path = tmp_path / "new" / "start"
-    write_start(path)
-    first = path.read_text()
-    write_start(path)
-    assert path.read_text() != first
-    assert path.stat().st_mtime == YEAR_2000
-
-
-def test_a_file_is_dated_before_the_start_file_and_back(tmp_path):
-    path = tmp_path / "run.nc"
-    age(path, True)
-    assert not path.exists()
-    path.touch()
-    changed = path.stat().st_mtime
-    for is_old in (True, True, False, False):
-        age(path, is_old)
-        assert (path.stat().st_mtime < YEAR_2000) == is_old
-    assert abs(path.stat().st_mtime - changed) < 1e-3
-
-
-@pytest.fixture
-def future_files(tmp_path):
-    """A run file, a dataset and somebody's notes that are dated in the future."""
-    files = [tmp_path / "runs" / "a.nc", tmp_path / "dataset.nc", tmp_path / "notes.txt"]
-    for path in files:
-        path.parent.mkdir(exist_ok=True)
-        path.touch()
-        os.utime(path, (time.time() + 1e6,) * 2)
-    return files
-
-
-def test_times_in_the_future_are_corrected_by_kind_of_file(future_files, tmp_path, capsys):
-    now, (run, dataset, notes) = time.time(), future_files
-    table = tmp_path / "claims.csv"
-    table.touch()
-    correct_future_times(tmp_path)
-    assert abs(run.stat().st_mtime - now) < 60
-    assert dataset.stat().st_mtime < YEAR_2000
-    assert abs(table.stat().st_mtime - now) < 60
-    # Files that are no outputs may belong to somebody else.
-    assert notes.stat().st_mtime > now + 1e5
-    assert not capsys.readouterr().err
-
-
-@pytest.mark.parametrize(("code", "count"), [(errno.EPERM, 1), (errno.EROFS, 1), (errno.ENOENT, 0)])
-def test_a_time_that_cannot_be_corrected_is_told_in_one_line(
-    code, count, future_files, tmp_path, monkeypatch, capsys
-):
-    utime, (run, dataset, _) = os.utime, future_files
-
-    def refuse(path, times):
-        if path == run:
-            raise OSError(code, os.strerror(code), str(path))
-        utime(path, times)
-
-    monkeypatch.setattr(os, "utime", refuse)
-    correct_future_times(tmp_path)
-    assert dataset.stat().st_mtime < YEAR_2000
-    lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == count and all(str(run) in line for line in lines)

@@ -200,7 +200,6 @@ LAW = "law('l', make=dict, force=dict, energy=dict, collision_time=dict, "
                 ("log=('height',)", "log[0]: got 'height'; allowed: 'x', 'y' or 'colour'"),
                 ("others=('size',)", "others[0]: got 'size'; allowed: 'curves', 'panels'"),
                 ("others=('beside',)", "others: got ('beside',); allowed: curves, panels, between"),
-                ("of_papers=('size',)", "of_papers: got 'size'; allowed: one of name, kind"),
                 ("systems=('drum',)", "systems: got 'drum'; allowed: one of chute, belt"),
                 ("what='{} {}'", "what: got '{} {}'; allowed: one line of text, with {}"),
                 ("over='{height}'", "over: got '{height}'; allowed: one line of text, with {}"),

@@ -1,22 +1,27 @@
 """Tests without an interval: trends, ranks, shares of runs."""
 
 from itertools import pairwise
+from math import inf
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy import stats
 
+from sim.claims.checks import within
 from sim.claims.inference import (
     at_least,
     conjunction_p,
     correct_for,
     mann_whitney_p,
     outranks,
+    same_by_rank,
     share_above,
     share_interval,
     single_rise,
     trend,
 )
+from sim.claims.place import with_interval
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, RISK, Check, holm_p
 from tests.made.results import spread
 
@@ -76,6 +81,47 @@ def test_a_dip_shows_however_fine_the_steps():
     check = trend("x", [fine], monotone=True)
     assert check.verdict == NOT_REPRODUCED
     assert check.p_holds == 1
+
+
+def test_the_reversal_that_decides_is_named():
+    """Which groups, by how much, with the interval of the difference of their means."""
+    dip = [groups(1, 2, 1.5, 3, replicates=8)]
+    check = trend("x", dip, monotone=True, labels=("a", "b", "c", "d"), unit="m")
+    change = dip[0][2].mean() - dip[0][1].mean()
+    start, amount = check.text.split(" by ")
+    assert start.endswith("; falls from b to c") and amount.endswith(" m")
+    assert float(amount.split(" ± ")[0]) == pytest.approx(-change, rel=0.05)
+    assert not trend("x", [groups(1, 2, 3)], monotone=True, labels=("a", "b", "c")).text
+
+
+@pytest.mark.parametrize(
+    ("margin", "verdict"), [(None, REPRODUCED), (0.05, REPRODUCED), (0.001, INCONCLUSIVE)]
+)
+def test_that_no_reversal_is_seen_is_no_evidence_of_none(margin, verdict):
+    flat = [groups(1, 2, 2, 3, replicates=8, scatter=0.02)]
+    assert trend("x", flat, monotone=True, margin=margin).verdict == verdict
+    falling = [[group for group in flat[0][::-1]]]
+    assert trend("x", falling, rising=False, monotone=True, margin=margin).verdict == verdict
+
+
+def test_samples_are_the_same_by_rank_within_a_margin():
+    first = np.linspace(0.99, 1.01, 8)
+    verdicts = [
+        same_by_rank("x", first, factor * first, 0.03, ()).verdict for factor in (1, 1.03, 1.2, 0.8)
+    ]
+    assert verdicts == [REPRODUCED, INCONCLUSIVE, NOT_REPRODUCED, NOT_REPRODUCED]
+    # Two states of which either sample has both: no common mean is needed.
+    states = np.array([1.0, 1.001, 1.002, 1.003, 2.0, 2.001, 2.002, 2.003])
+    assert same_by_rank("x", states, states[::-1], 0.03, ()).verdict == INCONCLUSIVE
+
+
+def test_how_often_equal_samples_are_told_apart_by_rank():
+    """On the margin, either verdict is wrong: five of a hundred at most."""
+    rng = np.random.default_rng(3)
+    beds = [(rng.normal(1, 0.05, 8), rng.normal(1.03, 0.05, 8)) for _ in range(150)]
+    verdicts = [same_by_rank("x", *pair, 0.03, ()).verdict for pair in beds]
+    assert verdicts.count(REPRODUCED) <= 0.08 * 150
+    assert verdicts.count(NOT_REPRODUCED) <= 0.06 * 150
 
 
 def test_strata_are_compared_within():
@@ -193,6 +239,18 @@ def test_one_of_several_tests_must_be_clearer():
     likely = Check("x", 1.0, np.nan, 0, np.inf, tested=(0.03, 0.9))
     assert likely.verdict == REPRODUCED and correct_for(3, likely).verdict == INCONCLUSIVE
     assert correct_for(3, likely).tested == (0.09, 1.0)
+
+
+def test_some_of_several_are_priced_by_those_that_are_open():
+    """More replicates of a depth that holds already decide nothing."""
+    places = [SimpleNamespace(id=name, samples=99, freedom=7, looks=0) for name in "abc"]
+    checks = [
+        within("x", with_interval(value, 0.1), -inf, 1, [place])
+        for value, place in zip((0.5, 0.98, 0.96), places, strict=True)
+    ]
+    check = at_least("x", 3, checks)
+    assert check.verdict == INCONCLUSIVE
+    assert check.points == ("a", "b", "c") and check.open_points == ("b", "c")
 
 
 def test_single_rises_are_counted_over_all_choices():

@@ -11,6 +11,8 @@ import pytest
 from sim.claims import judge
 from sim.claims.checks import above
 from sim.claims.claim import Number, claims
+from sim.claims.evidence import Evidence
+from sim.claims.judge import _variants
 from sim.claims.judgement import MODEL, Judgement, Variant
 from sim.claims.points import Points
 from sim.claims.readings import DEFAULT, GRID, combined_readings, reading_label, readings_of
@@ -30,7 +32,7 @@ from sim.dataset.grids import GRIDS
 from sim.parameters import SYSTEMS, ChuteParameters, roles
 from sim.study.catalogue import FIGURES
 from sim.study.papers import Readings, papers
-from tests.made.paper_belt import BEAD
+from tests.made.paper_belt import BEAD, paper_point
 from tests.made.results import made_point, made_results
 
 HOLDS = Check("x", 2.0, 0.1, 1.0, 3.0, points=("p",), samples=50.0)
@@ -219,6 +221,47 @@ def test_a_verdict_is_told_as_a_function_of_a_number_that_is_ours():
     assert document["by_number"][0]["checks"][0]["what"] == "y"
     with pytest.raises(ValueError, match="headline"):
         Number(bound="margin", what="weak", values=[0.1, 0.2], headline=0.15)
+
+
+def test_at_a_number_that_is_ours_a_verdict_may_depend_on_the_reading():
+    number = Number(bound="margin", what="weak", values=[1, 2], headline=2)
+    claim = claims()[0].model_copy(update={"number": number})
+    headline = Variant("published", DEFAULT, (FAILS,), checks_by_number={1: (FAILS,), 2: (FAILS,)})
+    other = Variant("published", "other", (FAILS,), checks_by_number={1: (HOLDS,), 2: (FAILS,)})
+    judgement = Judgement(claim, (headline, other))
+    assert judgement.by_number == {1: READING_DEPENDENT, 2: NOT_REPRODUCED}
+    assert judgement.verdict == NOT_REPRODUCED
+
+
+def test_an_open_claim_is_priced_by_the_points_of_its_votes():
+    """What is reported beside the votes, decided or not, is not bought."""
+    vote = replace(OPEN, value=2.95, points=("p",), freedom=7)
+    beside = [
+        replace(vote, points=("q",), votes=False),
+        replace(vote, points=("r",), low=-inf, high=inf),
+    ]
+    variant = Variant("published", DEFAULT, (vote, *beside, replace(HOLDS, points=("s",))))
+    judgement = Judgement(claims()[0], (variant,))
+    assert judgement.verdict == INCONCLUSIVE
+    assert [check.points for check in judgement.open_checks(DEFAULT)] == [("p",)]
+
+
+def test_an_alternative_of_a_claim_is_another_reading():
+    """Bounds that the paper's words leave open are judged under each value, beside the headline."""
+    points = [paper_point(frequency=frequency) for frequency in (20, 30, 40)]
+    claim = next(claim for claim in claims() if claim.id == "G12").model_copy(
+        update={
+            "judge": lambda evidence, *, least: [above("x", 1.0, least)],
+            "bounds": {"least": 0},
+            "number": None,
+            "alternatives": {"at least two": {"least": 2}},
+        }
+    )
+    readings, results = readings_of("belt"), made_results(*points)
+    evidence = [({}, Evidence(results, "published"))]
+    variants = tuple(_variants(claim, readings, evidence))
+    assert [variant.reading for variant in variants] == [DEFAULT, "at least two"]
+    assert Judgement(claim, variants).verdict == READING_DEPENDENT
 
 
 def test_readings_are_what_points_have_beyond_the_defaults():

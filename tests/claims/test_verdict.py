@@ -100,6 +100,19 @@ def test_what_has_no_vote_fails_nothing(silent):
     assert silent.verdict == (INCONCLUSIVE if silent.withheld else REPORTED)
 
 
+@pytest.mark.parametrize("looks", [0, 1, 2, 5])
+def test_bound_and_replicates_are_those_that_decide_at_a_look(looks):
+    check = Check("x", 1.0, 0.2, 0, inf, looks=looks)
+    for factor, verdict in ((1.02, REPRODUCED), (0.98, INCONCLUSIVE)):
+        assert replace(check, low=1 - factor * check.bound).verdict == verdict
+    undecided = replace(check, low=1 - 0.5 * check.bound)
+    replicates = undecided.replicate_factor
+    for factor, verdict in ((1.04, REPRODUCED), (0.96, INCONCLUSIVE)):
+        half_width = 0.2 / np.sqrt(factor * replicates)
+        later = replace(undecided, half_width=half_width, looks=looks and looks + 1)
+        assert later.verdict == verdict
+
+
 @pytest.mark.parametrize("order", [1, -1])
 @pytest.mark.parametrize(
     ("p_values", "verdict"),

@@ -11,7 +11,6 @@ from sim.base.errors import InputError
 from sim.base.seals import DamagedError
 from sim.dataset import adopted, rows
 from sim.dataset.adopted import AdoptedPoints, adopt
-from sim.dataset.boundaries import write_round
 from sim.dataset.build import build
 from sim.dataset.results import load_results
 from sim.engine.identity import NUMERICS
@@ -20,6 +19,7 @@ from sim.report.publish import provenance
 from sim.report.runs import adopted_datasets
 from sim.report.status import survey
 from sim.study.load import load_study
+from sim.surrogates.rounds import write_round
 from tests.made.folder import Folder
 from tests.made.mixed import PATHS, SHOWN, Mixed, ids
 from tests.made.netcdf import edit_file, store

@@ -13,12 +13,13 @@ import xarray as xr
 from sim.__main__ import main
 from sim.base.errors import InputError
 from sim.dataset import sources
-from sim.dataset.boundaries import add_rounds, added_points, build, find_sides, write_round
+from sim.dataset.boundaries import add_rounds, added_points, build, find_sides
 from sim.dataset.build import build as build_dataset
 from sim.dataset.results import read_table
 from sim.dataset.rounds import side_of_run
 from sim.parameters import BeltParameters, ChuteParameters, parse_point, point_id
 from sim.study.load import load_study
+from sim.surrogates.rounds import write_round
 from tests.made.netcdf import store
 from tests.made.runs import make_regimes, make_study, write_run
 

@@ -25,9 +25,9 @@ SIZE, SPEED = ChuteParameters().diameter, ChuteParameters().velocity_unit
 def made(plot: Mapping, points: Sequence[MadePoint]) -> tuple[FigureSpec, Results]:
     """Return a plot of points, and these as results."""
     names = (*GRID, "youngs_modulus") if points[0].parameters.law not in LAW.usual else GRID
-    grid = {name: sorted({getattr(one.parameters, name) for one in points}) for name in names}
+    cases = [{name: getattr(one.parameters, name) for name in names} for one in points]
     base = {"law": points[0].parameters.law}
-    series = {"name": "flows", "system": "chute", "base": base, "grid": grid}
+    series = {"name": "flows", "system": "chute", "base": base, "cases": cases}
     study = parse_study(
         {"study": "s", "series": [series], "plots": [{"name": "p"} | dict(plot)]}, "s.yaml", None
     )

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from matplotlib.lines import Line2D
 
+from sim.base.errors import InputError
 from sim.figures.foreign_data import _MARKERS
 from sim.figures.map import MARKS
 from sim.figures.style import COLOURS, MARKERS
@@ -92,3 +93,20 @@ def test_what_no_run_knows_is_said_with_data_beside():
     plot = OVER | {"y": "base_rolling", "beside": [MEASURED]}
     figure, _, _ = drawn(plot)
     assert "no run has base rolling" in [text.get_text() for text in figure.axes[0].texts]
+
+
+def test_columns_of_a_file_are_drawn_with_their_errors(tmp_path, monkeypatch):
+    (tmp_path / "exp.csv").write_text("mu,V (mm/s),s (mm/s)\n0.35,650,40\n0.58,400,300\n")
+    monkeypatch.chdir(tmp_path)
+    beside = {"file": "exp.csv", "x": "mu", "y": "V", "yerr": "s"}
+    figure, rows, data = drawn(OVER | {"beside": beside})
+    assert data.spec.options["beside"] == (("exp", ((0.35, 0.65, 0.04), (0.58, 0.4, 0.3)), False),)
+    axes = figure.axes[0]
+    (bars,) = axes.collections[-1:]
+    np.testing.assert_allclose(bars.get_segments()[1], [[0.58, 0.1], [0.58, 0.7]])
+    assert axes.get_ylim()[0] < 0.1
+    assert "exp (markers, bars: its errors)" in " ".join(find_kind("curves").notes(data))
+    assert rows["error, not of this study"].dropna().tolist() == [0.04, 0.3]
+    natural = {"units": "natural", "beside": beside | {"yerr": "mu"}}
+    with pytest.raises(InputError, match=r"unit of column V: got 'mm/s'; allowed: no unit, for a"):
+        drawn(OVER | natural)

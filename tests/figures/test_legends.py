@@ -3,15 +3,18 @@
 import matplotlib as mpl
 import pytest
 
+from sim.figures.looks import MOST_ENTRIES
 from sim.figures.render import settle
-from sim.figures.style import LOOKS, SETTINGS, cycle_style
+from sim.figures.style import COLOURS, DASHES, SETTINGS, cycle_style
 from tests.figures.made_plots import drawn
 from tests.made.results import made_point
 
 
 def flows_of_frictions(number):
     return [
-        made_point("chute", {"velocity": 1.0}, friction=0.2 + one / 1000, angle=angle)
+        made_point(
+            "chute", {"velocity": 1.0, "shear_depth": 0.01}, friction=0.2 + one / 1000, angle=angle
+        )
         for one in range(number)
         for angle in (16, 17)
     ]
@@ -28,16 +31,27 @@ def boxes(figure):
 
 @pytest.mark.filterwarnings("error:constrained_layout not applied")
 def test_a_figure_grows_with_its_legend():
-    figure, _, _ = drawn({"x": "angle", "curves": "friction"}, flows_of_frictions(LOOKS))
+    figure, _, _ = drawn({"x": "angle", "curves": "friction"}, flows_of_frictions(MOST_ENTRIES))
     legend, axes = boxes(figure)
-    assert len(figure.legends[0].texts) == LOOKS
+    assert len(figure.legends[0].texts) == MOST_ENTRIES
     assert legend.y0 >= axes.y1 and legend.y1 <= 1 and axes.height * figure.get_figheight() > 2
 
 
-def test_more_curves_than_looks_are_counted():
-    figure, _, _ = drawn({"x": "angle", "curves": "friction"}, flows_of_frictions(LOOKS + 1))
+@pytest.mark.parametrize("plot", [{}, {"kind": "distribution"}])
+def test_a_colour_bar_tells_many_curves_of_a_number_apart(plot):
+    points = flows_of_frictions(MOST_ENTRIES + 1)
+    figure, _, _ = drawn({"x": "angle", "curves": "friction"} | plot, points)
+    axes, bar = figure.axes
+    assert not figure.legends and bar.get_ylabel() == "friction μ"
+    shown = {line.get_color() for line in axes.lines if len(line.get_xdata()) > 1}
+    assert len(shown) > MOST_ENTRIES
+
+
+def test_more_curves_of_several_parameters_than_entries_are_counted():
+    points = flows_of_frictions(MOST_ENTRIES // 2 + 1)
+    figure, _, _ = drawn({"x": "shear_depth", "curves": ["friction", "angle"]}, points)
     (text,) = figure.legends[0].texts
-    assert text.get_text().split() == f"{LOOKS + 1} curves, which the data names".split()
+    assert text.get_text().split() == f"{len(points)} curves, which the data names".split()
 
 
 def test_a_long_label_has_lines():
@@ -53,6 +67,7 @@ def test_a_long_label_has_lines():
 
 
 def test_no_two_looks_share_colour_and_marker():
-    looks = [cycle_style(index) for index in range(LOOKS)]
-    assert len({(one.colour, one.marker) for one in looks}) == LOOKS
-    assert len({(one.colour, str(one.dashes)) for one in looks}) == LOOKS
+    number = len(COLOURS) * len(DASHES)
+    looks = [cycle_style(index) for index in range(number)]
+    assert len({(one.colour, one.marker) for one in looks}) == number
+    assert len({(one.colour, str(one.dashes)) for one in looks}) == number

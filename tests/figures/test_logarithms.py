@@ -66,8 +66,8 @@ def test_a_map_tells_what_has_no_colour_on_a_logarithmic_scale():
     ]
     plot = {"kind": "map", "x": "friction", "y": "angle", "colour": "velocity"}
     _, _, logarithmic = drawn(plot | {"log": ["colour"]}, points)
-    assert "Open: 1 point without a value above 0." in notes(logarithmic)
-    assert "Open" not in notes(drawn(plot, points)[2])
+    assert "Crosses: 1 point without a value above 0." in notes(logarithmic)
+    assert "Crosses" not in notes(drawn(plot, points)[2])
 
 
 def test_time_series_are_interrupted_where_they_are_not_above_zero(tmp_path):

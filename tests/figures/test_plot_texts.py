@@ -107,7 +107,6 @@ def test_a_caption_counts_the_points_that_have_nothing_to_show(plot, points, sai
 @pytest.mark.parametrize(
     "plot",
     [
-        {"kind": "map", "x": "friction", "y": "friction_plane", "colour": "velocity"},
         {"kind": "distribution", "x": "friction", "y": "velocity"},
         {"kind": "time_series", "curves": "friction"},
     ],

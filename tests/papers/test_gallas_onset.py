@@ -190,7 +190,7 @@ def test_onset_at_three_angles():
 def test_what_half_a_step_leaves_open_no_number_of_beds_decides():
     beds = angles(start=15.35)
     open_ones = [check for check in checks_of(g3, beds) if check.verdict == INCONCLUSIVE]
-    assert [check.what for check in open_ones] == ["onset at 30 degrees"]
+    assert [check.what for check in open_ones] == ["onset at 30 degrees, published runs"]
     assert open_ones[0].replicate_factor == np.inf and "finer steps" in plan(open_ones[0])
     scattered = {"velocity": [0, 0, 0, 0.1]}
     wide = [

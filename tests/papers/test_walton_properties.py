@@ -161,7 +161,7 @@ def test_more_elastic_is_slower_and_deeper(changes, wrong):
 def test_each_of_three_depths_is_clear_by_itself():
     """Two of three restitutions are in order: with p = 0.03 at one depth, and one of three."""
     points = resilient(speeds=(13, 9, 9), depths=(2, 2, 2), replicates=3)
-    velocity, _ = checks_of(w16, points)
+    velocity, _ = (check for check in checks_of(w16, points) if check.has_vote)
     alone = trend("V", [[point.scalars["velocity"] for point in points]], rising=False)
     assert alone.verdict == REPRODUCED and velocity.verdict == INCONCLUSIVE
     assert velocity.tested == pytest.approx((3 * alone.p_holds, 1.0))
@@ -191,7 +191,7 @@ def test_several_states_of_a_depth_are_ranked():
 def test_stiffer_spheres_decide_where_they_were_run():
     soft, hard = resilient(speeds=(7, 9, 13)), resilient(stiffness=1000)
     checks = checks_of(w16, [*soft, *hard])
-    assert {check.verdict for check in checks} == {REPRODUCED}
+    assert {check.verdict for check in checks if check.has_vote} == {REPRODUCED}
     assert all("K1 = 1000 N/m" in check.what for check in checks)
 
 

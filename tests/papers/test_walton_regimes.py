@@ -199,8 +199,17 @@ def test_flows_that_rest_beyond_twice_the_tangent_are_reproduced():
 
 
 def test_flows_that_move_beyond_twice_the_tangent_fail():
-    moving = [*sweeps((), (1.24, 10)), *swept(arrested=(0.8,), moving=(0.65,))]
+    moving = [point for n in (1.24, 5, 10) for point in swept(arrested=(), moving=(0.65,), depth=n)]
     assert parts(w19, moving) == {"a": REPRODUCED, "b": NOT_REPRODUCED}
+    (vote,) = (check for check in checks_of(w19, moving) if check.part == "b" and check.has_vote)
+    assert vote.text.startswith("0 of 30 (0 to ")
+
+
+def test_friction_beyond_three_times_the_tangent_is_reported():
+    """The sentence begins at twice: beds that rest at more cannot stand for it."""
+    moving = [*swept(arrested=(1.2,), moving=(0.65,)), *sweeps((), (1.24, 10))]
+    votes = [check for check in checks_of(w19, moving) if check.part == "b" and check.has_vote]
+    assert [vote.text.split(" (")[0] for vote in votes] == ["40 of 50"]
 
 
 @pytest.mark.parametrize(
@@ -261,8 +270,8 @@ def test_fast_starts_beyond_twice_the_tangent_are_reported():
 
 def test_flows_that_slow_decide_nothing_and_those_that_go_on_fail():
     def going(gain):
-        rough = {"friction": 0.9, "depth": 5, "initial_velocity": 1}
-        return [*swept(), flow(3, {"acceleration": gain}, **rough)]
+        rough = {"friction": 0.9, "depth": 5, "initial_velocity": 1, "replicates": 8}
+        return [*swept(arrested=()), flow(3, {"acceleration": gain}, **rough)]
 
     assert parts(w19, going(-0.05))["b"] == INCONCLUSIVE
     assert parts(w19, going(1e-4))["b"] == NOT_REPRODUCED
@@ -273,7 +282,7 @@ def test_replicates_that_do_not_all_rest_decide_nothing(other):
     regimes = ["arrested", "arrested", "arrested", other]
     rough = {"friction": 0.9, "depth": 5, "replicates": 4, "initial_velocity": 1}
     halting = flow([0, 0, 0, 0.3], {"regime": regimes}, **rough)
-    assert parts(w19, [*swept(), halting])["b"] == INCONCLUSIVE
+    assert parts(w19, [*swept(arrested=()), halting])["b"] == INCONCLUSIVE
 
 
 def started(late: float = 1.0, scatter: float = 1e-3, depths=(2.5, 5), scalars=None):
@@ -286,6 +295,7 @@ def started(late: float = 1.0, scatter: float = 1e-3, depths=(2.5, 5), scalars=N
             cell=CELLS[n],
             initial_velocity=start * SPEEDS[n],
             scatter=scatter,
+            replicates=8,
         )
         for n in depths
         for start in (0.5, 1, 2)

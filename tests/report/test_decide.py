@@ -47,14 +47,14 @@ class Folder:
     def points(self):
         return load_study(self.path, self.root).points
 
-    def run(self, *_, **__) -> SimpleNamespace:
+    def run(self, *_) -> int:
         """Run what is wanted: further replicates repeat the first."""
         for point in self.points.values():
             spread, count = SPREAD[point.parameters.depth], point.parameters.replicates
             velocities = [spread[number % 3] for number in range(count)]
             write_run(self.root / "open" / "runs", point.parameters, velocities)
         build(self.path, self.root)
-        return SimpleNamespace(returncode=0)
+        return 0
 
     def decide(self, *options: str) -> int:
         return main(["decide", str(self.path), "--results", str(self.root), *options])
@@ -113,7 +113,7 @@ def test_what_the_budget_does_not_hold_is_not_bought(made, capsys):
 
 def test_rounds_go_on_until_nothing_is_open(made, monkeypatch, capfd):
     folder = made("budget: 10, precision: 0.05")
-    monkeypatch.setattr(deciding.subprocess, "run", folder.run)
+    monkeypatch.setattr(deciding, "run_with_signals", folder.run)
     assert folder.decide("--cores", "2") == 0
     out = capfd.readouterr().out
     assert out.count("bought; run the study again") >= 2
@@ -147,7 +147,7 @@ def test_points_and_status_tell_the_budget(made, capsys):
 
 def test_a_workflow_that_fails_ends_the_rounds(made, monkeypatch):
     folder = made("budget: 10, precision: 0.05")
-    monkeypatch.setattr(deciding.subprocess, "run", lambda *_: SimpleNamespace(returncode=3))
+    monkeypatch.setattr(deciding, "run_with_signals", lambda _: 3)
     assert folder.decide("--cores", "2") == 3
     assert folder.replicates() == [3, 3]
 

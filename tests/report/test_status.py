@@ -13,11 +13,11 @@ from sim.engine.identity import NUMERICS
 from sim.engine.progress import read_progress
 from sim.parameters import canonical_values, parse_point, point_id
 from sim.report.status import STATES
-from sim.report.status_table import as_text
+from sim.report.status_table import as_json, as_text
 from sim.study.cost import PROCESS_TIME, estimate
 from tests.made.folder import BOUNDED, EARLIER, LATER, STUDY, Folder
 from tests.made.processes import start_run, wait_until
-from tests.made.runs import FAILURE
+from tests.made.runs import FAILURE, write_run
 
 
 @pytest.fixture
@@ -96,6 +96,41 @@ def test_a_process_that_has_gone_was_interrupted(folder):
 def test_a_progress_file_that_says_nothing_is_none(folder, content):
     folder.write_progress(folder.ids[0]).write_bytes(content)
     assert folder.state(folder.ids[0]) == "waiting"
+
+
+@pytest.mark.parametrize(
+    "forged",
+    [
+        {"updated": "0001-01-01T00:00:00+00:00", "host": "elsewhere"},
+        {"expires": "9999-12-31T23:59:59+00:00"},
+        {"rate": 1e300},
+        {"total": 10**400},
+    ],
+)
+def test_a_progress_file_that_no_run_has_written_is_none(forged, folder):
+    path = folder.write_progress(folder.ids[0])
+    path.write_text(json.dumps(json.loads(path.read_text()) | forged))
+    assert folder.state(folder.ids[0]) == "waiting"
+
+
+def test_a_time_left_beyond_all_measure_is_unknown(folder):
+    folder.write_progress(folder.ids[0], rate=1e-300)
+    status = folder.survey()
+    assert status.points[folder.ids[0]].progress.remaining_time == "unknown"
+    assert "inf" not in as_text(status)
+
+
+def test_what_another_study_has_is_told_and_takes_no_time(folder):
+    first, *others = folder.ids
+    before = folder.survey().core_seconds_left
+    write_run(folder.results / "other" / "runs", folder.study.points[first].parameters)
+    status = folder.survey()
+    assert status.points[first].state == "waiting" and not status.is_over
+    assert status.core_seconds_left < before
+    assert "1 point in other studies, not to be run: other (1)" in as_text(status)
+    entries = {entry["id"]: entry for entry in json.loads(as_json(status))["points"]}
+    assert entries[first]["shared"] == str(folder.results / "other" / "runs" / f"{first}.nc")
+    assert all("shared" not in entries[key] for key in others)
 
 
 @pytest.mark.parametrize("content", [b"", b"text", None])

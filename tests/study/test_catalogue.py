@@ -101,6 +101,7 @@ PLOT_OPTIONS = {
     "second": "",
     "between": (),
     "beside": (),
+    "fit": "",
     "panels": "",
     "curves": ("damping", "shear_damping"),
     "units": "si",

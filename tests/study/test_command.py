@@ -3,6 +3,7 @@
 import os
 import shlex
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -14,6 +15,7 @@ from sim.base.errors import InputError
 from sim.base.program import package_folder
 from sim.study import command
 from sim.study.load import DEFAULT_STUDY, load_study
+from tests.made.processes import ROOT, wait_until
 
 MERGED = "study: merged\na: &a {x: 1}\n" + "".join(
     f"b{n}: &b{n} {{<<: [{', '.join([f'*b{n - 1}' if n else '*a'] * 9)}]}}\n" for n in range(9)
@@ -192,3 +194,58 @@ def test_jobs_find_package_study_and_interpreter(own_interpreter, tmp_path, monk
     package = "/a b" if own_interpreter else "/a b:mine"
     assert output.splitlines() == [package, str(path), "1", "None"]
     assert (f"PATH={Path(sys.executable).parent}" in line) != own_interpreter
+
+
+#: A child that says which signals it and a process of its own get, and ends a little later; and a
+#: process that runs it as `decide` runs Snakemake.
+CHILD = """\
+import os, signal, subprocess, sys, time
+def note(name):
+    open(name, "a").close()
+role = sys.argv[1]
+for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+    signal.signal(number, lambda number, _: note(f"{role}-{number}"))
+job = role == "child" and subprocess.Popen([sys.executable, __file__, "job"])
+note(f"{role}-ready")
+while not os.path.exists("end"):
+    time.sleep(0.01)
+note(f"{role}-ended")
+sys.exit(job.wait() if job else 0)
+"""
+PARENT = """\
+import sys
+from sim.study.command import run_with_signals
+sys.exit(run_with_signals([sys.executable, "child.py", "child"]))
+"""
+
+
+@pytest.mark.parametrize(
+    ("number", "roles"),
+    [
+        (signal.SIGTERM, {"child"}),
+        (signal.SIGINT, {"child", "job"}),
+        (signal.SIGHUP, {"child", "job"}),
+    ],
+)
+def test_a_signal_is_handed_on_and_the_end_is_waited_for(number, roles, tmp_path):
+    """As from a terminal, jobs get interrupts and hang-ups, too."""
+    (tmp_path / "child.py").write_text(CHILD)
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    process = subprocess.Popen([sys.executable, "-c", PARENT], cwd=tmp_path, env=environment)
+
+    def has(*names: str) -> bool:
+        return all((tmp_path / name).exists() for name in names)
+
+    wait_until(lambda: has("child-ready", "job-ready"), process)
+    process.send_signal(number)
+    wait_until(lambda: has(*(f"{role}-{number:d}" for role in roles)), process)
+    assert process.poll() is None
+    (tmp_path / "end").touch()
+    assert process.wait() == 128 + number
+    assert has("child-ended", "job-ended")
+    assert len(list(tmp_path.glob(f"*-{number:d}"))) == len(roles)
+
+
+def test_the_exit_code_of_the_command_is_kept():
+    assert command.run_with_signals([sys.executable, "-c", "raise SystemExit(3)"]) == 3
+    assert command.run_with_signals([sys.executable, "-c", "import os; os.abort()"]) == 128 + 6

@@ -1,16 +1,19 @@
 """What a workflow runs of a study, in which jobs and batches; without Snakemake."""
 
 import json
+import os
+import shutil
 import subprocess
 import sys
 from math import ceil
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from sim.base.errors import InputError
-from sim.base.files import YEAR_2000
+from sim.base.times import YEAR_2000
 from sim.parameters import (
     BeltParameters,
     ChuteParameters,
@@ -75,6 +78,30 @@ class Adopted:
         return {point: point for point in points if point in self.points}
 
 
+class SharedRuns:
+    """Runs of other studies: points by whether they have enough of them."""
+
+    def __init__(self, folder, **points):
+        self.folder, self.points, self.damaged = folder, points, ()
+
+    def find_runs(self, runs, points):
+        return {
+            key: SimpleNamespace(path=self.folder / f"{key}.nc", is_enough=self.points[key])
+            for key, point in points.items()
+            if key in self.points and not RunFiles().has_enough(runs / f"{key}.nc", point)
+        }
+
+    def take_runs(self, runs, shared):
+        runs.mkdir(parents=True, exist_ok=True)
+        taken = shared.keys() - self.damaged
+        for key in taken:
+            shutil.copy(shared[key].path, runs)
+        return taken
+
+    def describe(self, shared):
+        return f"{len(list(shared))} elsewhere"
+
+
 def read_round(path):
     values = json.loads(path.read_text())
     return {key: parse_point(point, path) for key, point in values.items()}
@@ -85,10 +112,10 @@ def make_plan(tmp_path, monkeypatch):
     """Return a function that makes the plan of a study in an empty folder."""
     monkeypatch.chdir(tmp_path)
 
-    def make(*adopted, text=STUDY, name="planned.yaml"):
+    def make(*adopted, text=STUDY, name="planned.yaml", shared=None):
         Path(name).write_text(text.replace("START", point_id(FIRST)))
-        study = load_study(name)
-        return Plan(study, Path("results/planned"), RunFiles(), Adopted(*adopted), read_round)
+        study, folder = load_study(name), Path("results/planned")
+        return Plan(study, folder, RunFiles(), Adopted(*adopted), read_round, shared)
 
     return make
 
@@ -102,7 +129,7 @@ def write_run(plan, point, **held):
 
 
 def write_round(plan, number, *added):
-    path = plan.round_file(number)
+    path = plan.folder / "rounds" / f"{number}.json"
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps({point_id(point): canonical_values(point) for point in added}))
     return path
@@ -160,6 +187,69 @@ def test_adopted_points_are_not_run_and_their_datasets_are_gathered(make_plan):
     files = plan.files_to_gather([])
     assert plan.run_file(second) not in files and files[-1] == "adopted.nc"
     assert plan.run_file(first) in files and len(files) == len(plan.study.points)
+
+
+@pytest.fixture
+def shared(make_plan, tmp_path):
+    """Another study has the first point, and less than is wanted of the second."""
+    plan = make_plan()
+    first, second, *_ = plan.study.points
+    folder = tmp_path / "other"
+    folder.mkdir()
+    for point, replicates in ((first, 5), (second, 1)):
+        held = amounts(plan.parameters(point)) | {"replicates": replicates}
+        (folder / f"{point}.nc").write_text(json.dumps(held))
+    return SharedRuns(folder, **{first: True, second: False})
+
+
+def test_runs_of_other_studies_count_before_they_are_taken_and_after(shared, make_plan):
+    plan = make_plan(shared=shared)
+    first, second, third, later = plan.study.points
+    assert plan.shared_line == "2 elsewhere"
+    (batch,) = plan.batches_to_run(1).values()
+    assert sorted(batch) == sorted([second, third])
+    assert json.loads(plan.amount_text(first))["replicates"] == 5
+    elsewhere = str(shared.folder / f"{first}.nc")
+    files = [elsewhere, *map(plan.run_file, (second, third, later))]
+    # A dry run reads what would be taken, and writes nothing.
+    assert plan.files_to_gather([]) == files and plan.origin_files(later) == [elsewhere]
+    assert not plan.folder.exists()
+    forgotten = []
+    files[0] = plan.run_file(first)
+    assert plan.files_to_gather([], forgotten.append) == files
+    assert sorted(forgotten) == sorted(map(plan.run_file, (first, second)))
+    assert plan.origin_files(later) == [plan.run_file(first)]
+    assert not plan.needs_run(first) and plan.needs_run(second)
+    assert Path(plan.run_file(second)).stat().st_mtime < YEAR_2000
+    plan.take_shared(forgotten.append)
+    assert len(forgotten) == 2
+
+
+def test_what_turns_out_to_be_damaged_is_run(shared, make_plan):
+    plan = make_plan(shared=shared)
+    first, *_ = plan.study.points
+    assert json.loads(plan.amount_text(first))["replicates"] == 5
+    shared.damaged = shared.points.keys()
+    forgotten = []
+    plan.take_shared(forgotten.append)
+    assert plan.needs_run(first) and not forgotten
+    assert json.loads(plan.amount_text(first))["replicates"] == 2
+
+
+def test_adopted_points_are_not_taken_from_other_studies(shared, make_plan):
+    first, second, *_ = make_plan().study.points
+    plan = make_plan(first, second, shared=shared)
+    assert plan.shared_line == "0 elsewhere"
+
+
+def test_points_of_rounds_are_taken_from_other_studies(make_plan, tmp_path):
+    added = point_id(ADDED)
+    (tmp_path / f"{added}.nc").write_text(json.dumps(amounts(ADDED)))
+    plan = make_plan(text=ONSET, shared=SharedRuns(tmp_path, **{added: True}))
+    path, forgotten = write_round(plan, 1, ADDED), []
+    assert str(tmp_path / f"{added}.nc") in plan.files_to_gather([path])
+    assert plan.run_file(added) in plan.files_to_gather([path], forgotten.append)
+    assert forgotten == [plan.run_file(added)] and Path(*forgotten).is_file()
 
 
 def test_points_of_rounds_are_gathered_and_looked_up(make_plan):
@@ -224,6 +314,17 @@ def test_notes_tell_jobs_the_batches_and_later_workflows_the_study(make_plan):
     other = make_plan(text=STUDY.replace("[20, 40, 60]", "[20, 50]"), name="other.yaml")
     expected = "warning: other.yaml: study: planned is also the name of "
     assert other.namesake_warning.startswith(expected)
+
+
+def test_a_folder_may_have_any_name(make_plan, tmp_path, monkeypatch):
+    """Names of folders are bytes, which need not be UTF-8."""
+    folder = tmp_path / os.fsdecode(b"bad\xffname")
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    make_plan().start({})
+    assert make_plan().namesake_warning == ""
+    other = make_plan(text=STUDY.replace("[20, 40, 60]", "[20, 50]"), name="other.yaml")
+    assert "planned.yaml; dataset, figures" in other.namesake_warning
 
 
 @pytest.mark.parametrize("damage", [b"\xff\x00\xfe", b"", b"missing.yaml", b"a\x00b"])

@@ -144,6 +144,52 @@ def test_data_beside_without_a_place_are_refused(parse):
     assert "allowed: a list of at most 6" in message
 
 
+FILE_BESIDE = {"file": "exp.csv", "x": "mu", "y": "V", "yerr": "s"}
+
+
+def test_data_beside_may_be_columns_of_a_file_which_belongs_to_the_study(parse, tmp_path):
+    (tmp_path / "exp.csv").write_text("mu,V (mm/s),s (mm/s)\n0.3,250,0\n0.5,200,4\n")
+    study = parse(VALID_PLOT | {"beside": FILE_BESIDE})
+    assert study.plots["v"].options["beside"] == (
+        ("exp", ((0.3, 0.25, 0.0), (0.5, 0.2, 0.004)), False),
+    )
+    assert study.data == (tmp_path / "exp.csv",) and study.data[0] in study.sources
+    one = FILE_BESIDE | {"label": "glass", "line": True}
+    assert parse(VALID_PLOT | {"beside": [one]}).plots["v"].options["beside"][0][::2] == (
+        "glass",
+        True,
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"file": "other.csv"}, "other.csv: no such file"),
+        ({"file": "../exp.csv"}, "beside[0].file: got '../exp.csv'; allowed: the name of a CSV"),
+        ({"x": None}, "beside[0].x: got nothing; allowed: "),
+        ({"points": [[1, 2]]}, "beside[0].points: got [[1, 2]]; allowed: points, or columns"),
+        ({"y": "v"}, "exp.csv: column v: got nothing; allowed: a column v, for the axis y; the"),
+        ({"x": "V"}, "exp.csv: unit of column V: got 'mm/s'; allowed: no unit, as it is a pure"),
+        ({"yerr": "t"}, "exp.csv: line 3, column t: got '-1'; allowed: an error in [0, 1e+100]"),
+        ({"yerr": "e"}, "exp.csv: line 2, column e: got 'x'; allowed: an error in [0, 1e+100]"),
+        ({"y": "t"}, "exp.csv: line 3, column t: got '-1'; allowed: numbers >= 1e-100 on the log"),
+    ],
+)
+def test_mistakes_in_files_beside_name_file_line_and_column(parse, tmp_path, change, message):
+    (tmp_path / "exp.csv").write_text("mu,V (mm/s),s,t,e\n0.3,250,1,1,x\n0.5,200,1,-1,1\n")
+    data = {key: value for key, value in (FILE_BESIDE | change).items() if value is not None}
+    with pytest.raises(InputError) as caught:
+        parse(VALID_PLOT | {"log": ["y"], "beside": data})
+    assert message in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_a_law_is_fitted_to_curves_alone(parse):
+    assert parse(VALID_PLOT | {"fit": "power"}).plots["v"].options["fit"] == "power"
+    message = error_message(parse, VALID_PLOT | REGIME_MAP | {"panels": "law", "fit": "power"})
+    assert message.startswith("curves: got nothing") or "a key of map" in message
+    assert error_message(parse, VALID_PLOT | {"fit": "cubic"}).startswith("fit: got 'cubic'; allow")
+
+
 def test_plots_draw_on_the_series_they_name_and_on_those_of_their_system(parse):
     more = {"name": "more", "system": "chute", "cases": [{"friction": 0.5}, {"friction": 0.6}]}
     study = parse(
@@ -316,3 +362,61 @@ def test_panels_are_few(parse):
         parse, {"name": "v", "x": "depth", "panels": "friction"}, series=(series,)
     )
     assert message.startswith("panels: got 'friction with 13 values'; allowed: a parameter of at")
+
+
+SCATTER = {"name": "s", "kind": "scatter", "x": "friction"}
+SEVERAL = {"name": "s", "kind": "pairs"}
+
+
+def test_the_colour_of_a_scatter_is_a_parameter_an_observable_or_the_regime(parse):
+    for colour, said in {
+        "angle": "colour: angle θ.",
+        "shear_depth": "colour: shear depth.",
+        "regime": "colour: regime.",
+    }.items():
+        spec = parse(SCATTER | {"colour": colour}).entries["s"]
+        assert spec.options["colour"] == colour and spec.lead.endswith(said)
+        assert spec.title == f"Velocity against friction, by {colour.replace('_', ' ')}"
+    assert parse(SCATTER | {"x": "shear_depth"}).entries["s"].axes == ()
+
+
+def test_parameters_are_all_that_vary_unless_they_are_named(parse):
+    spec = parse(SEVERAL).entries["s"]
+    assert set(spec.axes) == {"friction", "angle", "law"}
+    spec = parse(SEVERAL | {"parameters": "angle"}).entries["s"]
+    assert spec.axes == ("angle",) and spec.title == "Velocity over angle"
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"colour": "anglee"}, "colour: got 'anglee'; allowed: did you mean angle"),
+        ({"colour": "depth"}, "colour: got 'depth, which is 5 throughout'; allowed: a param"),
+        ({"colour": "friction"}, "colour: got 'friction'; allowed: a parameter other than x"),
+        ({"colour": "backflow"}, "colour: got 'backflow'; allowed: an observable of the chute"),
+        ({"colour": "law", "log": ["colour"]}, "log[0]: got 'colour'; allowed: no log, as law"),
+        ({"colour": "regime", "log": ["colour"]}, "log[0]: got 'colour'; allowed: one of x, y"),
+        ({"parameters": ["friction"]}, "parameters: got ['friction']; allowed: a key of scatter"),
+        (SEVERAL | {"x": None, "parameters": ["fricton"]}, "parameters[0]: got 'fricton'; allo"),
+        (SEVERAL | {"x": None, "parameters": []}, "parameters: got []; allowed: a name, or a"),
+    ],
+)
+def test_mistakes_in_plots_of_designs_are_refused_by_their_key(parse, change, message):
+    plot = {key: value for key, value in (SCATTER | change).items() if value is not None}
+    assert error_message(parse, plot).startswith(message)
+
+
+def test_a_scatter_matrix_has_few_parameters(parse):
+    grid = {"friction": [0.3, 0.4], "angle": [16, 17], "depth": [1, 2], "restitution": [0.8, 0.9]}
+    grid |= {"stiffness": [100, 200], "diameter": [0.001, 0.002], "gravity": [9, 10]}
+    message = error_message(
+        parse, SEVERAL, series=({"name": "a", "system": "chute", "grid": grid},)
+    )
+    assert message.startswith("parameters: got '") and "1 to 6 parameters" in message
+
+
+def test_curves_of_a_design_are_told_from_curves_of_a_grid(parse):
+    cases = [{"friction": 0.3 + n / 50, "angle": 16 + n / 10} for n in range(9)]
+    series = {"name": "a", "system": "chute", "cases": cases}
+    assert parse({"name": "v", "x": "friction"}, series=(series,)).entries["v"].options["scattered"]
+    assert not parse(VALID_PLOT).entries["v"].options["scattered"]

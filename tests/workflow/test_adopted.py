@@ -6,10 +6,10 @@ import pytest
 import xarray as xr
 
 from sim.dataset.adopted import adopt
-from sim.dataset.boundaries import write_round
 from sim.dataset.build import build
 from sim.dataset.rounds import read_round
 from sim.study.load import load_study
+from sim.surrogates.rounds import write_round
 from tests.golden import CLOCK
 from tests.made.project import bare_folder, jobs, plan, planned_jobs, points, snakemake
 from tests.made.runs import write_run

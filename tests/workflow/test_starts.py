@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from tests.made.processes import ROOT
-from tests.made.project import bare_folder, plan, snakemake
+from tests.made.project import bare_folder, command, jobs, plan, snakemake
 
 
 def refusal_line(process: subprocess.CompletedProcess) -> str:
@@ -98,6 +98,18 @@ def test_a_failed_job_is_told_in_one_line(tmp_path):
     (line,) = (line for line in process.stderr.splitlines() if "job failed" in line)
     assert re.match(r"belt-\S+: job failed: error: belt-\S+: cannot be computed: ", line)
     assert "no backup found" not in process.stderr
+
+
+def test_a_start_beside_earlier_jobs_imports_no_library_of_tables(tmp_path):
+    """Nor would it run a job that is done."""
+    tree = bare_folder(tmp_path)
+    assert snakemake(tree, "warm").returncode == 0
+    python, *words = command(tree, "warm", "--dry-run")
+    start = [python, "-X", "importtime", *words]
+    process = subprocess.run(start, cwd=tree, capture_output=True, text=True)
+    assert process.returncode == 0 and not jobs(process.stdout), process.stdout
+    modules = re.findall(r"^import time:.*\| +(\S+)$", process.stderr, re.M)
+    assert "sim.study.plan" in modules and "pandas" not in modules
 
 
 def test_commands_run_in_the_container(tmp_path, monkeypatch):

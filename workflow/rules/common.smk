@@ -3,6 +3,8 @@
 import sys
 from pathlib import Path
 
+from snakemake.io import IOFile
+
 # The package lies beside the workflow in the repository, and around it once installed.
 FOLDERS = Path(workflow.snakefile).parents
 ROOT = next(folder for folder in FOLDERS if (folder / "sim" / "__main__.py").exists())
@@ -10,12 +12,12 @@ sys.path.insert(0, str(ROOT))
 
 from sim.base.additions import additions, codes
 from sim.base.errors import InputError
-from sim.base.files import correct_future_times, write_start
+from sim.base.times import correct_future_times, write_start
 from sim.base.rooms import files_hash, room_hash
 from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.rounds import read_round
 from sim.dataset.run_file import require_start_files
-from sim.engine import stored_run
+from sim.engine import shared_runs, stored_run
 from sim.engine.identity import numerics_mark
 from sim.engine.states import checkpoint_interval
 from sim.parameters import SYSTEMS, amounts
@@ -37,7 +39,9 @@ try:
         claims()
     RESULTS = f"results/{STUDY.name}"
     adopted = AdoptedPoints(STUDY, Path(RESULTS))
-    PLAN = Plan(STUDY, Path(RESULTS), stored_run, adopted, read_round)
+    # The main process takes runs of other studies before jobs start.
+    others = shared_runs if workflow.is_main_process else None
+    PLAN = Plan(STUDY, Path(RESULTS), stored_run, adopted, read_round, others)
 except InputError as error:
     print(f"error: {error}", file=sys.stderr)
     sys.exit(2)
@@ -54,10 +58,45 @@ def local_cores():
 def run_files(rounds):
     """Return the inputs of what reads the runs of the study and of its first ``rounds`` rounds.
 
-    Until the file of a round is up to date, ``checkpoints.refine.get`` raises an exception.
+    Rounds end with one that adds no point. Until the file of a round is up to date,
+    ``checkpoints.refine.get`` raises an exception.
     """
     refine = (checkpoints.refine.get(round=number) for number in range(1, rounds + 1))
-    return PLAN.files_to_gather(Path(job.output[0]) for job in refine)
+    return PLAN.files_to_gather((Path(job.output[0]) for job in refine), forget())
+
+
+def forget():
+    """Return what removes Snakemake's record of a file, ``None`` where nothing is to be written.
+
+    While rules are read, Snakemake does not know yet whether this is a dry run.
+    """
+    if workflow.is_main_process and workflow.executor_plugin and not workflow.dryrun:
+        return lambda path: workflow.persistence.cleanup_metadata(IOFile(path))
+    return None
+
+
+def take_shared():
+    """Take the runs of other studies, unless this is a dry run."""
+    if forget():
+        PLAN.take_shared(forget())
+
+
+def run_files_of(points):
+    """Return the run files of points, in a dry run those that would be taken."""
+    take_shared()
+    return list(map(PLAN.readable_file, points))
+
+
+def run_inputs(point):
+    """Return the inputs of a run.
+
+    A run file from elsewhere that is large enough needs no compiled engine. If it did, compiling
+    for the other points would rerun its point.
+    """
+    take_shared()
+    is_from_elsewhere = workflow.persistence.metadata(IOFile(PLAN.run_file(point))) is None
+    is_there = is_from_elsewhere and not PLAN.needs_run(point)
+    return ([] if is_there else [*rules.warm.output, START_FILE]) + PLAN.origin_files(point)
 
 
 def room_code(name, kind=""):

@@ -4,7 +4,8 @@
 
 rule figures:
     input:
-        rules.dataset.output,
+        dataset=rules.dataset.output,
+        answers=PLAN.answer_files,
     output:
         [
             update(
@@ -35,6 +36,6 @@ rule figures:
         entries=lambda wildcards: list(map(repr, STUDY.entries.values())),
         code=room_code("figures"),
     shell:
-        "python -m sim figure {params.names} {input} --output {params.folder}"
+        "python -m sim figure {params.names} {input.dataset} --output {params.folder}"
         " --processes {threads} --code {params.code}"
         ' --study "$TALUS_STUDY" > {log} 2>&1'

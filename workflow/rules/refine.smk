@@ -1,4 +1,5 @@
-# Boundaries between regimes: the runs of all rounds so far determine the points of the next round.
+# Boundaries between regimes, and surrogates that are not exact enough: the runs of all rounds so
+# far determine the points of the next round.
 
 
 checkpoint refine:
@@ -16,7 +17,8 @@ checkpoint refine:
         **PLAN.reader_resources,
     params:
         boundaries=PLAN.boundary_searches,
-        code=room_code("dataset"),
+        questions=PLAN.questions,
+        code=room_code("surrogates", "observable") if PLAN.questions else room_code("dataset"),
     shell:
         'python -m sim refine "$TALUS_STUDY" {wildcards.round} > {log} 2>&1'
 

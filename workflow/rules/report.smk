@@ -6,7 +6,7 @@ if STUDY.pages:
     # All pages in one job, which skips pages of unchanged runs.
     rule pages:
         input:
-            [PLAN.run_file(point) for point in STUDY.points],
+            lambda wildcards: run_files_of(STUDY.points),
         output:
             update([f"{RESULTS}/pages/{point}.html" for point in STUDY.points]),
         log:
@@ -48,7 +48,7 @@ rule report:
         **PLAN.reader_resources,
     params:
         # The study file is no input: its path may contain braces and must not trigger a rerun.
-        study=files_hash(STUDY.files),
+        study=files_hash((*STUDY.files, *STUDY.data)),
         plugins=[str(plugin) for plugin in STUDY.plugins],
         code=room_code("report"),
     shell:

@@ -39,9 +39,7 @@ RUN = (
 
 rule run:
     input:
-        rules.warm.output,
-        START_FILE,
-        lambda wildcards: PLAN.origin_files(wildcards.point),
+        lambda wildcards: run_inputs(wildcards.point),
     output:
         update(PLAN.run_file("{point}")),
     log:

@@ -1,6 +1,7 @@
 """The vibrating belt of Gallas, Herrmann and Sokolowski: beads on a line that shakes."""
 
 from math import pi, radians, sqrt
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from sim.engine.observe.samples import ContactList, Sums, make_ledger
 from sim.engine.systems import bed_samples, shaking
 from sim.engine.systems.bed_samples import list_bed_contacts
 from sim.engine.systems.replica import PATH_INTERVALS, Outcome, Replica
+from sim.engine.systems.settled import settle_once
 from sim.engine.systems.slices import bed_profiles
 from sim.engine.systems.start import (
     FALLING,
@@ -127,35 +129,45 @@ class Belt(Replica):
         self.loop = shaking.make_shaking()
 
     def _fall(self) -> None:
-        """Let the beads fall onto the resting belt until their mean squared velocity is small."""
-        p, step, loop = self.parameters, self._step_length(), self.loop
+        """Let the beads fall onto the resting belt, as an equal bed has before, if there is one."""
+        p, step = self.parameters, self._step_length()
         fall, check_interval = (
             max(1, int(time / step)) for time in (self._fall_time, LOOK_INTERVAL)
         )
+        # All that `_rest` reads: its arguments, and the motion of the stage.
+        looks = fall, check_interval, p.settle_velocity_squared, p.shear_damping == 0.0
+        given = self.disks, self._contacts(), self.loop, self._motion(), *looks
+
+        def settle() -> tuple[Any, ...]:
+            self._rest(*looks)
+            return self.disks, self.pairs, self.search
+
+        self.disks, self.pairs, self.search = settle_once(self.kind, given, settle)
+
+    def _rest(self, fall: int, interval: int, square: float, is_free: bool) -> None:
+        """Advance by the steps of the fall, then from look to look until the bed is at rest.
+
+        Its mean squared velocity is then below ``square`` (m²/s²). Where ``is_free`` of friction
+        with the belt, its uniform drift is removed: damping by each bead's own mass does not
+        conserve momentum, so a bed picks one up that only shear damping would stop.
+        """
+        step, loop = self._step_length(), self.loop
         mean_square = np.inf
-        while mean_square >= p.settle_velocity_squared:
+        while mean_square >= square:
             steps_done = int(loop.step[0])
             if steps_done * step > SETTLING_LIMIT:
                 raise BlowUp(
                     f"the bed is not at rest after {SETTLING_LIMIT:g} s: mean squared velocity "
-                    f"{mean_square:.3g} m2/s2, wanted {p.settle_velocity_squared:g}"
+                    f"{mean_square:.3g} m2/s2, wanted {square:g}"
                 )
             self._run(
                 fall - steps_done
                 if steps_done < fall
-                else check_interval - (steps_done - fall) % check_interval
+                else interval - (steps_done - fall) % interval
             )
-            self._stop_free_drift()
+            if is_free:
+                self.disks.taylor[1, 0] -= self.disks.taylor[1, 0].mean()
             mean_square = float(((self.disks.taylor[1] / step) ** 2).sum(axis=0).mean())
-
-    def _stop_free_drift(self) -> None:
-        """Remove the bed's uniform drift where nothing else would: on a belt without friction.
-
-        Damping by each bead's own mass does not conserve momentum, so a settling bed picks up a
-        drift along the belt, which only the shear damping of the belt would stop.
-        """
-        if self.parameters.shear_damping == 0.0:
-            self.disks.taylor[1, 0] -= self.disks.taylor[1, 0].mean()
 
     def take_over(self, other: "Belt") -> None:
         """Continue with the beads of another bed, the belt in its initial phase."""

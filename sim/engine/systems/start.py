@@ -247,8 +247,10 @@ def _lift(p: BeltParameters) -> float:
 def vibration(p: BeltParameters, frequency: float) -> Belt:
     """Return the belt vibrating at a frequency (Hz), or at rest in its initial phase."""
     amplitude = p.amplitude * p.diameter
-    # Not tan(90°), which rounds to a finite number: a vertical vibration has A_x = 0.
-    slope = tan(radians(p.vibration_angle)) if p.vibration_angle < 90.0 else np.inf
+    # Not tan(90°), which rounds to a finite number: a vertical vibration has A_x = 0. So has a
+    # belt at rest, on which beds settle alike at all angles.
+    is_along = frequency > 0.0 and p.vibration_angle < 90.0
+    slope = tan(radians(p.vibration_angle)) if is_along else np.inf
     surface = 0.5 * p.diameter if p.belt_ghost == "centred" else 0.0
     return Belt(
         amplitude / slope,

@@ -12,7 +12,7 @@ plot_kind(
         shows=numbers,
         second="x",
         log=("x", "y"),
-        others=("curves", "panels", "beside"),
+        others=("curves", "panels", "beside", "fit"),
         of_papers=(
             *("x", "curves", "panels", "log", "labels"),
             *("levels", "quantities", "styles", "entry", "relative"),

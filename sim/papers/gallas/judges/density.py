@@ -11,7 +11,7 @@ from uncertainties import UFloat
 
 from sim.claims.checks import above, below, remove_votes, reported, within
 from sim.claims.evidence import Evidence
-from sim.claims.inference import trend
+from sim.claims.inference import reported_order, trend
 from sim.claims.place import Place, quotient, replicate_mean, with_interval
 from sim.claims.trends import mean_of_others
 from sim.claims.verdict import SIGMAS, Check, Untestable
@@ -121,19 +121,36 @@ def belt_density_ratio(_: np.ndarray, number: np.ndarray) -> float:
     return float(number[0] / number.max())
 
 
-def g17(evidence: Evidence, *, frequencies: Sequence[float]) -> list[Check]:
-    """Over the frequencies (Hz) the largest density falls (a), and the layer widens (b)."""
+def g17(evidence: Evidence, *, frequencies: Sequence[float], margin: float) -> list[Check]:
+    """Over the frequencies (Hz) the largest density falls (a), and the layer widens (b).
+
+    A sure reversal between any two refutes either. That there is none must be sure as well, but for
+    one by less than the share ``margin``.
+    """
     line = complete_line(evidence, "frequency", frequencies)
     places, values = list(line.values()), ", ".join(f"{f:g}" for f in line)
     checks = []
-    for part, quantity, measure, is_rising in (
-        ("a", "ρ_max", peak_density, False),
-        ("b", "width of the layer", layer_width, True),
+    for part, quantity, measure, power, is_rising in (
+        ("a", "ρ_max", peak_density, -2, False),
+        ("b", "width of the layer", layer_width, 1, True),
     ):
-        groups = [place.measure_replicates(measure, DENSITY) for place in places]
-        name = f"{quantity} over f (Hz) = {values}"
-        check = trend(name, [groups], places, rising=is_rising, monotone=True)
-        checks.append(replace(check, part=part))
+        groups = [
+            place.measure_replicates(measure, DENSITY) / place["diameter"] ** power
+            for place in places
+        ]
+        check = trend(
+            f"{quantity} over f (Hz) = {values}",
+            [groups],
+            places,
+            rising=is_rising,
+            monotone=True,
+            margin=margin,
+            labels=[f"{f:g} Hz" for f in line],
+            unit="⟨d⟩⁻²" if power < 0 else "⟨d⟩",
+        )
+        order = "rises" if is_rising else "falls"
+        likely = reported_order(f"{quantity} {order} over f", [groups], rising=is_rising)
+        checks += [replace(check, part=part), likely]
     for f, place in line.items():
         width = place.measure(height_spread, DENSITY) / place["diameter"]
         checks.append(

@@ -1,7 +1,6 @@
 """Judges of Gallas' claims about the mean velocity: frequency, angle, amplitude, stiffness."""
 
 from collections.abc import Sequence
-from math import prod
 
 import numpy as np
 from uncertainties import UFloat
@@ -9,7 +8,7 @@ from uncertainties import UFloat
 from sim.claims.checks import above, remove_votes, reported, withhold, within
 from sim.claims.criterion import fill
 from sim.claims.evidence import Evidence
-from sim.claims.inference import single_rise
+from sim.claims.inference import reported_likelihood, single_rise
 from sim.claims.place import Place, quotient
 from sim.claims.verdict import Check, Untestable
 from sim.papers.gallas.judges.bed import peak_density
@@ -24,8 +23,19 @@ from sim.papers.gallas.judges.lines import (
 #: Frequencies (Hz) that are needed: those of the coarse grid, and those just after the jump of V.
 COARSE, FINE = (20, 30, 40, 50, 60, 80, 100), (16, 18, 20, 25, 30)
 
-#: Angles (degrees) of the three curves of Fig. 1a.
-ANGLES = (30, 45, 60)
+#: Step (Hz) of the coarse grid.
+COARSE_STEP = 10
+
+#: Curves of Figs. 1a (the first three) and 1b: label, parameters, and the frequencies (Hz) of beds
+#: that flow.
+_FLOWING = (20, 25, 30, 40, 50, 60, 80, 100)
+CURVES: tuple[tuple[str, dict[str, float], tuple[int, ...]], ...] = (
+    ("30°", {"vibration_angle": 30}, _FLOWING),
+    ("45°", {}, _FLOWING),
+    ("60°", {"vibration_angle": 60}, _FLOWING),
+    ("A_z = 1.5⟨d⟩", {"amplitude": 1.5}, (20, 25, 30, 40, 60, 80, 100)),
+    ("A_z = 0.5⟨d⟩", {"amplitude": 0.5}, (25, 30, 40, 60, 80, 100)),
+)
 
 #: Frequencies (Hz) at which beds creep; in the paper no bed flows there.
 CREEP = (10, 14)
@@ -43,19 +53,22 @@ def g1(
     fine_end: float,
     straight: tuple[float, float],
     min_r2: float,
+    margin: float,
 ) -> list[Check]:
-    """V rises over frequencies ``step`` (Hz) apart and over all of them from ``lowest`` on.
+    """V rises over frequencies at most ``step`` (Hz) apart: a coarse grid, or all of them.
 
-    All of them decide nothing unless they are at most ``fine_step`` (Hz) apart up to ``fine_end``
-    (Hz), where V may fall. V(f) is a line, by its R², between the frequencies ``straight``. The
-    creep, that is V at 10 and 14 Hz over V(20 Hz), is reported.
+    All frequencies vote, from ``lowest`` on, where the step is ``fine_step`` or less; they decide
+    nothing unless they lie as near to each other up to ``fine_end`` (Hz), where V may fall. The
+    other grid is shown. For two frequencies, V must surely not fall by the share ``margin``. V(f)
+    is a line, by its R², between the frequencies ``straight``. The creep, that is V at 10 and 14 Hz
+    over V(20 Hz), is reported.
     """
     line = select_replicated(evidence.line("belt", "frequency"))
     if not set(line) >= {*COARSE, *FINE}:
         raise Untestable("no frequencies 16, 18, 20, 25, 30, 40, 50, 60, 80, 100 Hz with two beds")
     flowing = {f: place for f, place in line.items() if f in FINE or f >= MIN_FLOW_FREQUENCY}
     fine = {f: place for f, place in flowing.items() if f >= lowest}
-    coarse = {f: place for f, place in fine.items() if f % step == 0}
+    coarse = {f: place for f, place in fine.items() if f % COARSE_STEP == 0}
     fast = {f: place for f, place in coarse.items() if straight[0] <= f <= straight[1]}
     widest = np.diff([f for f in fine if f <= fine_end]).max()
     too_coarse = f"frequencies up to {fine_step:g} Hz apart" if widest > fine_step else ""
@@ -70,9 +83,15 @@ def g1(
         for f in CREEP
         if f in line
     ]
+    by_grid = [
+        velocity_trend(coarse, "f (Hz)", margin=margin, unit="Hz"),
+        *withhold([velocity_trend(fine, "f (Hz)", margin=margin, unit="Hz")], too_coarse),
+    ]
+    if step <= fine_step:
+        by_grid.reverse()
     return [
-        velocity_trend(coarse, "f (Hz)", monotone=True),
-        *withhold([velocity_trend(fine, "f (Hz)", monotone=True)], too_coarse),
+        by_grid[0],
+        *remove_votes(by_grid[1:]),
         above(quantity, fit, min_r2, fast.values()),
         *creep,
         *_single_rises(evidence),
@@ -80,28 +99,32 @@ def g1(
 
 
 def _single_rises(evidence: Evidence) -> list[Check]:
-    """Report how likely one bed per frequency rises throughout, at all angles of Fig. 1a.
+    """Report how likely one bed per frequency rises throughout, for the curves of Figs. 1a and 1b.
 
     The paper tells of no second bed, so this is how likely it sees what it says under a reading.
     The fall is at 25 Hz, where the paper may have no point.
     """
-    frequencies = [f for f in sorted({*COARSE, *FINE}) if f >= MIN_FLOW_FREQUENCY]
     lines = {}
-    for angle in ANGLES:
-        line = select_replicated(evidence.line("belt", "frequency", vibration_angle=angle))
+    for label, setting, frequencies in CURVES:
+        line = select_replicated(evidence.line("belt", "frequency", **setting))
         if set(line) >= set(frequencies):
-            lines[angle] = line
+            lines[label] = {f: line[f].values("velocity") for f in frequencies}
     checks = []
     for which, left_out in (("", None), (" but 25 Hz", 25)):
         rises = {
-            angle: single_rise([line[f].values("velocity") for f in frequencies if f != left_out])
-            for angle, line in lines.items()
+            label: single_rise([values for f, values in line.items() if f != left_out])
+            for label, line in lines.items()
         }
-        quantity = f"probability that one bed per frequency{which} rises throughout"
-        places = [line[f] for line in lines.values() for f in frequencies]
-        checks += [reported(f"{quantity}, {angle}°", rise, places) for angle, rise in rises.items()]
-        if len(rises) == len(ANGLES):
-            checks.append(reported(f"{quantity}, all angles", prod(rises.values()), places))
+        quantity = f"V rises over f{which}"
+        checks += [
+            reported_likelihood(f"{quantity}, {label}", [rise]) for label, rise in rises.items()
+        ]
+        angles = [rises[label] for label, setting, _ in CURVES[:3] if label in rises]
+        if len(angles) == 3:
+            checks.append(reported_likelihood(f"{quantity}, all of Fig. 1a", angles))
+        if len(rises) == len(CURVES):
+            everything = rises.values()
+            checks.append(reported_likelihood(f"{quantity}, all of Figs. 1a and 1b", everything))
     return checks
 
 
@@ -116,20 +139,19 @@ def determination(abscissa: np.ndarray, values: Sequence[UFloat]) -> UFloat:
 
 def g2(evidence: Evidence, *, angles: Sequence[float], lowest: float) -> list[Check]:
     """V falls over the angles, at all frequencies from ``lowest`` (Hz) on."""
-    check = velocity_order(evidence, "vibration_angle", angles, lowest)
-    if check is None:
+    checks = velocity_order(evidence, "vibration_angle", angles, lowest)
+    if not checks:
         where = {"lowest": lowest, "angles": angles}
         raise Untestable(fill("no frequency from {lowest} Hz on at {angles:and} degrees", where))
-    return [check]
+    return checks
 
 
 def g8(evidence: Evidence, *, amplitudes: Sequence[float], lowest: float) -> list[Check]:
     """V falls over the amplitudes from ``lowest`` (Hz) on; ratios at other damping are reported."""
-    check = velocity_order(evidence, "amplitude", amplitudes, lowest)
-    if check is None:
+    checks = velocity_order(evidence, "amplitude", amplitudes, lowest)
+    if not checks:
         where = {"lowest": lowest, "sizes": sorted(amplitudes)}
         raise Untestable(fill("no frequency from {lowest} Hz on at amplitudes {sizes:and}", where))
-    checks = [check]
     usual = select_replicated(evidence.line("belt", "frequency"))
     for damping, shear in MARKERS:
         line = evidence.line("belt", "frequency", damping=damping, shear_damping=shear)

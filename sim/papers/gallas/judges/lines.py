@@ -9,7 +9,7 @@ import numpy as np
 from uncertainties import UFloat, ufloat, umath
 
 from sim.claims.evidence import Evidence
-from sim.claims.inference import trend
+from sim.claims.inference import reported_order, trend
 from sim.claims.place import Place
 from sim.claims.verdict import LONGER_RUNS, SIGMAS, Check
 
@@ -51,22 +51,38 @@ def common_beds(places: Sequence[Place]) -> list[np.ndarray]:
 
 
 def velocity_trend(
-    line: Mapping[float, Place], parameter: str, *, rising: bool = True, monotone: bool = False
+    line: Mapping[float, Place],
+    parameter: str,
+    *,
+    rising: bool = True,
+    margin: float | None = None,
+    unit: str = "",
 ) -> Check:
-    """Return the check that V rises (or falls) along a line; see `sim.claims.inference.trend`."""
+    """Return the check that V rises (or falls) along a line; see `sim.claims.inference.trend`.
+
+    With a margin the claim is about any two points of the line, whose values have a ``unit``.
+    """
     groups = [place.values("velocity") for place in line.values()]
     values = ", ".join(f"{value:g}" for value in line)
-    text = f"V over {parameter} = {values}"
-    return trend(text, [groups], line.values(), rising=rising, monotone=monotone)
+    return trend(
+        f"V over {parameter} = {values}",
+        [groups],
+        line.values(),
+        rising=rising,
+        monotone=margin is not None,
+        margin=margin,
+        labels=[f"{value:g} {unit}" for value in line],
+        unit="m/s",
+    )
 
 
 def velocity_order(
     evidence: Evidence, name: str, fastest_first: Sequence[float], lowest: float
-) -> Check | None:
-    """Return the check that V falls along values of a parameter.
+) -> list[Check]:
+    """Return the check that V falls along values of a parameter, and how likely single beds do so.
 
-    It uses the frequencies from ``lowest`` (Hz) on at which all values have been run. Returns none
-    if there are no such frequencies.
+    It uses the frequencies from ``lowest`` (Hz) on at which all values have been run. Empty if
+    there are no such frequencies.
     """
     lines = [
         select_replicated(evidence.line("belt", "frequency", **{name: value}))
@@ -76,12 +92,13 @@ def velocity_order(
         frequency for frequency in sorted(set.intersection(*map(set, lines))) if frequency >= lowest
     ]
     if not shared:
-        return None
+        return []
     strata = [[line[frequency].values("velocity") for line in lines] for frequency in shared]
     places = [line[frequency] for frequency in shared for line in lines]
     values = ", ".join(f"{value:g}" for value in fastest_first)
     text = f"V over {name} {values}, {len(shared)} frequencies from {shared[0]:g} Hz on"
-    return trend(text, strata, places, rising=False)
+    likely = reported_order(f"V falls over {name} {values} at each", strata, rising=False)
+    return [trend(text, strata, places, rising=False), likely]
 
 
 def reason_drifting(place: Place, max_drift: float, cycles: int) -> str:

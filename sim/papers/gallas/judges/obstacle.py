@@ -7,6 +7,7 @@ from uncertainties import UFloat
 
 from sim.claims.checks import above, below, reported
 from sim.claims.evidence import Evidence
+from sim.claims.inference import reported_order
 from sim.claims.place import Place, quotient, replicate_mean
 from sim.claims.verdict import Check
 from sim.measures.belt import FAR_DISTANCE
@@ -25,6 +26,9 @@ def g31(
     for frequency in frequencies:
         line = complete_line(evidence, "obstacle", obstacles, frequency=frequency)
         checks.append(velocity_trend(line, f"d_o (⟨d⟩), {frequency} Hz,", rising=False))
+        groups = [place.values("velocity") for place in line.values()]
+        order = f"V falls over d_o at {frequency} Hz"
+        checks.append(reported_order(order, [groups], rising=False))
         free, small = obstacles[:2]
         places = line[small], line[free]
         ratio = quotient(*(place.velocity for place in places))

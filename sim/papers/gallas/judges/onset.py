@@ -38,11 +38,13 @@ class Onset:
     """Frequency (Hz) at which transport begins, and the places of the scan behind it, if any.
 
     ``coarse`` is true where the interval is the step of the scan, not the scatter of the beds.
+    ``protocol`` is that of the runs.
     """
 
     frequency: UFloat
     places: tuple[Place, ...] = ()
     coarse: bool = False
+    protocol: str = ""
 
 
 def find_onset(evidence: Evidence, threshold: float, **where: Any) -> Onset:
@@ -61,7 +63,8 @@ def find_onset(evidence: Evidence, threshold: float, **where: Any) -> Onset:
             reasons.append(str(error))
     if not onsets:
         raise Untestable("; ".join(reasons))
-    return min(onsets, key=lambda onset: onset.frequency.std_dev)
+    best = min(onsets, key=lambda onset: onset.frequency.std_dev)
+    return replace(best, protocol=evidence.protocol)
 
 
 def _scan_onset(evidence: Evidence, threshold: float, **where: Any) -> Onset:
@@ -152,7 +155,8 @@ def g3(
 
 def _check_onset(onset: Onset, label: str, low: float, high: float) -> Check:
     """Return the check that an onset lies between two frequencies (Hz)."""
-    check = within(f"onset at {label}", onset.frequency, low, high, onset.places, "Hz")
+    quantity = f"onset at {label}, {onset.protocol} runs"
+    check = within(quantity, onset.frequency, low, high, onset.places, "Hz")
     return _mark_coarse(check, onset)
 
 
@@ -180,6 +184,7 @@ def g4(
     for first, second in combinations(onsets, 2):
         difference = onsets[first].frequency - onsets[second].frequency
         quantity = f"onset at (γ, γ_s) = {_pair_label(first)} less that at {_pair_label(second)}"
+        quantity += f", {onsets[first].protocol} runs"
         places = (*onsets[first].places, *onsets[second].places)
         check = within(quantity, difference, -max_difference, max_difference, places, "Hz")
         checks.append(_mark_coarse(check, onsets[first], onsets[second]))
@@ -238,7 +243,7 @@ def g6(
 
 def _check_gamma(onset: Onset, place: Place, label: str, low: float, high: float) -> Check:
     """Return the check that Γ at an onset lies between two bounds."""
-    quantity = f"Γ at the onset{label}"
+    quantity = f"Γ at the onset{label}, {onset.protocol} runs"
     return _mark_coarse(within(quantity, _gamma(onset, place), low, high, onset.places), onset)
 
 
@@ -276,7 +281,7 @@ def g14(
     small, usual = find_onset(evidence, threshold, **HALF_SYSTEM), find_onset(evidence, threshold)
     shift = small.frequency - usual.frequency
     both = (*small.places, *usual.places)
-    quantity = "onset of the halved system less the whole"
+    quantity = f"onset of the halved system less the whole, {usual.protocol} runs"
     check = within(quantity, shift, -max_shift, max_shift, both, "Hz")
     return [*checks, _mark_coarse(check, small, usual)]
 
@@ -304,7 +309,7 @@ def g35(
     width, _ = _jackknife(shares, partial(_rise_width, rise=rise))
     low, high = (100 * share for share in rise)
     quantity = f"width of the rise of V/(A_x ω) from {low:g} to {high:g} %, over its middle"
-    sweep = "onset from rest less that from the flow"
+    sweep = f"onset from rest less that from the flow, {up.protocol} runs"
     return [
         below(quantity, width, max_width, line.values()),
         _mark_coarse(within(sweep, shift, -max_shift, max_shift, places, "Hz"), up, down),

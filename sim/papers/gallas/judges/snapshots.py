@@ -9,6 +9,7 @@ from uncertainties import UFloat
 
 from sim.claims.checks import above, below, judge_parts, reported, withhold, within
 from sim.claims.evidence import Evidence
+from sim.claims.inference import reported_share
 from sim.claims.place import Place
 from sim.claims.verdict import Check, Untestable
 from sim.measures.layers import level
@@ -136,4 +137,14 @@ def g28(
     """The bed is packed more densely between two levels with a firm γ (g) than with γ = g."""
     places = [evidence.at("belt", frequency=frequency, damping=damping) for damping in (firm, 1)]
     dense, light = (packing(place, levels) for place in places)
-    return [above(f"packing at γ = {firm}g less that at γ = g", dense - light, 0, places)]
+    check = above(f"packing at γ = {firm}g less that at γ = g", dense - light, 0, places)
+    lost = [
+        reported_share(
+            f"beds lost, γ = {place['damping']:g}g",
+            place.replicates - place.completed,
+            place.replicates,
+            [place],
+        )
+        for place in places
+    ]
+    return [check, *lost]

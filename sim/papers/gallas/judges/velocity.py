@@ -9,7 +9,7 @@ from uncertainties import UFloat
 
 from sim.claims.checks import above, below, judge_parts, remove_votes, within
 from sim.claims.evidence import Evidence
-from sim.claims.inference import trend
+from sim.claims.inference import reported_order, trend
 from sim.claims.place import Place, replicate_mean
 from sim.claims.trends import mean_of_others
 from sim.claims.verdict import Check, Untestable
@@ -190,6 +190,8 @@ def g23(
         values = ", ".join(f"{value:g}" for value in line)
         quantity = f"v_x of the middle over {name} = {values}"
         checks.append(trend(quantity, [groups], line.values(), rising=is_rising))
+        order = f"v_x of the middle {'rises' if is_rising else 'falls'} over {name.rstrip(',')}"
+        checks.append(reported_order(order, [groups], rising=is_rising))
     return checks
 
 

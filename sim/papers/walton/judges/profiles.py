@@ -9,7 +9,7 @@ import numpy as np
 from sim.claims.checks import above, below, remove_votes, reported, withhold
 from sim.claims.criterion import fill
 from sim.claims.evidence import Evidence
-from sim.claims.inference import share_above, trend
+from sim.claims.inference import LIKELIHOOD, reported_share, share_above, trend
 from sim.claims.place import Place, replicate_mean
 from sim.claims.trends import mean_of_others, smallest_mean
 from sim.claims.verdict import Check, Untestable
@@ -26,7 +26,7 @@ from sim.papers.walton.judges.chute import (
     stiffness_suffix,
     withhold_unsettled,
 )
-from sim.papers.walton.judges.states import PROFILES, majority_if_mixed, plug_share, plug_shares
+from sim.papers.walton.judges.states import PROFILES, majority_if_mixed, plug_shares
 
 #: Least share of the mass of a bin that counts, where a claim gives none.
 MIN_MASS_SHARE = 0.01
@@ -81,15 +81,19 @@ def w11(
     if not any(map(len, shares)):
         label = fill("n = {depths:and} in cells of {cell:g} σ", {"depths": depths, **where})
         raise Untestable(f"no flows at {label} that do not accelerate")
-    depths_run = ", ".join(dict.fromkeys(f"{place['depth']:g}" for place in places))
-    label = f"n = {depths_run} in cells of {where['cell']:g} σ"
+    depths_run = [*dict.fromkeys(place["depth"] for place in places)]
+    label = f"n = {', '.join(f'{n:g}' for n in depths_run)} in cells of {where['cell']:g} σ"
     plugs = np.concatenate(shares) > min_share
     quantity = "share of runs with a plug"
     checks = [share_above(f"{quantity}, {label}", int(plugs.sum()), plugs.size, majority, places)]
-    for place, share in zip(places, shares, strict=True):
-        if share.size:
-            flow = f"n = {place['depth']:g}, V0 = {place['initial_velocity']:g}"
-            checks.append(reported(f"{quantity}, {flow}", plug_share(share > min_share)))
+    for n in depths_run if len(depths_run) > 1 else ():
+        of_depth = [
+            share for place, share in zip(places, shares, strict=True) if place["depth"] == n
+        ]
+        ride = np.concatenate(of_depth) > min_share
+        if ride.size:
+            label = f"{quantity}, n = {n:g} alone in cells of {where['cell']:g} σ"
+            checks.append(reported_share(label, int(ride.sum()), ride.size))
     return checks
 
 
@@ -126,6 +130,14 @@ def w12(evidence: Evidence) -> list[Check]:
             by_grid[0],
             *remove_votes(by_grid[1:]),
             reported(label, -smallest_mean(-plane), [place]),
+            *(
+                reported_share(
+                    f"{LIKELIHOOD} the packing never rises, by {name}, n = {n:g}",
+                    int((steps <= 0).all(axis=1).sum()),
+                    len(steps),
+                )
+                for name, steps in (("layers", layered), ("slices", centres))
+            ),
         ]
     return withhold_unsettled(checks, flows.values())
 

@@ -1,6 +1,7 @@
 """Judges of Walton's claims about regimes: flows that accelerate, are steady, come to rest."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from itertools import chain
 from math import inf, nan, radians, tan
@@ -12,7 +13,7 @@ from sim.base.statistics import MANY, student
 from sim.claims.checks import above, below, judge_parts, remove_votes, reported, withhold, within
 from sim.claims.criterion import fill
 from sim.claims.evidence import Evidence
-from sim.claims.inference import at_least
+from sim.claims.inference import at_least, reported_share, same_by_rank, share_above
 from sim.claims.place import Place, quotient, replicate_mean, with_interval
 from sim.claims.verdict import LONGER_RUNS, NOT_REPRODUCED, REPRODUCED, Check, Unbounded, Untestable
 from sim.papers.walton.judges.chute import (
@@ -24,6 +25,7 @@ from sim.papers.walton.judges.chute import (
     is_flowing,
     natural_speed,
     reason_incomparable,
+    reason_unrankable,
     reason_unsettled,
     select_replicated,
     waive_samples,
@@ -156,21 +158,22 @@ def w19(
     *,
     max_slope: float,
     somewhat: float,
-    greatly: float,
+    greatly: tuple[float, float],
     starts: Sequence[float],
     min_rest: float,
+    majority: float,
     variety: int,
 ) -> list[Check]:
     """Flows over a sweep of friction: steady a little above tan θ (a), at rest beyond twice (b).
 
-    Frictions are ``somewhat`` and ``greatly`` above tan θ by its multiples. The velocity of a
-    steady flow changes by less than ``max_slope`` times g sin θ; ``variety`` depths need it.
-    Whether flows come to rest, for ``min_rest`` (√(σ/g)), is judged after slow ``starts`` (√(gσ));
-    fast starts are reported.
+    Frictions are ``somewhat`` above tan θ, or between two multiples of it, ``greatly``. The
+    velocity of a steady flow changes by less than ``max_slope`` times g sin θ; ``variety`` depths
+    need it. More than the share ``majority`` of all beds that start slowly (``starts``, √(gσ)) must
+    come to rest, for ``min_rest`` (√(σ/g)). Larger frictions and fast starts are reported.
     """
     return judge_parts(
         a=lambda: _check_steady_above(evidence, somewhat, max_slope, variety),
-        b=lambda: _check_arrested_beyond(evidence, greatly, starts, min_rest),
+        b=lambda: _check_arrested_beyond(evidence, greatly, starts, min_rest, majority),
     )
 
 
@@ -202,22 +205,54 @@ def _check_steady_above(
 
 
 def _check_arrested_beyond(
-    evidence: Evidence, greatly: float, starts: Sequence[float], min_rest: float
+    evidence: Evidence,
+    greatly: tuple[float, float],
+    starts: Sequence[float],
+    min_rest: float,
+    majority: float,
 ) -> list[Check]:
-    """Check, by initial velocity, that flows much rougher than the slope come to rest."""
-    slow: list[Check] = []
-    usual: list[Check] = []
+    """Check that beds much rougher than the slope come to rest: one count over all slow starts."""
+    least, most = greatly
+    slow: list[Place] = []
+    reports: list[Check] = []
     for n in SWEEP_DEPTHS:
-        for start in starts:
-            sweep = _sweep(evidence, n, initial_velocity=start)
-            rough = [place for mu, place in sweep.items() if mu > greatly]
-            slow += [_check_arrested(place, min_rest) for place in rough]
-            usual += chain.from_iterable(map(_report_rest_time, rough))
-        sweep = _sweep(evidence, n)
-        usual += [_check_arrested(place, min_rest) for mu, place in sweep.items() if mu > greatly]
-    if not slow and not usual:
-        raise Untestable(fill("no flow beyond {greatly:times} tan θ", {"greatly": greatly}))
-    return [*slow, *remove_votes(usual)]
+        by_start = [(start, _sweep(evidence, n, initial_velocity=start)) for start in starts]
+        for start, sweep in [*by_start, (None, _sweep(evidence, n))]:
+            for place in (place for mu, place in sweep.items() if mu > least):
+                reports.append(_report_arrested(place, min_rest))
+                if start is None:
+                    continue
+                reports += _report_rest_time(place)
+                if place["friction"] <= most * tan(radians(place["angle"])):
+                    slow.append(place)
+    if not reports:
+        raise Untestable(f"no flow beyond {least:g} tan θ")
+    if not slow:
+        return reports
+    resting = sum(_resting_beds(place, min_rest) for place in slow)
+    # A bed of a flow that still slows down may come to rest later.
+    slowing = sum(
+        place.completed - _resting_beds(place, min_rest) for place in slow if _may_stop(place)
+    )
+    number = sum(place.completed for place in slow)
+    quantity = f"share of beds at rest, {least:g} to {most:g} tan θ, slow starts"
+    check = share_above(quantity, resting, number, majority, slow)
+    later = share_above(quantity, resting + slowing, number, majority, slow)
+    return [replace(check, tested=(check.p_holds, later.p_fails), looks=0), *reports]
+
+
+def _may_stop(place: Place) -> bool:
+    """True where a flow that moves has not settled, unless it accelerates."""
+    return place.regime != "accelerating" and LONGER_RUNS in reason_unsettled(place)
+
+
+def _resting_beds(place: Place, min_rest: float) -> int:
+    """Return how many beds have come to rest for ``min_rest`` (√(σ/g)) at least.
+
+    In that regime V/√(gσ) stays below 1e-3 over half of the window.
+    """
+    is_long = place["average"] >= 2 * min_rest
+    return int((place.values("regime") == "arrested").sum()) if is_long else 0
 
 
 def _sweep(evidence: Evidence, depth: float, **where: float) -> dict[float, Place]:
@@ -226,18 +261,10 @@ def _sweep(evidence: Evidence, depth: float, **where: float) -> dict[float, Plac
     return {mu / tan(radians(place["angle"])): place for mu, place in line.items()}
 
 
-def _check_arrested(place: Place, min_rest: float) -> Check:
-    """Return the check that a flow has come to rest for ``min_rest`` (√(σ/g)) at least.
-
-    In that regime V/√(gσ) stays below 1e-3 over half of the window. A flow that moves without much
-    change fails. One that slows is undecided, and so is one whose replicates disagree.
-    """
-    rests, regimes = nan, set(place.values("regime"))
-    if place["average"] >= 2 * min_rest and regimes == {"arrested"}:
-        rests = 1.0
-    elif "arrested" not in regimes and (regimes == {"accelerating"} or not reason_unsettled(place)):
-        rests = 0.0
-    return above(f"at rest (1) or not (0), {_rough_label(place)}", rests, 0.5, [place])
+def _report_arrested(place: Place, min_rest: float) -> Check:
+    """Report how many beds of a flow have come to rest."""
+    resting = _resting_beds(place, min_rest)
+    return reported_share(f"beds at rest, {_rough_label(place)}", resting, place.completed, [place])
 
 
 def _rough_label(place: Place) -> str:
@@ -303,12 +330,19 @@ def _check_starts(
     is_spread = slowest <= slow[0] / slow[1] and fastest >= fast[0] / fast[1]
     if abs(near / reached - 1) > NEAR_TOLERANCE or not is_spread:
         raise missing
-    checks = []
+    checks: list[Check] = []
     for start, place in line.items():
-        ratio = quotient(place.velocity, steady.velocity)
         quantity = f"V after a start at {relative[start]:.2g} V, n = {depth:g}, over the usual V"
-        bounds = 1 - margin, 1 + margin
         pair = [place, steady]
+        if depth in STATE_DEPTHS:
+            # Runs in several states have no common mean.
+            speeds = [flow.values("velocity") for flow in pair]
+            ranked = same_by_rank(f"{quantity}, medians", speeds[0], speeds[1], margin, pair)
+            reasons = [*map(reason_unrankable, pair), reason_incomparable(pair)]
+            checks += withhold([ranked], "; ".join(dict.fromkeys(filter(None, reasons))))
+            continue
+        ratio = quotient(place.velocity, steady.velocity)
+        bounds = 1 - margin, 1 + margin
         # A flow that has come to rest has not forgotten its start.
         moving = [flow for flow in pair if is_flowing(flow)]
         check = withhold([within(quantity, ratio, *bounds, pair)], reason_incomparable(pair))

@@ -5,15 +5,16 @@ them is meaningless; shares of runs and means within a state are not.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
+from math import inf, isfinite, nan
 
 import numpy as np
 from scipy.stats import chi2
-from uncertainties import UFloat
 
 from sim.claims.checks import reported
-from sim.claims.inference import share_above, share_interval
-from sim.claims.place import Place, replicate_mean, with_interval
+from sim.claims.inference import reported_share, share_above
+from sim.claims.place import Place, replicate_mean
 from sim.claims.verdict import Check, Untestable
 from sim.measures import layers, plug
 
@@ -30,12 +31,6 @@ def plug_shares(place: Place) -> np.ndarray:
 def has_plug(place: Place) -> np.ndarray:
     """True per replicate (R,) that rides as a plug of more than 30 % of its depth."""
     return plug_shares(place) > layers.MIN_PLUG_SHARE
-
-
-def plug_share(plugs: np.ndarray) -> UFloat:
-    """Return the share of runs (R,) with a plug: middle and half width of its 95 % interval."""
-    low, high = share_interval(int(plugs.sum()), plugs.size)
-    return with_interval(0.5 * (low + high), 0.5 * (high - low))
 
 
 def majority_if_mixed(check: Check, place: Place, values: np.ndarray) -> Check:
@@ -56,12 +51,14 @@ def report_states(quantity: str, places: Sequence[Place]) -> list[Check]:
     """Report the states of flows: the share of runs with a plug, and the mean V of each state."""
     plugs = np.concatenate([has_plug(place) for place in places])
     speeds = np.concatenate([place.values("velocity") for place in places])
-    label = f"{quantity}: {plugs.sum()} of {plugs.size} runs have a plug; its share"
-    checks = [reported(label, plug_share(plugs), places)]
+    checks = [reported_share(f"{quantity}: runs with a plug", int(plugs.sum()), plugs.size, places)]
     for name, state in (("with", plugs), ("without", ~plugs)):
         if state.any():
             mean = f"{quantity}: V of the runs {name} a plug"
-            checks.append(reported(mean, replicate_mean(speeds[state]), places, "m/s"))
+            check = reported(mean, replicate_mean(speeds[state]), places, "m/s")
+            if state.sum() == 1:
+                check = replace(check, half_width=nan, text=f"{check.value:.3g} (one run)")
+            checks.append(check)
     return [*checks, *_report_lifetimes(quantity, places)]
 
 
@@ -87,24 +84,30 @@ def _report_lifetimes(quantity: str, places: Sequence[Place]) -> list[Check]:
             checks.append(
                 reported(f"{quantity}: share of the time {state}", replicate_mean(share), places)
             )
-            time_and_endings = float(np.nansum(time)), int(np.nansum(endings[state]))
-            label, lifetime = (
-                f"{quantity}: lifetime of the state {state}",
-                state_lifetime(*time_and_endings),
-            )
-            if not time_and_endings[1]:
-                label += ", which never ended: longer than"
-            checks.append(reported(label, lifetime, places, "s"))
+            label = f"{quantity}: lifetime of the state {state}"
+            lifetime = state_lifetime(float(np.nansum(time)), int(np.nansum(endings[state])))
+            checks.append(_report_lifetime(label, lifetime, places))
     return checks
 
 
-def state_lifetime(time: float, endings: int) -> UFloat | float:
-    """Return the lifetime of a state that ends at random, from the time in it over all runs.
+def _report_lifetime(
+    label: str, lifetime: tuple[float, float, float], places: Sequence[Place]
+) -> Check:
+    value, low, _ = lifetime
+    ended = isfinite(value)
+    value_text, low_text, high_text = (f"{float(f'{time:.3g}'):,g}" for time in lifetime)
+    text = f"{value_text} ({low_text} to {high_text})" if ended else f"never ended, > {low_text}"
+    check = reported(label, value if ended else low, places, "s")
+    return replace(check, half_width=nan, text=text)
 
-    Its 95 % interval is that of a rate of ``endings`` events, made symmetric by its farther end. A
-    state that never ended has a lower bound of the lifetime instead, at 95 % confidence.
+
+def state_lifetime(time: float, endings: int) -> tuple[float, float, float]:
+    """Return the lifetime of a state that ends at random and its 95 % interval.
+
+    ``time`` is that in the state over all runs. The interval is that of a rate of ``endings``
+    events. A state that never ended has a lower bound alone, at 95 % confidence.
     """
     if not endings:
-        return 2.0 * time / float(chi2.ppf(0.95, 2))
-    longest = 2.0 * time / float(chi2.ppf(0.025, 2 * endings))
-    return with_interval(time / endings, longest - time / endings)
+        return inf, 2.0 * time / float(chi2.ppf(0.95, 2)), inf
+    low = 2.0 * time / float(chi2.ppf(0.975, 2 * endings + 2))
+    return time / endings, low, 2.0 * time / float(chi2.ppf(0.025, 2 * endings))

@@ -1,0 +1,233 @@
+"""Runs of other studies in the same folder of results: what one study has run, none runs again.
+
+There is no store beside the studies: the name of a run file is the id of its point, so the run
+files of all studies are one. A run is taken by a second name for the same file, a hard link. That
+is safe because whatever changes a run file or a state replaces it.
+"""
+
+import os
+import shutil
+import stat
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from graphlib import TopologicalSorter
+from pathlib import Path
+from typing import NamedTuple
+
+from sim.base.errors import InputError
+from sim.base.files import file_lock, open_regular, temporary_folder
+from sim.base.seals import is_damaged
+from sim.base.times import date_back_readers
+from sim.base.words import count_text
+from sim.engine.states import state_file, stored_samples
+from sim.engine.stored_run import (
+    find_stage,
+    has_enough,
+    is_alike,
+    read_origin_samples,
+    read_parameters,
+    read_stage_amounts,
+)
+from sim.parameters import RUN_FILE, Parameters, amounts, covers
+
+#: Most names that are looked up one by one in a folder; for more, the folder is listed once.
+FEW = 50
+
+#: Amounts of the runs in a file, the longest first.
+Stages = Sequence[Mapping[str, float]]
+
+
+class SharedRun(NamedTuple):
+    """A run file of another study that a point should have here.
+
+    ``is_enough`` is true where it has all amounts of the point; else the run grows from it.
+    """
+
+    point: Parameters
+    path: Path
+    is_enough: bool
+
+
+def find_runs(runs: Path, points: Mapping[str, Parameters]) -> dict[str, SharedRun]:
+    """Return what other studies have of those points that lack a large enough run file here.
+
+    Of several run files that are large enough, one that holds a run of just the wanted length is
+    preferred, then the largest. Where none is, it is the largest that a run here would pass
+    through, if it saves time. A run file here is only replaced by one that holds all that it holds.
+    Nothing is written. Files are not checked for damage; `take_runs` does.
+
+    Parameters
+    ----------
+    runs : Path
+        Folder of the run files of a study. Those of other studies are beside its parent.
+    points : mapping
+        Points of the study, by id.
+    """
+    lacking = {
+        key: point for key, point in points.items() if not has_enough(runs / f"{key}.nc", point)
+    }
+    files = _files_elsewhere(runs, {f"{key}.nc" for key in lacking})
+    starts = {key: {point.start_from} & lacking.keys() for key, point in lacking.items()}
+    shared: dict[str, SharedRun] = {}
+    # What a point starts from comes first.
+    for key in TopologicalSorter(starts).static_order() if files else ():
+        paths, point = files.get(f"{key}.nc", []), lacking[key]
+        if paths and point.start_from:
+            paths = _from_same_end(paths, point.start_from, runs, shared)
+        if best := _best(paths, runs / f"{key}.nc", point):
+            shared[key] = best
+    return shared
+
+
+def describe(shared: Iterable[SharedRun]) -> str:
+    """Return a line that says how many points other studies have; empty where there are none."""
+    shared = list(shared)
+    parts = []
+    for is_enough, words in ((True, "not to be run"), (False, "from which runs here grow")):
+        counts = Counter(run.path.parts[-3] for run in shared if run.is_enough == is_enough)
+        if counts:
+            names = ", ".join(f"{name} ({count:,})" for name, count in sorted(counts.items()))
+            parts.append(
+                f"{count_text(counts.total(), 'point')} in other studies, {words}: {names}"
+            )
+    return "; ".join(parts)
+
+
+def take_runs(runs: Path, shared: Mapping[str, SharedRun]) -> set[str]:
+    """Give run files of other studies, with their states, a name here; return ids of these points.
+
+    Files are copied where they belong to somebody else or are on another disk. A damaged file is
+    not taken, and stays as it is. Nor is a file taken whose point is being run here.
+    """
+    taken = set()
+    if shared:
+        runs.mkdir(parents=True, exist_ok=True)
+        with temporary_folder(runs / "taken") as folder:
+            for key, run in shared.items():
+                # What cannot be read is not taken, and what is locked is being made here.
+                with suppress(OSError):
+                    if _take(run, runs / f"{key}.nc", folder):
+                        taken.add(key)
+                        # It shows the file that was here before.
+                        (runs.parent / "pages" / f"{key}.html").unlink(missing_ok=True)
+    if taken:
+        date_back_readers(runs.parent)
+    return taken
+
+
+def _take(run: SharedRun, output: Path, folder: Path) -> bool:
+    """Take a run file and its state, by way of a temporary folder; return whether it was whole."""
+    new, new_state = folder / output.name, folder / state_file(output).name
+    with file_lock(output, wait=False):
+        # A run that grows writes its state first; so the state is never behind the run file.
+        if not _fetch(run.path, new):
+            return False
+        has_state = _fetch(state_file(run.path), new_state)
+        if has_state and not _is_behind(new, output, run.point):
+            new_state.replace(state_file(output))
+        new.replace(output)
+    return True
+
+
+def _is_behind(new: Path, output: Path, point: Parameters) -> bool:
+    """True where the states beside a new run file are of an earlier moment than those here."""
+    here = sum(stored_samples(output, point))
+    return here > 0 and here > sum(stored_samples(new, point))
+
+
+def _fetch(source: Path, target: Path) -> bool:
+    """Link a file to a new name, or copy it; return whether it is a whole, regular file."""
+    with suppress(FileNotFoundError):
+        status = source.lstat()
+        if status.st_uid == os.geteuid():
+            with suppress(OSError):
+                os.link(source, target, follow_symlinks=False)
+        if not os.path.lexists(target) and stat.S_ISREG(status.st_mode):
+            with open_regular(source, follow=False) as file, target.open("xb") as copy:
+                shutil.copyfileobj(file, copy)
+            os.utime(target, ns=(status.st_atime_ns, status.st_mtime_ns))
+        return stat.S_ISREG(target.lstat().st_mode) and not is_damaged(target)
+    return False
+
+
+def _files_elsewhere(runs: Path, names: set[str]) -> dict[str, list[Path]]:
+    """Return the regular files of these names in other studies, each inode once, by name."""
+    found: dict[str, dict[tuple[int, int], Path]] = {}
+    own, studies = runs.parent, []
+    with suppress(OSError):
+        studies = sorted(own.parent.iterdir()) if names else []
+    for study in studies:
+        folder = study / runs.name
+        if study.name == own.name or study.is_symlink() or folder.is_symlink():
+            continue
+        # Folders that are no studies, or that are not ours to read.
+        with suppress(OSError):
+            present = names if len(names) <= FEW else names & {e.name for e in os.scandir(folder)}
+            for name in present:
+                with suppress(FileNotFoundError):
+                    status = os.lstat(f"{folder}/{name}")
+                    inode, paths = (status.st_dev, status.st_ino), found.setdefault(name, {})
+                    if stat.S_ISREG(status.st_mode) and inode not in paths:
+                        paths[inode] = folder / name
+    return {name: list(paths.values()) for name, paths in found.items()}
+
+
+def _from_same_end(
+    paths: Iterable[Path], start: str, runs: Path, shared: Mapping[str, SharedRun]
+) -> list[Path]:
+    """Return those run files that started from the same end of another run as a run here would.
+
+    Snakemake must not take them for outdated, so they are not older than the other run.
+    """
+    origin = Path(start) if start.endswith(RUN_FILE) else runs / f"{start}.nc"
+    if start in shared:
+        if not shared[start].is_enough:
+            return []
+        origin = shared[start].path
+    with suppress(OSError, InputError):
+        samples, changed = stored_samples(origin, read_parameters(origin)), origin.stat().st_mtime
+        return [
+            path
+            for path in paths
+            if path.stat().st_mtime >= changed
+            and (there := read_origin_samples(path))
+            and samples
+            and is_alike(there, samples)
+        ]
+    return []
+
+
+def _best(paths: Iterable[Path], own: Path, point: Parameters) -> SharedRun | None:
+    """Return the best of the run files of a point in other studies, if any is better than none."""
+    wanted, held = amounts(point), read_stage_amounts(own, point)
+    best: tuple[tuple[bool, bool], Stages, Path] | None = None
+    for path in paths:
+        # A forged file has other keys or other kinds of values.
+        with suppress(LookupError, TypeError, AttributeError):
+            stages = read_stage_amounts(path, point)
+            if not stages or not all(_holds(stages, stage) for stage in held):
+                continue
+            is_enough = find_stage(stages, wanted) is not None
+            if not is_enough and not _saves_time(path, stages, own, held, point):
+                continue
+            rank = is_enough, _holds(stages, wanted)
+            if best is None or (rank, not covers(best[1][0], stages[0])) > (best[0], False):
+                best = rank, stages, path
+    return SharedRun(point, best[2], best[0][0]) if best else None
+
+
+def _holds(stages: Stages, wanted: Mapping[str, float]) -> bool:
+    """True where a run of just this length is among the stages, with replicates enough."""
+    return any(covers(stage, wanted) and _length(stage) == _length(wanted) for stage in stages)
+
+
+def _length(stage: Mapping[str, float]) -> dict[str, float]:
+    return {name: value for name, value in stage.items() if name != "replicates"}
+
+
+def _saves_time(path: Path, stages: Stages, own: Path, held: Stages, point: Parameters) -> bool:
+    """True where a run that is too small has more than there is here, and nothing unwanted."""
+    here, there = sum(stored_samples(own, point)), sum(stored_samples(path, point))
+    is_larger = there > here or not held or not covers(held[0], stages[0])
+    return covers(amounts(point), stages[0]) and there >= here and is_larger

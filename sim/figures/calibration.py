@@ -1,0 +1,382 @@
+"""Pictures of a calibration: posterior, predictions beside the measurements, the next experiment.
+
+Options of a figure: ``answer`` is the file of the calibration in the results of the study, ``unit``
+that of the observable.
+"""
+
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from sim.base.errors import InputError
+from sim.base.statistics import MANY, student
+from sim.figures.axes import set_log
+from sim.figures.configuration import COLOURS as SHADES
+from sim.figures.data import FigureData
+from sim.figures.plot import SINGLE_SIZE, parameter_label, wrap_label
+from sim.figures.quantity import label_with_unit, unit_of
+from sim.figures.style import COLOURS, legend_above, move_aside
+from sim.parameters import SYSTEMS, field_info
+from sim.parameters.words import setting
+from sim.study.plot_contents import name_in_words
+from sim.surrogates.calibration import load, outcome_sentences
+from sim.surrogates.posterior import DISCREPANCY, INTERVAL, summarize
+
+#: Size of a picture of one parameter, and of each of several, inches.
+_SINGLE, _PANEL = (4.4, 3.2), 2.1
+
+#: Bins of a histogram, and steps of a region along each axis.
+_BINS, _STEPS = 30, 60
+
+#: Draws from which regions are made, and shares of the draws within them.
+_MOST_DRAWS, _SHARES = 3000, (0.95, 0.5)
+
+#: Shift of measurements and predictions against each other, points of print.
+_ASIDE = 3.0
+
+
+def draw_posterior(data: FigureData) -> Figure:
+    """Draw a histogram of each parameter on the diagonal, and the regions of each pair below."""
+    groups = _groups(data)
+    names = list(np.atleast_1d(_about(groups)["parameters"]))
+    count = len(names)
+    size = _SINGLE if count == 1 else (_PANEL * count + 0.6, _PANEL * count + 0.6)
+    figure = Figure(figsize=size, layout="constrained")
+    if "posterior" not in groups:
+        return _write(figure, "no parameters in the ranges fit")
+    panels: Any = figure.subplots(count, count, squeeze=False)
+    for row, column in np.ndindex(count, count):
+        axes = panels[row, column]
+        if column > row:
+            axes.set_visible(False)
+            continue
+        if row == column:
+            _draw_histogram(axes, groups, names[row])
+        else:
+            _draw_regions(axes, groups, names[column], names[row])
+        _set_axis(axes, groups, names[column], "x", data.spec.system, row == count - 1)
+        if row != column:
+            _set_axis(axes, groups, names[row], "y", data.spec.system, column == 0)
+    return figure
+
+
+def posterior_table(data: FigureData) -> pd.DataFrame:
+    """Return median and interval of each parameter, and of the discrepancy."""
+    groups = _groups(data)
+    about = _about(groups)
+    if "posterior" not in groups:
+        return pd.DataFrame({"outcome": ["no fit"], "probability [1]": [about["probability"]]})
+    table = summarize(groups)
+    fields = field_info(SYSTEMS[data.spec.system])
+    units = [fields[name].scale or fields[name].unit for name in table["parameter"]]
+    low, middle, high = np.quantile(groups["posterior"][DISCREPANCY], INTERVAL)
+    last = (DISCREPANCY, middle, low, high, np.nan, "", data.spec.options["unit"])
+    rows = [(*row, unit) for row, unit in zip(table.itertuples(index=False), units, strict=True)]
+    headings = (
+        *("parameter", "median", "lower end of 95 % interval", "upper end of 95 % interval"),
+        *("length of the interval over that of the range [1]", "told by the data", "unit"),
+    )
+    return pd.DataFrame([*rows, last], columns=list(headings))
+
+
+def posterior_notes(data: FigureData) -> list[str]:
+    """Return the sentences of the caption of a posterior."""
+    groups = _groups(data)
+    sentences = outcome_sentences(groups)
+    if "posterior" not in groups:
+        return sentences
+    about = _about(groups)
+    unit = unit_of(data.spec.options["unit"], "si", data.spec.system)
+    low, middle, high = np.quantile(groups["posterior"][DISCREPANCY], INTERVAL)
+    pairs = len(np.atleast_1d(about["parameters"])) > 1
+    return [
+        "Median and 95 % interval: " + sentences[-1] if len(sentences) == 1 else
+        "Medians and 95 % intervals: " + " ".join(sentences),
+        "Histograms over the ranges, with the interval as dashed lines; the dotted line is what "
+        "was assumed before the measurements."
+        + (" Shades: 50 % and 95 % of the draws." * pairs),
+        f"What the model may lack, fitted: {middle:.2g} ({low:.2g} to {high:.2g}) {unit}".rstrip()
+        + f", before the measurements half-normal of scale {about['discrepancy_scale']:.2g}.",
+        f"Probability of measurements as far from the model: {about['probability']:.2g}.",
+        f"Chains of {about['steps']} steps, {about['steps'] / about['autocorrelation']:.0f} "
+        "autocorrelation times.",
+    ]  # fmt: skip
+
+
+def draw_predictions(data: FigureData) -> Figure:
+    """Draw each measurement with its interval, and the one of a repeated measurement beside it."""
+    rows, along = _prediction_rows(data)
+    figure = Figure(figsize=SINGLE_SIZE, layout="constrained")
+    axes = figure.subplots()
+    look: dict[str, Any] = {"linestyle": "none", "elinewidth": 1.2, "markersize": 5.0}
+    measured = axes.errorbar(
+        rows["x"],
+        rows["measured"],
+        rows["half"],
+        marker="o",
+        color="black",
+        label="measured",
+        **look,
+    )
+    predicted = axes.errorbar(
+        rows["x"], rows["median"], (rows["median"] - rows["low"], rows["high"] - rows["median"]),
+        marker="s", color=COLOURS[1], label="calibrated", **look,
+    )  # fmt: skip
+    move_aside(axes, measured.get_children(), x=-_ASIDE)
+    move_aside(axes, predicted.get_children(), x=_ASIDE)
+    axes.margins(x=0.08)
+    if along:
+        axes.set_xlabel(parameter_label(data.spec.system, along))
+    else:
+        axes.set_xticks(rows["x"].tolist())
+        axes.set_xlabel("measurement, in the order of the file")
+    axes.set_ylabel(_observable_label(data))
+    legend_above(figure, *axes.get_legend_handles_labels())
+    return figure
+
+
+def predictions_table(data: FigureData) -> pd.DataFrame:
+    """Return measurements and predictions, row by row."""
+    rows, _ = _prediction_rows(data)
+    unit = data.spec.options["unit"]
+    conditions = _groups(data)["constant_data"].drop_vars("error").to_dataframe()
+    headings = {
+        "measured": f"measured [{unit}]",
+        "half": f"half width of 95 % interval of the measurement [{unit}]",
+        "median": f"median of a repeated measurement [{unit}]",
+        "low": f"lower end of its 95 % interval [{unit}]",
+        "high": f"upper end of its 95 % interval [{unit}]",
+    }
+    named = rows.drop(columns="x").rename(columns=headings)
+    return pd.concat([conditions.reset_index(drop=True), named], axis=1)
+
+
+def predictions_notes(data: FigureData) -> list[str]:
+    """Return the sentences of the caption of predictions."""
+    groups = _groups(data)
+    notes = [
+        "Bars: 95 % intervals; of the calibrated surrogate those of the same measurement made "
+        "again, errors of measurement, surrogate and model included."
+    ]
+    if "posterior" not in groups:
+        notes += [*outcome_sentences(groups), "Drawn are those that come nearest."]
+    return notes
+
+
+def draw_experiment(data: FigureData) -> Figure:
+    """Draw how much a further measurement would tell, over one or two of its conditions."""
+    groups = _groups(data)
+    figure = Figure(figsize=SINGLE_SIZE, layout="constrained")
+    if "predictions_constant_data" not in groups:
+        return _write(figure, "no parameters in the ranges fit")
+    rows, varied = _candidates(groups)
+    axes, (x, *others) = figure.subplots(), varied
+    best, measured = rows.loc[rows["narrowing"].idxmax()], groups["constant_data"]
+    if others:
+        table = rows.pivot(index=others[0], columns=x, values="narrowing")
+        filled = axes.contourf(table.columns, table.index, 100 * table.to_numpy(), 12, cmap=SHADES)
+        bar = figure.colorbar(filled, ax=axes, pad=0.02)
+        bar.set_label("variance taken away (%)")
+        bar.outline.set_visible(False)
+        heights, top = measured[others[0]].to_numpy(), best[others[0]]
+        axes.set_ylabel(parameter_label(data.spec.system, others[0]))
+        axes.grid(visible=False)
+    else:
+        axes.plot(rows[x], 100 * rows["narrowing"], color=COLOURS[1])
+        heights, top = np.zeros(measured.sizes["measurement"]), 100 * best["narrowing"]
+        axes.set_ylim(0, 1.15 * top or 1.0)
+        axes.set_ylabel("variance taken away (%)")
+    axes.plot(measured[x], heights, "o", color="black", clip_on=False, zorder=4, label="measured")
+    look: dict[str, Any] = {
+        "color": COLOURS[2],
+        "markeredgecolor": "white",
+        "markersize": 13,
+        "clip_on": False,
+    }
+    axes.plot(best[x], top, "*", zorder=5, label="next", linestyle="none", **look)
+    axes.set_xlabel(parameter_label(data.spec.system, x))
+    legend_above(figure, *axes.get_legend_handles_labels())
+    return figure
+
+
+def experiment_table(data: FigureData) -> pd.DataFrame:
+    """Return the candidates, row by row."""
+    groups = _groups(data)
+    if "predictions_constant_data" not in groups:
+        return posterior_table(data)
+    fields = field_info(SYSTEMS[data.spec.system])
+    rows = groups["predictions_constant_data"].to_dataframe().reset_index(drop=True)
+    headings = {
+        name: f"{name} [{fields[name].scale or fields[name].unit}]"
+        for name in rows
+        if name in fields
+    }
+    return rows.rename(columns=headings | {"narrowing": "variance taken away [1]"})
+
+
+def experiment_notes(data: FigureData) -> list[str]:
+    """Return the sentences of the caption of the next experiment."""
+    groups = _groups(data)
+    if "predictions_constant_data" not in groups:
+        return outcome_sentences(groups)
+    rows, varied = _candidates(groups)
+    best, names = (
+        rows.loc[rows["narrowing"].idxmax()],
+        _conditions(groups["constant_data"]),
+    )
+    place = ", ".join(setting(data.spec.system, name, float(f"{best[name]:.3g}")) for name in names)
+    notes = [
+        f"It tells most at {place}: there it takes some {100 * best['narrowing']:.0f} % of the "
+        "variance of the parameters, each in units of its range, if its error is the median one "
+        "and predictions depend on the parameters linearly.",
+        "Only conditions within the ranges of the data are looked at.",
+    ]
+    if len(varied) > 2:
+        notes.append("The other conditions are those that tell most.")
+    return notes
+
+
+def _groups(data: FigureData) -> Mapping[str, xr.Dataset]:
+    if data.results.runs is None:
+        raise InputError(f"{data.spec.name}: drawn in the results of a study alone")
+    path = data.results.runs.parent / data.spec.options["answer"]
+    return _load(path, path.stat().st_mtime_ns if path.is_file() else 0)
+
+
+@lru_cache(maxsize=4)
+def _load(path: Path, changed: int) -> Mapping[str, xr.Dataset]:
+    """Return the groups of a file that was ``changed`` (ns) at some time."""
+    return load(path)
+
+
+def _about(groups: Mapping[str, xr.Dataset]) -> dict[str, Any]:
+    return groups["observed_data"].attrs
+
+
+def _range(groups: Mapping[str, xr.Dataset], name: str) -> tuple[float, float, bool]:
+    """Return lowest and highest value of a parameter, and whether its scale is logarithmic."""
+    about = _about(groups)
+    names, low, high, scales = (
+        list(np.atleast_1d(about[key])) for key in ("parameters", "low", "high", "scales")
+    )
+    index = names.index(name)
+    return float(low[index]), float(high[index]), scales[index] == "log"
+
+
+def _draw_histogram(axes: Axes, groups: Mapping[str, xr.Dataset], name: str) -> None:
+    """Draw the histogram of a parameter, its interval, and what was assumed before."""
+    low, high, is_log = _range(groups, name)
+    draws = groups["posterior"][name].to_numpy().ravel()
+    spread: Any = np.geomspace if is_log else np.linspace
+    bins = spread(low, high, _BINS + 1)
+    axes.hist(draws, bins, weights=np.full(draws.size, _BINS / draws.size), color=COLOURS[1])
+    axes.axhline(1, color="#444444", linestyle=":", linewidth=1)
+    for value in np.quantile(draws, INTERVAL):
+        axes.axvline(value, color="black", linestyle="--", linewidth=0.9)
+    axes.set_yticks([])
+
+
+def _draw_regions(axes: Axes, groups: Mapping[str, xr.Dataset], x: str, y: str) -> None:
+    """Draw the regions that hold the shares `_SHARES` of the draws, from a smoothed density."""
+    from scipy.stats import gaussian_kde
+
+    columns, lines = [], []
+    for name in (x, y):
+        low, high, is_log = _range(groups, name)
+        draws = groups["posterior"][name].to_numpy().ravel()
+        draws = draws[:: max(1, draws.size // _MOST_DRAWS)]
+        columns.append(np.log(draws) if is_log else draws)
+        ends = np.log([low, high]) if is_log else np.array([low, high])
+        lines.append((np.linspace(ends[0], ends[1], _STEPS), is_log))
+    density = gaussian_kde(columns)
+    grid = np.meshgrid(lines[0][0], lines[1][0])
+    heights = density(np.array([one.ravel() for one in grid])).reshape(_STEPS, _STEPS)
+    at_draws = density(np.array(columns))
+    levels = [float(np.quantile(at_draws, 1 - share)) for share in _SHARES]
+    across, up = (np.exp(line) if is_log else line for line, is_log in lines)
+    shades = ("#c6dbef", COLOURS[1])
+    axes.contourf(across, up, heights, [*levels, np.inf], colors=shades)
+
+
+def _set_axis(
+    axes: Axes, groups: Mapping[str, xr.Dataset], name: str, axis: Any, system: str, labelled: bool
+) -> None:
+    """Set scale and limits of the axis of a parameter, and label it or hide its numbers."""
+    low, high, is_log = _range(groups, name)
+    if is_log:
+        set_log(axes, axis)
+    getattr(axes, f"set_{axis}lim")(low, high)
+    if not is_log:
+        axes.locator_params(axis, nbins=4)
+    if labelled:
+        getattr(axes, f"set_{axis}label")(parameter_label(system, name))
+    else:
+        axes.tick_params(axis, labelbottom=False, labelleft=False)
+
+
+def _prediction_rows(data: FigureData) -> tuple[pd.DataFrame, str]:
+    """Return measurements and predictions, and the only condition that varies, or nothing."""
+    groups = _groups(data)
+    name = str(_about(groups)["observable"])
+    constant = groups["constant_data"]
+    repeated = (
+        groups["posterior_predictive"][name].to_numpy().reshape(-1, constant.sizes["measurement"])
+    )
+    low, middle, high = np.quantile(repeated, INTERVAL, axis=0)
+    varied = _varied(constant)
+    along = varied[0] if len(varied) == 1 else ""
+    x = constant[along].to_numpy() if along else np.arange(1, len(middle) + 1)
+    columns = {
+        "x": x,
+        "measured": groups["observed_data"][name].to_numpy(),
+        "half": float(student(MANY)) * constant["error"].to_numpy(),
+        "median": middle,
+        "low": low,
+        "high": high,
+    }
+    return pd.DataFrame(columns), along
+
+
+def _conditions(constant: xr.Dataset) -> list[str]:
+    """Return the names of the conditions."""
+    return [str(name) for name in constant.data_vars if name != "error"]
+
+
+def _varied(constant: xr.Dataset) -> list[str]:
+    """Return the conditions that differ between measurements."""
+    names = _conditions(constant)
+    return [name for name in names if np.ptp(constant[name].to_numpy()) > 0]
+
+
+def _candidates(groups: Mapping[str, xr.Dataset]) -> tuple[pd.DataFrame, list[str]]:
+    """Return candidates of the first two conditions that vary, the others as the best has them."""
+    rows, varied = (
+        groups["predictions_constant_data"].to_dataframe(),
+        _varied(groups["constant_data"]),
+    )
+    best = rows.loc[rows["narrowing"].idxmax()]
+    for name in varied[2:]:
+        rows = rows[rows[name] == best[name]]
+    return rows, varied
+
+
+def _observable_label(data: FigureData) -> str:
+    name = name_in_words(str(_about(_groups(data))["observable"]))
+    return wrap_label(
+        label_with_unit(name, unit_of(data.spec.options["unit"], "si", data.spec.system))
+    )
+
+
+def _write(figure: Figure, text: str) -> Figure:
+    """Write a text in the middle of a figure that has nothing else to show."""
+    axes = figure.subplots()
+    axes.set_axis_off()
+    axes.text(0.5, 0.5, text, ha="center", transform=axes.transAxes)
+    return figure

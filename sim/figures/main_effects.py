@@ -1,0 +1,104 @@
+"""Main effects: the mean of an observable in groups of points along each of several parameters.
+
+Options of a figure: those of `sim.figures.plot`.
+"""
+
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from sim.figures.axes import limit_axis
+from sim.figures.binned import GROUPS, binned_means
+from sim.figures.caption import unsteady_sentence
+from sim.figures.data import FigureData
+from sim.figures.plot import (
+    MOST_COLUMNS,
+    PANEL_SIZE,
+    missing_value_note,
+    write_no_data,
+)
+from sim.figures.scatter import averaged
+from sim.figures.style import COLOURS
+from sim.figures.variables import Variable, known_rows, observable, parameters
+from sim.parameters import SYSTEMS, field_info
+
+#: Most ticks of an axis.
+_TICKS = 5
+
+
+def draw(data: FigureData) -> Figure:
+    """Draw a panel per parameter, all with the same vertical axis."""
+    y, _ = observable(data, "show", "y")
+    variables, rows = parameters(data), averaged(known_rows(data, [y]))
+    down = -(-len(variables) // MOST_COLUMNS)
+    across = -(-len(variables) // down)
+    size = (PANEL_SIZE[0] * across * 0.85 + 0.8, PANEL_SIZE[1] * down + 0.3)
+    figure = Figure(figsize=size, layout="constrained")
+    grid = figure.subplots(down, across, sharey=True, squeeze=False)
+    for axes, x in zip(grid.flat, variables, strict=False):
+        _draw_effect(axes, x, y, rows)
+        axes.set_xlabel(x.label)
+    for axes in grid.flat[len(variables) :]:
+        axes.set_visible(False)
+    y.scale(grid[0, 0], "y", _TICKS)
+    if not y.log:
+        limit_axis(grid[0, 0], "y", y.values[rows.index])
+    figure.supylabel(y.label, fontsize=10)
+    write_no_data([(grid[0, 0], data.rows)], y.name)
+    return figure
+
+
+def _draw_effect(axes: Axes, x: Variable, y: Variable, rows: pd.DataFrame) -> None:
+    """Draw the points of a panel, and the means over groups of them with intervals."""
+    at = x.values[rows.index]
+    axes.plot(at, y.values[rows.index], ".", color="#bbbbbb", markersize=3, zorder=1)
+    means = binned_means(at, y.values[rows.index], log=y.log)
+    axes.errorbar(
+        means["x"],
+        means["mean"],
+        yerr=[means["mean"] - means["low"], means["high"] - means["mean"]],
+        color=COLOURS[1],
+        marker="o",
+        linestyle="none" if x.choices else "-",
+        elinewidth=1.0,
+        zorder=3,
+    )
+    x.scale(axes, "x", _TICKS)
+
+
+def table(data: FigureData) -> pd.DataFrame:
+    """Return the means, one row per parameter and group, units in the headings."""
+    y, quantity = observable(data, "show", "y")
+    unit = quantity.label[quantity.label.index("[") :]
+    rows, parts = averaged(known_rows(data, [y])), []
+    for x in parameters(data):
+        means = binned_means(x.values[rows.index], y.values[rows.index], log=y.log)
+        if x.choices:
+            for column in ("from", "to", "x"):
+                means[column] = [x.text(value) for value in means[column]]
+        declared = field_info(SYSTEMS[data.spec.system])[x.name]
+        means.insert(0, "unit of the parameter", declared.scale or declared.unit or "")
+        means.insert(0, "parameter", x.name)
+        parts.append(means)
+    headings = {
+        "x": "mean of the parameter",
+        "mean": quantity.label,
+        "low": f"lower end of 95 % interval {unit}",
+        "high": f"upper end of 95 % interval {unit}",
+    }
+    return pd.concat(parts).rename(columns=headings)
+
+
+def notes(data: FigureData) -> list[str]:
+    """Return the sentences of the caption on means and points."""
+    y, _ = observable(data, "show", "y")
+    rows = known_rows(data, [y])
+    missing = int((data.rows["completed"] > 0).sum()) - len(rows)
+    kind = "mean of the logarithm" if y.log else "mean"
+    return [
+        f"Markers: {kind} over {GROUPS}, with its 95 % interval (Student); all other parameters "
+        "are averaged over. Grey dots: the points.",
+        unsteady_sentence(averaged(rows)),
+        *missing_value_note(len(rows) - len(averaged(rows)), "a steady mean, as they accelerate"),
+        *missing_value_note(missing),
+    ]

@@ -1,0 +1,187 @@
+"""Points scattered in several parameters: an observable against a parameter, or another observable.
+
+Options of a figure: those of `sim.figures.plot`, and ``colour``: an observable, a parameter,
+``"regime"``, or nothing.
+"""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba
+from matplotlib.figure import Figure
+
+from sim.figures.axes import has_cut_bars, limit_axis, mark_cut_bars
+from sim.figures.binned import GROUPS, draw_running_mean
+from sim.figures.caption import bar_notes
+from sim.figures.data import FigureData
+from sim.figures.foreign_data import (
+    append_foreign_data,
+    draw_foreign_data,
+    foreign_data_notes,
+    foreign_values,
+)
+from sim.figures.looks import legend
+from sim.figures.plot import (
+    label_axes,
+    missing_value_note,
+    observed_quantity,
+    panels,
+    write_no_data,
+)
+from sim.figures.quantity import quantity_table
+from sim.figures.style import COLOURS, PALE, is_undecided
+from sim.figures.variables import Colours, Variable, colour, known_rows, observable, parameter
+from sim.study.plottable import numbers
+
+#: Fewest points of a panel that have a running mean.
+FEWEST_FOR_MEAN = 12
+
+#: Most ticks of an axis.
+_TICKS = 8
+
+
+def draw(data: FigureData) -> Figure:
+    """Draw a marker per point with its intervals, and the running mean of many points."""
+    (x, _), (y, _) = coordinates(data)
+    figure, shown = panels(data)
+    shade = colour(data)
+    for axes, rows in shown:
+        points = drawable(data, rows)
+        _draw_bars(axes, data, points)
+        draw_points(axes, points, x, y, shade)
+        moving = averaged(points)
+        if has_mean(moving, x):
+            draw_running_mean(axes, x.values[moving.index], y.values[moving.index], log=y.log)
+    write_no_data(shown, y.name)
+    if shade:
+        Colours(shade).explain(figure, [axes for axes, _ in shown])
+    foreign = draw_foreign_data(data, shown)
+    for axes, _ in shown:
+        for axis, (variable, _) in zip("xy", coordinates(data), strict=True):
+            variable.scale(axes, axis, _TICKS)
+            if not variable.log and not variable.choices:
+                known = variable.values[drawable(data, data.rows).index]
+                limit_axis(axes, axis, pd.concat([known, foreign_values(data, axis)]))
+        mark_cut_bars(axes)
+    label_axes(figure, shown, x.label, y.label)
+    legend(figure, shown, foreign)
+    return figure
+
+
+def coordinates(data: FigureData) -> list[tuple[Variable, Any]]:
+    """Return what is on x and on y, each with its quantity, which of a parameter is ``None``."""
+    spec = data.spec
+    if spec.axes:
+        x: tuple[Variable, Any] = (
+            parameter(data, spec.axes[0], log="x" in spec.options["log"]),
+            None,
+        )
+    else:
+        x = observable(data, "second", "x")
+    return [x, observable(data, "show", "y")]
+
+
+def drawable(data: FigureData, rows: pd.DataFrame) -> pd.DataFrame:
+    """Return the completed points that have a value of all that is shown."""
+    variables = [*(variable for variable, _ in coordinates(data)), colour(data)]
+    known = known_rows(data, filter(None, variables))
+    return rows[rows.index.isin(known.index)]
+
+
+def averaged(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return the points that a mean over points takes: those that do not accelerate."""
+    return rows[rows["regime"] != "accelerating"]
+
+
+def has_mean(rows: pd.DataFrame, x: Variable) -> bool:
+    """Return whether points have a running mean along x."""
+    return len(rows) >= FEWEST_FOR_MEAN and x.values[rows.index].nunique() > 2
+
+
+def _draw_bars(axes: Axes, data: FigureData, rows: pd.DataFrame) -> None:
+    """Draw the 95 % intervals of observables, thin and grey."""
+    (x, of_x), (y, of_y) = coordinates(data)
+    for key, quantity in (("xerr", of_x), ("yerr", of_y)):
+        half = None if quantity is None else quantity.half_width[rows.index].dropna()
+        if half is not None and len(half):
+            look: dict[str, Any] = {"ecolor": "#9a9a9a", "elinewidth": 0.6, "capsize": 0}
+            look |= {key: half, "fmt": "none", "zorder": 1.5}
+            axes.errorbar(x.values[half.index], y.values[half.index], **look)
+
+
+def draw_points(
+    axes: Axes,
+    rows: pd.DataFrame,
+    x: Variable,
+    y: Variable,
+    shade: Variable | None,
+    size: float = 22.0,
+) -> None:
+    """Draw markers in the colours of ``shade``: filled, pale or open, as those of curves.
+
+    ``size`` is their area in square points.
+    """
+    colours = (
+        np.tile(to_rgba(COLOURS[1]), (len(rows), 1))
+        if shade is None
+        else Colours(shade).of(shade.values[rows.index])
+    )
+    is_pale = is_undecided(rows).to_numpy()
+    is_open = (rows["regime"] != "steady").to_numpy() & ~is_pale
+    faces = colours.copy()
+    faces[is_pale, 3] = PALE
+    faces[is_open] = to_rgba("white")
+    axes.scatter(
+        x.values[rows.index],
+        y.values[rows.index],
+        s=size,
+        facecolors=faces,
+        edgecolors=list(map(tuple, colours)),
+        linewidths=1.0,
+        zorder=3,
+        # At the edge, too, a marker is whole.
+        clip_on=False,
+    )
+
+
+def table(data: FigureData) -> pd.DataFrame:
+    """Return the plotted data, one row per point, units in the headings."""
+    spec = data.spec
+    is_observed = spec.options["colour"] in numbers(spec.system)
+    options = ["second"] * bool(spec.options["second"]) + ["show"] + ["colour"] * is_observed
+    rows = quantity_table(data, [observed_quantity(data, option) for option in options])
+    x = observed_quantity(data, options[0]).label if options[0] == "second" else rows.columns[1]
+    return append_foreign_data(data, rows, x, observed_quantity(data).label)
+
+
+def notes(data: FigureData) -> list[str]:
+    """Return the sentences of the caption on the running mean, bars, markers and gaps."""
+    pairs, rows = coordinates(data), drawable(data, data.rows)
+    quantities = [quantity for _, quantity in pairs if quantity is not None]
+    panel, x = data.spec.options["panels"], pairs[0][0]
+    parts = [part for _, part in rows.groupby(panel)] if panel else [rows]
+    kind = "mean of the logarithm" if pairs[1][0].log else "mean"
+    line = (
+        f"Line: {kind} over {GROUPS}; band: its 95 % interval (Student). Points that accelerate "
+        "take no part."
+    )
+    is_cut = any(
+        has_cut_bars(
+            variable.values[rows.index],
+            quantity.half_width[rows.index],
+            foreign_values(data, axis),
+            logarithmic=variable.log,
+        )
+        for axis, (variable, quantity) in zip("xy", pairs, strict=True)
+        if quantity is not None
+    )
+    completed = int((data.rows["completed"] > 0).sum())
+    return [
+        *([line] if any(has_mean(averaged(part), x) for part in parts) else []),
+        *bar_notes(data, rows, quantities),
+        *(["Error bars that end in a caret go on beyond the axes."] if is_cut else []),
+        *missing_value_note(completed - len(rows)),
+        *foreign_data_notes(data),
+    ]

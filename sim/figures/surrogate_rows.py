@@ -1,0 +1,191 @@
+"""What the pictures of a surrogate show, as tables: sections, maps, runs, and sentences on them.
+
+Options of a figure: ``answer`` is the surrogate's file in the results of the study; ``x`` and ``y``
+are the parameters on the axes. The others are held in the middle of their ranges.
+"""
+
+from functools import lru_cache
+from itertools import islice, product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from sim.base.errors import InputError
+from sim.base.statistics import MANY, student
+from sim.figures.data import FigureData
+from sim.parameters import SYSTEMS, field_info
+from sim.parameters.words import setting
+from sim.study.design import Axis
+from sim.surrogates.sample import unit_cube
+from sim.surrogates.storage import load
+from sim.surrogates.surrogate import Surrogate
+
+#: Values along a section, and along each side of a map.
+SECTION_STEPS, MAP_STEPS = 161, 61
+
+#: Runs are near a section where each other parameter is within this share of its range.
+NEAR = 0.25
+
+#: Most combinations of words and switches that have a curve or a panel of their own.
+_MOST_SETTINGS = 4
+
+
+def find_surrogate(data: FigureData) -> Surrogate:
+    """Return the surrogate that a figure shows."""
+    if data.results.runs is None or "answer" not in data.spec.options:
+        raise InputError(f"{data.spec.name}: drawn of the surrogates of a study alone")
+    path = data.results.runs.parent / data.spec.options["answer"]
+    return _load(path, path.stat().st_mtime_ns if path.is_file() else 0)
+
+
+@lru_cache(maxsize=4)
+def _load(path: Path, changed: int) -> Surrogate:
+    """Return the surrogate in a file that was ``changed`` (ns) at some time."""
+    return load(path)
+
+
+def find_axis(data: FigureData, option: str) -> Axis:
+    """Return the parameter that an option of a figure names."""
+    name = data.spec.options[option]
+    return next(axis for axis in find_surrogate(data).axes if axis.name == name)
+
+
+def shown_settings(surrogate: Surrogate) -> list[dict[str, Any]]:
+    """Return combinations of the words and switches, no more than are shown."""
+    choices = surrogate.choices
+    every = (dict(zip(choices, values, strict=True)) for values in product(*choices.values()))
+    return list(islice(every, _MOST_SETTINGS))
+
+
+def _steps(axis: Axis, count: int) -> np.ndarray:
+    spread = np.geomspace if axis.scale == "log" else np.linspace
+    return np.clip(spread(axis.low, axis.high, count), axis.low, axis.high)
+
+
+def _middle(axis: Axis) -> float:
+    """Return the middle of the range of a parameter, to three digits."""
+    return float(f"{_steps(axis, 3)[1]:.3g}")
+
+
+def _predictions(
+    surrogate: Surrogate, columns: dict[str, np.ndarray], chosen: dict[str, Any]
+) -> pd.DataFrame:
+    """Return predictions at values (n,) of some parameters, the others in the middle."""
+    count = len(next(iter(columns.values())))
+    rows = pd.DataFrame(
+        {
+            axis.name: columns.get(axis.name, np.full(count, _middle(axis)))
+            for axis in surrogate.numeric
+        }
+    )
+    there, x = surrogate.at(**chosen), rows.to_numpy()
+    rows["mean"], error = there.predict(x)
+    names = surrogate.regimes.names
+    is_used = [name in surrogate.used for name in names]
+    # Where no regime is known, none is likelier than another.
+    likely = there.probability(x)[is_used].sum(axis=0) if names else np.ones(count)
+    return rows.assign(half_width=student(MANY) * error, probability=likely, **chosen)
+
+
+def section_rows(surrogate: Surrogate, axis: Axis, chosen: dict[str, Any]) -> pd.DataFrame:
+    """Return predictions along a parameter."""
+    return _predictions(surrogate, {axis.name: _steps(axis, SECTION_STEPS)}, chosen)
+
+
+def surface_rows(surrogate: Surrogate, x: Axis, y: Axis, chosen: dict[str, Any]) -> pd.DataFrame:
+    """Return predictions over two parameters, those along ``x`` in turn for each ``y``."""
+    up, across = np.meshgrid(_steps(y, MAP_STEPS), _steps(x, MAP_STEPS), indexing="ij")
+    return _predictions(surrogate, {x.name: across.ravel(), y.name: up.ravel()}, chosen)
+
+
+def run_rows(surrogate: Surrogate, chosen: dict[str, Any]) -> pd.DataFrame:
+    """Return the runs at a choice of words and switches; ``included`` are those of the mean."""
+    sample = surrogate.sample
+    names = ["point", *(axis.name for axis in surrogate.axes), "mean"]
+    rows = pd.DataFrame({name: sample[name].values for name in names})
+    rows["included"], rows["half_width"] = surrogate.included, np.nan
+    errors = student(MANY) * surrogate.predicted["run_error"].values
+    rows.loc[surrogate.included, "half_width"] = errors
+    is_chosen = [rows[name] == value for name, value in chosen.items()]
+    return rows[np.all(is_chosen, axis=0)] if is_chosen else rows
+
+
+def near_rows(surrogate: Surrogate, axis: Axis, chosen: dict[str, Any]) -> pd.DataFrame:
+    """Return the runs near a section, moved onto it by what the surrogate says."""
+    rows = run_rows(surrogate, chosen)
+    rows = rows[rows["included"]].drop(columns="included")
+    others = tuple(one for one in surrogate.numeric if one.name != axis.name)
+    if others and len(rows):
+        cube = unit_cube(others, {one.name: rows[one.name].to_numpy() for one in others})
+        middle = unit_cube(others, {one.name: np.array([_middle(one)]) for one in others})
+        rows = rows[(np.abs(cube - middle) <= NEAR).all(axis=1)]
+    if others and len(rows):
+        here, _ = surrogate.at(**chosen).predict(rows[list(surrogate.parameters)].to_numpy(float))
+        there = _predictions(surrogate, {axis.name: rows[axis.name].to_numpy(float)}, chosen)
+        rows = rows.assign(mean=rows["mean"] + there["mean"].to_numpy() - here)
+    return rows
+
+
+def agreement_rows(surrogate: Surrogate) -> pd.DataFrame:
+    """Return each run of the mean beside what the others predict of it."""
+    predicted, normal = surrogate.predicted, float(student(MANY))
+    rows = run_rows(surrogate, {})
+    rows = rows[rows["included"]].drop(columns="included")
+    rows = rows.rename(columns={"mean": "run", "half_width": "run_half_width"})
+    return rows.assign(
+        predicted=predicted["mean"].values,
+        predicted_half_width=normal * predicted["error"].values,
+    )
+
+
+#: Columns in the unit of the observable, and their headings.
+_OF_OBSERVABLE = {
+    "mean": "mean",
+    "half_width": "half width of 95 % interval",
+    "run": "run",
+    "run_half_width": "half width of 95 % interval of the run",
+    "predicted": "predicted from the other runs",
+    "predicted_half_width": "half width of 95 % interval of the prediction",
+}
+
+
+def with_units(surrogate: Surrogate, rows: pd.DataFrame) -> pd.DataFrame:
+    """Return a table with units in its headings."""
+    declared = field_info(SYSTEMS[surrogate.system])
+    headings = {name: f"{words} [{surrogate.unit}]" for name, words in _OF_OBSERVABLE.items()}
+    for axis in surrogate.axes:
+        unit = declared[axis.name].scale or declared[axis.name].unit
+        headings[axis.name] = f"{axis.name} [{unit}]" if unit else axis.name
+    headings["probability"] = f"probability of {' or '.join(surrogate.used)}"
+    return rows.rename(columns=headings)
+
+
+def held_note(surrogate: Surrogate, *shown: str) -> str:
+    """Return the sentence on the parameters that are not on an axis."""
+    held = [
+        setting(surrogate.system, axis.name, _middle(axis))
+        for axis in surrogate.numeric
+        if axis.name not in shown
+    ]
+    return f"Held: {', '.join(held)}." if held else ""
+
+
+def regime_note(surrogate: Surrogate, where: str) -> str:
+    """Return the sentence on where the mean means nothing, as another regime is likelier."""
+    others = [name for name in surrogate.regimes.names if name not in surrogate.used]
+    if not others:
+        return ""
+    return (
+        f"{where} another regime ({' or '.join(others)}) is likelier than "
+        f"{' or '.join(surrogate.used)}."
+    )
+
+
+def error_note(surrogate: Surrogate) -> str:
+    """Return the sentence on the error of a surrogate."""
+    return (
+        f"Error of the surrogate: {100 * surrogate.error:.2g} % of the mean size of the "
+        f"observable, from {len(surrogate.process.y)} points, each predicted from the others."
+    )

@@ -1,0 +1,122 @@
+"""The command ``predict``: what a surrogate says at values of its parameters."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from sim.base.errors import InputError
+from sim.report.points import align_table
+from sim.study.load import load_study
+from sim.surrogates.results import find_surrogate
+from sim.surrogates.surrogate import Surrogate
+
+
+def predict(
+    source: Path,
+    at: Sequence[str],
+    of: str | None,
+    extrapolate: bool,
+    format: str,
+    results: Path,
+) -> str:
+    """Return mean, half width and probabilities at some values, as ``table`` or ``json``.
+
+    Parameters
+    ----------
+    source : Path
+        A study file, or a folder of results.
+    at : sequence of str
+        Values as ``parameter=value``, or ``parameter=value,value`` for a row of each.
+    of : str, optional
+        Name or observable of the surrogate; the only one if omitted.
+    extrapolate : bool
+        Predict outside the ranges of the points, too.
+    format : str
+        ``table`` or ``json``.
+    results : Path
+        Folder of all results, for a study file.
+
+    Raises
+    ------
+    InputError
+        When there is no such surrogate, or a value is missing or out of range.
+    """
+    folder = source if source.is_dir() else results / load_study(source, None).name
+    surrogate = find_surrogate(folder, of)
+    answer = surrogate(extrapolate=extrapolate, **_values(surrogate, at))
+    rows = _rows(answer, surrogate.regimes.names)
+    outside = str(answer.attrs.get("outside", ""))
+    if format == "json":
+        document = {
+            "surrogate": surrogate.name,
+            "observable": surrogate.observable,
+            "unit": surrogate.unit,
+            "error": surrogate.error,
+            "outside": outside,
+            "rows": rows,
+        }
+        return json.dumps(document, indent=2, ensure_ascii=False)
+    return "\n".join(_lines(surrogate, rows, outside))
+
+
+def _values(surrogate: Surrogate, at: Sequence[str]) -> dict[str, Any]:
+    """Return the values of the option ``--at`` by parameter: numbers where they are."""
+    values: dict[str, Any] = {}
+    for text in at:
+        name, sign, written = text.partition("=")
+        if not (name and sign and written):
+            raise InputError.of_value("--at", "", text, "PARAMETER=VALUE")
+        if name in values:
+            raise InputError.of_value("--at", name, written, "each parameter once")
+        parts = [_value(surrogate, name, part) for part in written.split(",")]
+        values[name] = parts if len(parts) > 1 else parts[0]
+    return values
+
+
+def _value(surrogate: Surrogate, name: str, text: str) -> Any:
+    """Return a value of a parameter: one of its choices, or a number where it is one."""
+    choices = {str(choice).lower(): choice for choice in surrogate.choices.get(name, ())}
+    if text.lower() in choices:
+        return choices[text.lower()]
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def _rows(answer: xr.Dataset, regimes: Sequence[str]) -> list[dict[str, Any]]:
+    """Return a mapping for each place: parameters, mean, half width, probability by regime."""
+    columns = {name: answer["probability"].sel(regime=name, drop=True) for name in regimes}
+    table = answer.drop_dims("regime").assign(columns)
+    # A single place has no dimension, of which a table needs one.
+    frame = (table if answer["mean"].dims else table.expand_dims("row")).to_dataframe()
+    rows = frame.reset_index().drop(columns="row", errors="ignore").to_dict("records")
+    return [
+        {str(name): value for name, value in row.items() if name not in regimes}
+        | {"probability": {name: row[name] for name in regimes}}
+        for row in rows
+    ]
+
+
+def _lines(surrogate: Surrogate, rows: Sequence[dict[str, Any]], outside: str) -> list[str]:
+    """Return a line for each row, after headings, and what else is to be known."""
+    given = [axis.name for axis in surrogate.axes]
+    unit = "" if surrogate.unit == "1" else f" ({surrogate.unit})"
+    headings = (*given, f"{surrogate.observable}{unit}", "± 95 %", *surrogate.regimes.names)
+    cells = [
+        (
+            *(
+                f"{row[name]:g}" if isinstance(row[name], float) else str(row[name])
+                for name in given
+            ),
+            f"{row['mean']:.4g}",
+            f"{row['half_width']:.2g}",
+            *(f"{chance:.2f}" for chance in row["probability"].values()),
+        )
+        for row in rows
+    ]
+    notes = [f"error of the surrogate {surrogate.name}: {100 * surrogate.error:.2g} %"]
+    return [*align_table(headings, cells, set(headings)), *notes, *([outside] if outside else [])]

@@ -1,0 +1,174 @@
+"""Tables that were measured elsewhere: CSV files beside a study, with units in their headings."""
+
+import csv
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+from sim.base.errors import InputError
+from sim.base.messages import did_you_mean
+from sim.base.units import conversion
+
+#: Pattern of the name of such a file, and what is allowed, for messages: it is published with the
+#: study, so it lies in the folder of the study file.
+FILE, ALLOWED_FILE = r"^[^/\\]+\.csv$", "the name of a CSV file in the folder of the study file"
+
+#: Largest number of rows.
+MAX_ROWS = 10_000
+
+#: Units of number, which a heading may leave out.
+PURE = "1"
+
+_HEADING = re.compile(r"\s*([^()\[\]]*[^()\[\]\s])\s*(?:[(\[]([^()\[\]]*(?:\([^()]*\))?)[)\]])?\s*")
+
+
+@dataclass(frozen=True)
+class MeasuredTable:
+    """The texts of a CSV file, by column.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    lines : tuple of int
+        Line of each row in the file.
+    texts : mapping
+        Texts of each column, by its name.
+    units : mapping
+        Unit in the heading of each column; empty without any.
+    """
+
+    path: Path
+    lines: tuple[int, ...]
+    texts: Mapping[str, tuple[str, ...]]
+    units: Mapping[str, str]
+
+    def require_column(self, name: str, what: str) -> None:
+        """Raise ``InputError`` unless there is a column; ``what`` says what it should hold."""
+        if name not in self.texts:
+            hint = did_you_mean(name, self.texts)
+            allowed = f"{hint}a column {name}, {what}; the file has {', '.join(self.texts)}"
+            raise InputError.of_value(self.path, f"column {name}", None, allowed)
+
+    def error(self, row: int, column: str, value: Any, allowed: str) -> InputError:
+        """Return the error of a value in a row (from 0) of a column."""
+        return InputError.of_value(
+            self.path, f"line {self.lines[row]}, column {column}", value, allowed
+        )
+
+    def numbers(
+        self, column: str, to: str, *, unit: str = "", low: float, high: float, allowed: str = ""
+    ) -> tuple[float, ...]:
+        """Return the numbers of a column, in the unit ``to``.
+
+        Parameters
+        ----------
+        column : str
+            Name of the column.
+        to : str
+            Unit of what is returned, as UDUNITS reads it.
+        unit : str
+            Unit of the column where its heading has none; without both it is ``to``.
+        low, high : float
+            Least and largest number allowed, in the unit ``to``.
+        allowed : str
+            The allowed numbers in words (omitted: the range).
+
+        Raises
+        ------
+        InputError
+            With file, line, column, value and allowed values: for a text that is no number, a
+            number out of range, and a unit that is unknown or of another kind.
+        """
+        factor = self._factor(column, to, unit)
+        allowed = allowed or f"a number in [{low:g}, {high:g}]" + (f" {to}" if to != PURE else "")
+        values = []
+        for row, text in enumerate(self.texts[column]):
+            try:
+                value = factor * float(text)
+            except ValueError:
+                comma = re.fullmatch(r"[-+]?\d+,\d+", text)
+                hint = "; a number has a decimal point, not a comma" if comma else ""
+                raise self.error(row, column, text or None, f"{allowed}{hint}") from None
+            if not isfinite(value) or not low <= value <= high:
+                raise self.error(row, column, text, allowed)
+            values.append(value)
+        return tuple(values)
+
+    def _factor(self, column: str, to: str, unit: str) -> float:
+        """Return the factor from the unit of a column to another."""
+        own = self.units[column]
+        if own and unit and conversion(own, unit) != 1:
+            allowed = f"{own}, as in its heading, or no unit there"
+            raise InputError.of_value(self.path, f"unit of column {column}", unit, allowed)
+        factor = conversion(own or unit or to, to)
+        if factor is None:
+            allowed = "no unit, as it is a pure number" if to == PURE else f"a unit such as {to}"
+            raise InputError.of_value(self.path, f"unit of column {column}", own or unit, allowed)
+        return factor
+
+
+def read_measured(path: Path) -> MeasuredTable:
+    """Read a CSV file: a heading per column, as ``velocity (m/s)``, and a row per measurement.
+
+    Empty lines, and those that begin with ``#``, are left out.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, empty, larger than allowed or no table, with file and line.
+    """
+    if not path.is_file():
+        # Opening a device may have an effect, and reading a pipe may never end.
+        raise InputError(f"{path}: no such file")
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            reader = csv.reader(file, strict=True, skipinitialspace=True)
+            rows = []
+            for row in reader:
+                texts = [text.strip() for text in row]
+                if any(texts) and not texts[0].startswith("#"):
+                    rows.append((reader.line_num, texts))
+                if len(rows) > MAX_ROWS + 1:
+                    raise InputError(f"{path}: more than {MAX_ROWS:,} rows")
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror or error}") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not a text file (UTF-8 expected)") from None
+    except csv.Error as error:
+        raise InputError(f"{path}: line {reader.line_num}: not readable as CSV: {error}") from None
+    if len(rows) < 2:
+        found = "the file is empty" if not rows else "the file has headings alone"
+        raise InputError(f"{path}: {found}; allowed: a line of headings, and a row for each value")
+    (heading_line, headings), *rest = rows
+    names, units = _read_headings(path, heading_line, headings)
+    for line, texts in rest:
+        if len(texts) != len(names):
+            allowed = f"{len(names)} values with commas between, as there are headings"
+            raise InputError.of_value(path, f"line {line}", ", ".join(texts), allowed)
+    columns = zip(*(texts for _, texts in rest), strict=True)
+    return MeasuredTable(
+        path,
+        tuple(line for line, _ in rest),
+        dict(zip(names, columns, strict=True)),
+        dict(zip(names, units, strict=True)),
+    )
+
+
+def _read_headings(path: Path, line: int, headings: list[str]) -> tuple[list[str], list[str]]:
+    """Return the names of the columns, and their units or empty texts."""
+    names, units = [], []
+    for heading in headings:
+        match = _HEADING.fullmatch(heading)
+        if match is None or ";" in heading or "\t" in heading:
+            allowed = "headings such as velocity (m/s), with commas between"
+            raise InputError.of_value(path, f"line {line}", heading or None, allowed)
+        if match[1] in names:
+            allowed = "a heading that no other column has"
+            raise InputError.of_value(path, f"line {line}", heading, allowed)
+        names.append(match[1])
+        units.append((match[2] or "").strip())
+    return names, units

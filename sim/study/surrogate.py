@@ -1,0 +1,127 @@
+"""Entries under ``surrogate`` of a study file, and what a study knows of its surrogates."""
+
+from collections.abc import Container, Iterator
+from dataclasses import dataclass
+from itertools import islice, takewhile
+from typing import Any, Literal, Self
+
+from pydantic import Field, model_validator
+
+from sim.parameters import Parameters, point_id
+from sim.parameters.common import Real, broken_rule
+from sim.study.design import Axis, Design
+from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional
+
+#: Most points of a surrogate: the time of a fit grows with the cube of their number.
+MOST_POINTS = 3000
+
+#: Most rounds of a study: a budget ends them long before.
+MOST_ROUNDS = 1000
+
+#: Points of a design that are drawn at a time.
+_CHUNK = 64
+
+Regime = Literal["steady", "accelerating", "arrested", "mixed", "undetermined"]
+
+
+class SurrogateFile(Strict):
+    """A surrogate: an observable anywhere between the points of a series, with its error."""
+
+    name: str = Field(
+        pattern=NAME,
+        max_length=40,
+        description="name of the surrogate and of its file, unique in the study",
+        json_schema_extra=ALLOWED_NAME,
+    )
+    series: str = Field(description="series whose points it goes through")
+    observable: str = Field("velocity", description="observable, any number of `plots`")
+    regimes: list[Regime] = Field(
+        ["steady", "mixed"],
+        min_length=1,
+        description="regimes whose points the mean is of; others count for the probabilities alone",
+    )
+    error: Real = optional(
+        "error at which rounds of further points end, relative to the mean size of the observable; "
+        "with budget, of a design that grows",
+        gt=0,
+        le=1,
+    )
+    budget: Real = optional("core hours that rounds may add", gt=0, le=1e6)
+    batch: int = Field(4, description="points that a round adds", ge=1, le=1000)
+
+    @model_validator(mode="after")
+    def _require_error_and_budget(self) -> Self:
+        for key, other in (("error", "budget"), ("budget", "error")):
+            if getattr(self, key) is None and getattr(self, other) is not None:
+                raise broken_rule(key, None, f"a number, as {other} is given: rounds need both")
+        return self
+
+
+@dataclass(frozen=True)
+class SurrogateSpec:
+    """A surrogate of a study.
+
+    Attributes
+    ----------
+    name, series, observable : str
+        Its name, the series of its points, and what it is of.
+    system : str
+        System of the series.
+    axes : tuple of Axis
+        Parameters that the points vary.
+    regimes : tuple of str
+        Regimes whose points the mean is of.
+    error, budget : float
+        Error at which rounds end, and core hours that they may add; 0 without rounds.
+    batch : int
+        Points that a round adds.
+    design : Design, optional
+        Design of the series; its further points are those of rounds.
+    figures : tuple of str
+        Figures of papers that points of rounds feed.
+    """
+
+    name: str
+    series: str
+    observable: str
+    system: str
+    axes: tuple[Axis, ...]
+    regimes: tuple[str, ...] = ("steady", "mixed")
+    error: float = 0.0
+    budget: float = 0.0
+    batch: int = 4
+    design: Design | None = None
+    figures: tuple[str, ...] = ()
+
+    @property
+    def has_rounds(self) -> bool:
+        """Whether rounds add points."""
+        return self.error > 0
+
+    @property
+    def file(self) -> str:
+        """Path of its file in the results of the study."""
+        return f"surrogates/{self.name}.nc"
+
+    @property
+    def settings(self) -> tuple[Any, ...]:
+        """What it and its rounds depend on besides runs; rules rerun when this changes."""
+        axes = [(axis.name, axis.low, axis.high, axis.scale, axis.choices) for axis in self.axes]
+        rounds = (self.error, self.budget, self.batch)
+        return (self.name, self.series, self.observable, axes, self.regimes, *rounds)
+
+    def further(self) -> Iterator[tuple[str, Parameters]]:
+        """Yield the points of the design beyond those of the study file, in order, with ids."""
+        assert self.design, "only a design goes on"
+        for start in range(0, MOST_POINTS, _CHUNK):
+            for point in self.design.points(_CHUNK, after=self.design.size + start):
+                yield point_id(point), point
+
+    def added(self, known: Container[str]) -> dict[str, Parameters]:
+        """Return the further points that rounds have added: those before the first unknown one."""
+        return dict(takewhile(lambda pair: pair[0] in known, self.further()))
+
+    def next_batch(self, known: Container[str]) -> dict[str, Parameters]:
+        """Return the next further points that are not known, as many as a round adds."""
+        unknown = (pair for pair in self.further() if pair[0] not in known)
+        return dict(islice(unknown, self.batch))

@@ -1,0 +1,275 @@
+"""Questions to surrogates: what matters, and which parameters measurements allow."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from sim.base.errors import InputError
+from sim.base.messages import did_you_mean
+from sim.parameters import SYSTEMS, field_info
+from sim.study.calibration import CalibrateFile, CalibrationSpec
+from sim.study.catalogue import FIGURES
+from sim.study.design import Axis, block_size
+from sim.study.figure_spec import FigureSpec
+from sim.study.file import StudyFile
+from sim.study.measured import PURE, MeasuredTable, read_measured
+from sim.study.model import Study
+from sim.study.plot_contents import name_in_words
+from sim.study.plottable import Observable, find_observable, numbers
+from sim.study.sensitivity import FEWEST_BLOCKS, SensitivityFile, SensitivitySpec
+from sim.study.surrogate import SurrogateSpec
+
+#: A question.
+Spec = SensitivitySpec | CalibrationSpec
+
+#: Least error and largest number of a measurement.
+_TINY, _HUGE = 1e-100, 1e100
+
+
+def ask_surrogates(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
+    """Return the study with its sensitivities and calibrations, and pictures of the answers.
+
+    The measurements are read here, before anything runs.
+
+    Raises
+    ------
+    InputError
+        For a name that is taken; a surrogate, series, observable or parameter that is not there or
+        does not fit; and measurements that cannot be used, with file, line and column.
+    """
+    entries = dict(study.entries)
+    answers: dict[str, dict[str, Any]] = {"sensitivity": {}, "calibrate": {}}
+    data = list(study.data)
+    for path, file in files:
+        for key, kind in (("sensitivity", _Sensitivity), ("calibrate", _Calibration)):
+            for index, entry in enumerate(getattr(file, key) or []):
+                question: Any = kind(study, entry, path, f"{key}[{index}]")
+                if entry.name.lower() in map(str.lower, answers[key]):
+                    raise question.error("name", entry.name, f"a name that no other {key} has")
+                answers[key][entry.name] = spec = question.spec()
+                data += [spec.path] if isinstance(spec, CalibrationSpec) else []
+                for picture in question.pictures(spec):
+                    if picture.name.lower() in (*map(str.lower, entries), *map(str.lower, FIGURES)):
+                        allowed = f"a name with which no other figure is called {picture.name}"
+                        raise question.error("name", entry.name, allowed)
+                    entries[picture.name] = picture
+    return replace(
+        study,
+        sensitivities=tuple(answers["sensitivity"].values()),
+        calibrations=tuple(answers["calibrate"].values()),
+        entries=entries,
+        data=tuple(dict.fromkeys(data)),
+    )
+
+
+class _Asked:
+    """An entry at a ``place`` of a study file."""
+
+    def __init__(self, study: Study, entry: Any, path: Path, place: str):
+        self.study, self.entry, self.path, self.place = study, entry, path, place
+
+    def error(self, key: str, value: Any, allowed: str) -> InputError:
+        """Return the error of a key of the entry."""
+        return InputError.of_value(self.path, f"{self.place}.{key}", value, allowed)
+
+    def surrogate(self) -> SurrogateSpec:
+        """Return the surrogate that the entry names; its parameters must all be numbers."""
+        named = {one.name: one for one in self.study.surrogates}
+        name = self.entry.surrogate
+        if name not in named:
+            allowed = "one of " + ", ".join(named) if named else "the name of a surrogate"
+            raise self.error("surrogate", name, did_you_mean(name, named) + allowed)
+        for axis in named[name].axes:
+            if not axis.is_number:
+                got = f"{name}, which varies {axis.name}"
+                raise self.error("surrogate", got, "a surrogate whose parameters are all numbers")
+        return named[name]
+
+    def picture(self, spec: Spec, kind: str, title: str, lead: str) -> FigureSpec:
+        """Return the entry of a picture of the answer."""
+        unit = numbers(spec.of.system)[spec.of.observable].unit
+        return FigureSpec(
+            name=f"{spec.name}-{kind}",
+            kind=kind,
+            paper="",
+            system=spec.of.system,
+            title=f"{title}, {spec.name}",
+            lead=lead,
+            series=(spec.of.series,),
+            options={"answer": spec.file, "settings": spec.settings, "unit": unit},
+        )
+
+
+class _Sensitivity(_Asked):
+    """An entry under ``sensitivity``."""
+
+    entry: SensitivityFile
+
+    def spec(self) -> SensitivitySpec:
+        """Return the question."""
+        if self.entry.surrogate is not None:
+            return SensitivitySpec(self.entry.name, self.surrogate())
+        name = self.entry.series
+        design = self.study.designs.get(name)
+        if design is None or design.kind not in ("saltelli", "morris"):
+            known = [key for key, one in self.study.designs.items() if block_size(one.kind, 2) > 1]
+            hint = f": {', '.join(known)}" if known else ""
+            allowed = f"a series whose design is of kind saltelli or morris{hint}"
+            raise self.error("series", name, allowed)
+        block = block_size(design.kind, len(design.axes))
+        if design.size < FEWEST_BLOCKS * block:
+            got = f"{name} of {design.size} points"
+            raise self.error("series", got, f"a design of {FEWEST_BLOCKS * block} points or more")
+        system = self.study.points[self.study.series[name][0]].parameters.system
+        observable = self.entry.observable or "velocity"
+        find_observable("curves", "observable", observable, system, self.error)
+        regimes = tuple(dict.fromkeys(self.entry.regimes or ("steady",)))
+        of = SurrogateSpec(self.entry.name, name, observable, system, design.axes, regimes)
+        return SensitivitySpec(self.entry.name, of, design)
+
+    def pictures(self, spec: SensitivitySpec) -> Iterator[FigureSpec]:
+        """Yield the pictures of the answer."""
+        observable = numbers(spec.of.system)[spec.of.observable]
+        what = name_in_words(observable.name)
+        source = f"surrogate {spec.of.name}" if spec.design is None else f"series {spec.of.series}"
+        if spec.is_screening:
+            yield self.picture(
+                spec,
+                "screening",
+                f"Screening of what changes the {what}",
+                f"Elementary effects of each parameter on {what} ({observable.meaning}), from the "
+                f"runs of the {source}.",
+            )
+            return
+        yield self.picture(
+            spec,
+            "indices",
+            f"What the {what} depends on",
+            f"Sobol' indices of {what} ({observable.meaning}), from the {source}.",
+        )
+        if spec.design is None and len(spec.of.axes) > 1:
+            yield self.picture(
+                spec,
+                "interactions",
+                f"What acts together on the {what}",
+                f"Second-order Sobol' indices of {what} ({observable.meaning}), from the {source}.",
+            )
+
+
+class _Calibration(_Asked):
+    """An entry under ``calibrate``."""
+
+    entry: CalibrateFile
+
+    def spec(self) -> CalibrationSpec:
+        """Return the question, with its measurements."""
+        surrogate = self.surrogate()
+        observable = numbers(surrogate.system)[surrogate.observable]
+        axes = {axis.name: axis for axis in surrogate.axes}
+        for name, (low, high) in self.entry.parameters.items():
+            if name not in axes:
+                allowed = did_you_mean(name, axes) + "one of " + ", ".join(axes)
+                raise self.error(f"parameters.{name}", [low, high], allowed)
+            if low < axes[name].low or high > axes[name].high:
+                ends = f"[{axes[name].low:g}, {axes[name].high:g}]"
+                allowed = f"a range within {ends}, that of surrogate {surrogate.name}"
+                raise self.error(f"parameters.{name}", [low, high], allowed)
+        table = read_measured(self.path.parent / self.entry.data)
+        for name in self.entry.units:
+            table.require_column(name, "as units has it")
+        values, errors = self._measurements(table, observable)
+        conditions = {
+            name: self._condition(table, axis, surrogate)
+            for name, axis in axes.items()
+            if name not in self.entry.parameters
+        }
+        self._require_other_columns(table, surrogate)
+        ranges = {name: (float(a), float(b)) for name, (a, b) in self.entry.parameters.items()}
+        return CalibrationSpec(
+            self.entry.name, surrogate, ranges, conditions, values, errors, table.path
+        )
+
+    def _measurements(
+        self, table: MeasuredTable, observable: Observable
+    ) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Return what was measured and its errors, in the unit of the observable."""
+        name, units = self.entry.observable or observable.name, self.entry.units
+        column = self.entry.error or f"{name}_error"
+        table.require_column(name, "what was measured")
+        table.require_column(column, f"the standard error of {name}; error: names another")
+        unit = units.get(name, "")
+        values = table.numbers(
+            name, observable.unit, unit=unit, low=-_HUGE, high=_HUGE, allowed="a number"
+        )
+        # Errors are in the unit of what was measured, unless they have one of their own.
+        of_errors = units.get(column, "" if table.units[column] else unit or table.units[name])
+        errors = table.numbers(
+            column, observable.unit, unit=of_errors, low=_TINY, high=_HUGE, allowed="an error > 0"
+        )
+        return values, errors
+
+    def _condition(
+        self, table: MeasuredTable, axis: Axis, surrogate: SurrogateSpec
+    ) -> tuple[float, ...]:
+        """Return the values of a parameter at each measurement."""
+        table.require_column(
+            axis.name, f"as surrogate {surrogate.name} varies it and parameters does not name it"
+        )
+        unit = field_info(SYSTEMS[surrogate.system])[axis.name].unit
+        allowed = (
+            f"a number in [{axis.low:g}, {axis.high:g}]"
+            + (f" {unit}" if unit != PURE else "")
+            + f", the range of surrogate {surrogate.name}"
+        )
+        own = self.entry.units.get(axis.name, "")
+        return table.numbers(
+            axis.name, unit, unit=own, low=axis.low, high=axis.high, allowed=allowed
+        )
+
+    def _require_other_columns(self, table: MeasuredTable, surrogate: SurrogateSpec) -> None:
+        """Refuse columns of parameters that are looked for, or that no run has these values of."""
+        fields = field_info(SYSTEMS[surrogate.system])
+        axes = {axis.name for axis in surrogate.axes} - self.entry.parameters.keys()
+        points = [self.study.points[key].parameters for key in self.study.series[surrogate.series]]
+        for name in table.texts:
+            if name not in fields or name in axes:
+                continue
+            if name in self.entry.parameters:
+                allowed = f"parameters that {table.path.name} has no column of"
+                raise self.error(f"parameters.{name}", self.entry.parameters[name], allowed)
+            fixed = getattr(points[0], name)
+            if type(fixed) not in (int, float):
+                continue
+            allowed = f"{fixed:g}, as all points of series {surrogate.series} have"
+            own, slack = self.entry.units.get(name, ""), 1e-6 * abs(fixed)
+            ends = {"low": fixed - slack, "high": fixed + slack}
+            table.numbers(name, fields[name].unit, unit=own, allowed=allowed, **ends)
+
+    def pictures(self, spec: CalibrationSpec) -> Iterator[FigureSpec]:
+        """Yield the pictures of the answer."""
+        observable = numbers(spec.of.system)[spec.of.observable]
+        what = name_in_words(observable.name)
+        source = f"surrogate {spec.of.name}"
+        names = ", ".join(name_in_words(name) for name in spec.ranges)
+        yield self.picture(
+            spec,
+            "posterior",
+            f"Which {names} the measurements allow",
+            f"Posterior of {names} from {len(spec.values)} measurements of {what} "
+            f"({observable.meaning}), by the {source}.",
+        )
+        yield self.picture(
+            spec,
+            "predictions",
+            f"{what.capitalize()} measured and calibrated",
+            f"{what.capitalize()} ({observable.meaning}): measurements, and what the calibrated "
+            f"{source} says of each.",
+        )
+        if any(len(set(one)) > 1 for one in spec.conditions.values()):
+            yield self.picture(
+                spec,
+                "experiment",
+                "The next experiment",
+                f"Where a further measurement of {what} would narrow the posterior of {names}.",
+            )

@@ -1,0 +1,1 @@
+"""Answers between the runs of a study: surrogates with errors, and the rounds that they ask for."""

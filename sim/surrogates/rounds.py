@@ -1,0 +1,114 @@
+"""Rounds of further points: those that boundaries and surrogates ask for, given all runs so far."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+
+from sim.base.errors import InputError
+from sim.base.files import atomic_write
+from sim.dataset.boundaries import added_points
+from sim.dataset.rounds import read_round
+from sim.parameters import Parameters, canonical_values
+from sim.study.cost import estimate
+from sim.study.load import Study, load_study
+from sim.study.surrogate import SurrogateSpec
+
+
+def write_round(study_path: str | Path, number: int, results: str | Path = "results") -> Path:
+    """Write the points that a round adds to ``results/<study>/rounds/<number>.json``.
+
+    Parameters
+    ----------
+    study_path : str or Path
+        The study file.
+    number : int
+        Number of the round, from 1; the runs and the files of all rounds before it must be there.
+    results : str or Path
+        Folder of all results.
+
+    Returns
+    -------
+    Path
+        The file written: parameters by id of the point, none where the rounds have ended. It
+        appears complete or not at all.
+
+    Raises
+    ------
+    InputError
+        When the study has no such round, or a run file is missing or is not one.
+    """
+    study = load_study(study_path, results)
+    if not 1 <= number <= study.rounds:
+        allowed = f"a round of the study, 1 to {study.rounds}" if study.rounds else "none"
+        raise InputError.of_value("ROUND", "", number, allowed)
+    folder = Path(results) / study.name
+    points = round_points(study, number, folder)
+    text = json.dumps({key: canonical_values(point) for key, point in points.items()}, indent=1)
+    output = folder / "rounds" / f"{number}.json"
+    output.parent.mkdir(parents=True, exist_ok=True)
+    with atomic_write(output) as temporary:
+        temporary.write_text(text + "\n", encoding="utf-8")
+    return output
+
+
+def round_points(study: Study, number: int, folder: Path) -> dict[str, Parameters]:
+    """Return the points by id that a round adds to all before it.
+
+    They depend only on the runs of the points before it, so every call gives the same points.
+    """
+    searched = max((boundary.rounds for boundary in study.boundaries), default=0)
+    points = added_points(study, number, folder / "runs") if number <= searched else {}
+    asking = [one for one in study.surrogates if one.has_rounds]
+    if not asking:
+        return points
+    known = {key: point.parameters for key, point in study.points.items()}
+    for earlier in range(1, number):
+        known |= read_round(folder / "rounds" / f"{earlier}.json")
+    for one in asking:
+        points |= further_points(study, one, known, folder)
+    return {key: point for key, point in points.items() if key not in known}
+
+
+def further_points(
+    study: Study, spec: SurrogateSpec, known: Mapping[str, Parameters], folder: Path
+) -> dict[str, Parameters]:
+    """Return the next points of a surrogate's design, none where its error or budget is reached.
+
+    Parameters
+    ----------
+    study : Study
+        The study.
+    spec : SurrogateSpec
+        The surrogate.
+    known : mapping
+        All points so far, by id; their runs must be there.
+    folder : Path
+        Results of the study.
+    """
+    # Imported here, as rounds of boundaries need none of it.
+    from sim.dataset.build import gather_results
+    from sim.surrogates.fitting import FEWEST_POINTS, fit_surrogate
+    from sim.surrogates.sample import included, sample_points
+
+    first = {key: known[key] for key in study.series[spec.series]}
+    added = spec.added(known)
+    members = first | added
+    sample = sample_points(gather_results(study, folder, spec.series, members), spec)
+    is_enough = included(sample, spec.regimes).sum() >= FEWEST_POINTS
+    if is_enough and fit_surrogate(spec, sample).error <= spec.error:
+        return {}
+    hours = sample["core_hours"].to_series()
+    estimated = sum(_hours(point) for point in members.values())
+    factor = float(hours.sum()) / estimated or 1.0
+    left = spec.budget - float(hours[list(added)].sum())
+    batch = {}
+    for key, point in spec.next_batch(known).items():
+        left -= factor * _hours(point)
+        if left < 0:
+            break
+        batch[key] = point
+    return batch
+
+
+def _hours(point: Parameters) -> float:
+    return estimate(point).core_seconds / 3600

@@ -1,0 +1,147 @@
+"""What a surrogate learns from: mean, error and regime of each point of a series."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from sim.base.errors import InputError
+from sim.base.statistics import MANY, student
+from sim.dataset.observed import replicate_values
+from sim.dataset.replicates import SCALARS, outcomes
+from sim.dataset.results import Results
+from sim.parameters import NUMERICAL, SYSTEMS
+from sim.study.design import Axis
+from sim.study.plottable import numbers
+from sim.study.surrogate import SurrogateSpec
+
+#: Fewest degrees of freedom, over all points, from which the scatter between replicates is known.
+_ENOUGH_FREEDOM = 3
+
+
+def sample_points(results: Results, spec: SurrogateSpec) -> xr.Dataset:
+    """Return what the runs of a surrogate's series say, over ``point``.
+
+    Parameters
+    ----------
+    results : Results
+        The runs.
+    spec : SurrogateSpec
+        The surrogate.
+
+    Returns
+    -------
+    xarray.Dataset
+        A variable for each axis; ``mean`` of the observable (SI; NaN without a value),
+        ``standard_error`` of the mean, ``replicates`` that completed, ``regime``, and
+        ``core_hours``. Attribute ``scatter`` is 1 where the scatter between initial states is not
+        known, as every point has a single replicate. The standard errors then leave it out.
+        Attribute ``fixed`` maps the parameters that are the same at all points to their values.
+
+    Raises
+    ------
+    InputError
+        When the series has no point in the results.
+    """
+    dataset = results.dataset
+    is_member = [spec.series in str(names).split() for names in dataset["series"].values]
+    rows = dataset.isel(point=np.flatnonzero(is_member & (dataset["system"].values == spec.system)))
+    points = [str(point) for point in rows["point"].values]
+    if not points:
+        raise InputError(f"{spec.name}: no point of the series {spec.series} in the results")
+    summaries = outcomes(rows[[name for name in SCALARS if name in rows]])
+    values = replicate_values(results, numbers(spec.system)[spec.observable], points)
+    own = np.zeros(len(points))
+    if spec.observable == "velocity":
+        widths = rows["velocity_half_width"].where(rows["status"] == "completed").values
+        counts = np.maximum(1, np.isfinite(widths).sum(axis=1))
+        own = np.sqrt(np.nansum(widths**2, axis=1)) / counts / student(MANY)
+    errors, is_unknown = standard_errors(values, own)
+    threads = np.nan_to_num(rows["threads"].values.astype(float), nan=1.0)
+    columns = {axis.name: rows[axis.name].values for axis in spec.axes} | {
+        "mean": np.array([row.mean() if row.size else np.nan for row in values]),
+        "standard_error": errors,
+        "replicates": np.array([row.size for row in values]),
+        "regime": np.array([summary["regime"] for summary in summaries], dtype=object),
+        "core_hours": np.nansum(rows["wall_time"].values, axis=1) * threads / 3600,
+    }
+    variables = {name: ("point", column) for name, column in columns.items()}
+    attributes = {"scatter": int(is_unknown), "fixed": _fixed(rows, spec)}
+    return xr.Dataset(variables, {"point": points}, attributes)
+
+
+def _fixed(rows: xr.Dataset, spec: SurrogateSpec) -> dict[str, Any]:
+    """Return the parameters that flows depend on and that are the same at all points."""
+    varied = {axis.name for axis in spec.axes}
+    names = [name for name in SYSTEMS[spec.system].model_fields if name not in NUMERICAL | varied]
+    values = {name: list(dict.fromkeys(rows[name].values.tolist())) for name in names}
+    return {name: found[0] for name, found in values.items() if len(found) == 1}
+
+
+def included(sample: xr.Dataset, used: tuple[str, ...]) -> np.ndarray:
+    """Return which points have a mean and one of the regimes ``used``, (n,)."""
+    is_used = np.isin(sample["regime"].values.astype(str), used)
+    return is_used & np.isfinite(sample["mean"].values)
+
+
+def unit_cube(axes: tuple[Axis, ...], columns: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Return values (n,) of parameters in the unit cube, (n, d).
+
+    Words and switches have a dimension for each value, or one where there are two.
+    """
+    parts = []
+    for axis in axes:
+        values = columns[axis.name]
+        if not axis.is_number:
+            shown = axis.choices[1:] if len(axis.choices) == 2 else axis.choices
+            parts += [np.asarray(values == choice, dtype=float) for choice in shown]
+            continue
+        low, high, numbers = axis.low, axis.high, np.asarray(values, dtype=float)
+        if axis.scale == "log":
+            low, high, numbers = np.log(low), np.log(high), np.log(numbers)
+        parts.append((numbers - low) / (high - low))
+    return np.column_stack(parts)
+
+
+def standard_errors(values: Sequence[np.ndarray], own: np.ndarray) -> tuple[np.ndarray, bool]:
+    """Return the standard error of each point's mean, and whether it leaves out the scatter.
+
+    Few replicates may agree by accident, so the variance of each point is moderated by that of all
+    (Smyth 2004, Stat. Appl. Genet. Mol. Biol. 3, 3): the more alike points are, the more. A point
+    with one replicate has the common variance. If no point has more, the scatter between initial
+    states is not known, and the errors within the runs are all there is.
+
+    Parameters
+    ----------
+    values : sequence of numpy.ndarray
+        Values of the replicates of each point, (R,).
+    own : numpy.ndarray
+        Standard error of each mean as known from within the runs, (n,); 0 where it is not known.
+    """
+    counts = np.array([row.size for row in values])
+    variances = np.array([row.var(ddof=1) if row.size > 1 else np.nan for row in values])
+    freedom = np.maximum(counts - 1, 0)
+    if freedom[variances > 0].sum() < _ENOUGH_FREEDOM:
+        scattered = np.sqrt(np.nan_to_num(variances) / np.maximum(counts, 1))
+        return np.maximum(own, scattered), not (freedom.sum() >= _ENOUGH_FREEDOM)
+    moderated = _moderate(variances, freedom)
+    return np.maximum(own, np.sqrt(moderated / np.maximum(counts, 1))), False
+
+
+def _moderate(variances: np.ndarray, freedom: np.ndarray) -> np.ndarray:
+    """Return the variances (n,) moderated by their common distribution, for all points."""
+    # Imported here: reading a surrogate's file needs none of it.
+    from scipy.optimize import brentq
+    from scipy.special import digamma, polygamma
+
+    scattered = variances > 0
+    half = freedom[scattered] / 2
+    logs = np.log(variances[scattered]) - digamma(half) + np.log(half)
+    excess = (logs.var(ddof=1) if logs.size > 1 else 0.0) - polygamma(1, half).mean()
+    if excess <= polygamma(1, 1e4):
+        return np.full(len(variances), np.exp(logs.mean()))
+    prior = brentq(lambda x: float(polygamma(1, x)) - excess, 1e-3, 1e4)
+    common = np.exp(logs.mean() + digamma(prior) - np.log(prior))
+    known = np.nan_to_num(variances) * freedom
+    return (2 * prior * common + known) / (2 * prior + freedom)

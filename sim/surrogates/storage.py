@@ -1,0 +1,119 @@
+"""Surrogates as files: arrays and JSON in netCDF, from which the same predictions follow."""
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from sim.base.files import atomic_write
+from sim.base.seals import append_summary, checked_read, seal
+from sim.study.design import Axis
+from sim.surrogates.process import Process
+from sim.surrogates.regimes import Regimes
+from sim.surrogates.sample import included, unit_cube
+from sim.surrogates.surrogate import Surrogate
+
+#: Value of the attribute ``format`` of such a file.
+FORMAT = "talus surrogate 1"
+
+#: Attributes of a surrogate that are words.
+_WORDS = ("name", "observable", "unit", "meaning", "system")
+
+
+def save(surrogate: Surrogate, path: Path) -> None:
+    """Write a surrogate; the file appears complete or not at all.
+
+    Its end has a summary, which is read without opening it.
+    """
+    process, regimes = surrogate.process, surrogate.regimes
+    words = {name: getattr(surrogate, name) for name in _WORDS}
+    about = words | {
+        "axes": [asdict(axis) for axis in surrogate.axes],
+        "fixed": dict(surrogate.fixed),
+        "used": surrogate.used,
+        "is_log": process.is_log,
+        "has_scatter": process.has_scatter,
+        "widening": process.widening,
+    }
+    file = surrogate.sample.assign(
+        theta=("number", process.theta),
+        regime_theta=(("process", "regime_number"), regimes.theta),
+    )
+    file.attrs = {
+        "format": FORMAT,
+        "about": json.dumps(about, ensure_ascii=False),
+        "error": surrogate.error,
+        "coverage": surrogate.coverage,
+    }
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with atomic_write(path) as temporary:
+        file.to_netcdf(temporary, engine="netcdf4")
+        append_summary(temporary, _summary(surrogate))
+        seal(temporary)
+
+
+def load(path: Path) -> Surrogate:
+    """Read a surrogate.
+
+    Raises
+    ------
+    InputError
+        When there is no such file, or it is damaged or no surrogate. In the results of a study it
+        is then set aside, so that the study makes it again.
+    """
+    is_of_study = (path.parent.parent / "runs").is_dir()
+    with checked_read(path, "surrogate", replaceable=is_of_study, sealed=True):
+        with xr.open_dataset(path, engine="netcdf4") as file:
+            stored = file.load()
+        if stored.attrs.get("format") != FORMAT:
+            raise ValueError(f"its format is not {FORMAT}")
+        return _surrogate(stored, json.loads(stored.attrs["about"]))
+
+
+def _surrogate(stored: xr.Dataset, about: dict[str, Any]) -> Surrogate:
+    axes = tuple(
+        Axis(**row | {"choices": tuple(row["choices"]), "normal": _pair(row["normal"])})
+        for row in about["axes"]
+    )
+    sample = stored.drop_vars(["theta", "regime_theta"])
+    sample.attrs = {"scatter": int(about["has_scatter"]), "fixed": about["fixed"]}
+    used = tuple(about["used"])
+    chosen = included(sample, used)
+    x = unit_cube(axes, {axis.name: sample[axis.name].values for axis in axes})
+    process = Process(
+        x[chosen],
+        sample["mean"].values[chosen],
+        sample["standard_error"].values[chosen] ** 2,
+        is_log=bool(about["is_log"]),
+        has_scatter=bool(about["has_scatter"]),
+        theta=stored["theta"].values,
+        widening=float(about["widening"]),
+    )
+    regimes = Regimes(x, sample["regime"].values, np.atleast_2d(stored["regime_theta"].values))
+    words: dict[str, Any] = {name: str(about[name]) for name in _WORDS}
+    return Surrogate(
+        **words,
+        axes=axes,
+        fixed=about["fixed"],
+        used=used,
+        sample=sample,
+        process=process,
+        regimes=regimes,
+    )
+
+
+def _pair(values: list[float] | None) -> tuple[float, float] | None:
+    return None if values is None else (values[0], values[1])
+
+
+def _summary(surrogate: Surrogate) -> dict[str, Any]:
+    left = ", ".join(f"{count} {name}" for name, count in surrogate.counts.items())
+    line = (
+        f"surrogate {surrogate.name}: {len(surrogate.process.y)} points"
+        + (f" ({left} left out)" if left else "")
+        + f", error {100 * surrogate.error:.2g} %, {surrogate.hours:.2g} core hours"
+    )
+    return {"line": line, "error": surrogate.error, "points": len(surrogate.process.y)}

@@ -1,0 +1,284 @@
+"""A surrogate: mean, error and probability of each regime between the points of a series."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from sim.base.errors import InputError
+from sim.base.messages import did_you_mean
+from sim.base.statistics import MANY, student
+from sim.study.design import Axis
+from sim.surrogates.process import Process, deviations
+from sim.surrogates.regimes import Regimes
+from sim.surrogates.sample import included, unit_cube
+
+#: Share of a range by which a value may be outside it: sums of steps need not end on it.
+_SLACK = 1e-9
+
+
+@dataclass(frozen=True)
+class Surrogate:
+    """A surrogate of an observable; called with values of its parameters, it predicts.
+
+    Attributes
+    ----------
+    name, observable, unit, meaning, system : str
+        Its name; what it is of, in which SI unit; the system of its points.
+    axes : tuple of Axis
+        Parameters that the points vary.
+    fixed : mapping
+        Parameters that are the same at all points, by name.
+    used : tuple of str
+        Regimes whose points the mean is of.
+    sample : xarray.Dataset
+        Its points, see `sim.surrogates.sample.sample_points`.
+    process : Process
+        The mean.
+    regimes : Regimes
+        The probability of each regime.
+    setting : mapping
+        Values of parameters that are words or switches, where they are chosen.
+    """
+
+    name: str
+    observable: str
+    unit: str
+    meaning: str
+    system: str
+    axes: tuple[Axis, ...]
+    fixed: Mapping[str, Any]
+    used: tuple[str, ...]
+    sample: xr.Dataset
+    process: Process = field(repr=False)
+    regimes: Regimes = field(repr=False)
+    setting: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def numeric(self) -> tuple[Axis, ...]:
+        """The axes that are numbers."""
+        return tuple(axis for axis in self.axes if axis.is_number)
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the parameters that are numbers, in order."""
+        return tuple(axis.name for axis in self.numeric)
+
+    @property
+    def bounds(self) -> np.ndarray:
+        """Lowest and highest value of each of them, (k, 2)."""
+        return np.array([(axis.low, axis.high) for axis in self.numeric], dtype=float)
+
+    @property
+    def scales(self) -> tuple[str, ...]:
+        """Scale of each of them, ``linear`` or ``log``."""
+        return tuple(axis.scale for axis in self.numeric)
+
+    @property
+    def choices(self) -> dict[str, tuple[Any, ...]]:
+        """Values of the parameters that are words or switches and are not set, by name."""
+        return {
+            axis.name: axis.choices
+            for axis in self.axes
+            if not axis.is_number and axis.name not in self.setting
+        }
+
+    def at(self, **setting: Any) -> "Surrogate":
+        """Return the surrogate at values of parameters that are words or switches."""
+        for name, value in setting.items():
+            if name not in self.choices:
+                allowed = "one of " + ", ".join(self.choices) if self.choices else "none"
+                raise InputError.of_value(self.name, "parameter", name, allowed)
+            if value not in self.choices[name]:
+                allowed = "one of " + ", ".join(map(str, self.choices[name]))
+                raise InputError.of_value(self.name, name, value, allowed)
+        return replace(self, setting={**self.setting, **setting})
+
+    def predict(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return mean and standard deviation of the mean (n,), in the unit of the observable.
+
+        Parameters
+        ----------
+        x : numpy.ndarray
+            Values of `parameters`, (n, k), in the units of study files. They are not checked.
+        """
+        return self.process.predict(self._cube(x))
+
+    def probability(self, x: np.ndarray) -> np.ndarray:
+        """Return the probability of each of ``regimes.names`` at points as of `predict`, (m, n)."""
+        return self.regimes.probability(self._cube(x))
+
+    def __call__(self, *, extrapolate: bool = False, **values: Any) -> xr.Dataset:
+        """Predict at values of the parameters.
+
+        Parameters
+        ----------
+        extrapolate : bool
+            Predict outside the ranges, too; an attribute says how far outside.
+        **values
+            A number, a list of numbers, or an `xarray.DataArray` for each parameter, in the units
+            of study files. A list becomes a dimension of the parameter's name. Parameters that are
+            the same at all points may be left out.
+
+        Returns
+        -------
+        xarray.Dataset
+            ``mean``, ``half_width`` of its 95 % interval, and ``probability`` over ``regime``.
+
+        Raises
+        ------
+        InputError
+            For a parameter that is missing or unknown, and for a value that is outside the range of
+            the points.
+        """
+        names = [axis.name for axis in self.axes]
+        chosen = {name: values.pop(name) for name in list(values) if name in self.choices}
+        surrogate = self.at(**chosen)
+        for name in [name for name in values if name not in names]:
+            self._require_fixed(name, values.pop(name))
+        for name in (*surrogate.choices, *self.parameters):
+            if name not in values:
+                raise InputError.of_value(self.name, name, None, self._range(name))
+        arrays = [self._array(axis, values[axis.name]) for axis in self.numeric]
+        outside = self._outside(arrays, extrapolate)
+        broadcast = xr.broadcast(*arrays)
+        x = np.column_stack([array.values.ravel() for array in broadcast])
+        mean, error = surrogate.predict(x)
+        shape, dims = broadcast[0].shape, broadcast[0].dims
+        probability = surrogate.probability(x).reshape(-1, *shape)
+        row = {"units": self.unit}
+        answer = xr.Dataset(
+            {
+                "mean": (dims, mean.reshape(shape), row | {"long_name": self.meaning}),
+                "half_width": (
+                    dims,
+                    float(student(MANY)) * error.reshape(shape),
+                    row | {"long_name": f"half width of the 95 % interval of {self.meaning}"},
+                ),
+                "probability": (("regime", *dims), probability, {"units": "1"}),
+            },
+            dict(zip(self.parameters, arrays, strict=True))
+            | {"regime": list(self.regimes.names)}
+            | dict(surrogate.setting),
+        )
+        answer.attrs = {"surrogate": self.name, "observable": self.observable, "error": self.error}
+        return answer.assign_attrs({"outside": outside} if outside else {})
+
+    def _cube(self, x: np.ndarray) -> np.ndarray:
+        """Return points as of `predict` in the unit cube of the process."""
+        columns = dict(zip(self.parameters, np.asarray(x, dtype=float).T, strict=True))
+        for name, choices in self.choices.items():
+            allowed = "one of " + ", ".join(map(str, choices))
+            raise InputError.of_value(self.name, name, None, allowed)
+        count = len(x)
+        chosen = {name: np.full(count, value, object) for name, value in self.setting.items()}
+        return unit_cube(self.axes, columns | chosen)
+
+    def _require_fixed(self, name: str, value: Any) -> None:
+        """Refuse a parameter that no point varies, unless its value is that of all points."""
+        if name not in self.fixed:
+            hint = did_you_mean(name, [axis.name for axis in self.axes])
+            allowed = hint + "one of " + ", ".join(axis.name for axis in self.axes)
+            raise InputError.of_value(self.name, "parameter", name, allowed)
+        if np.ndim(value) or value != self.fixed[name]:
+            allowed = f"{self.fixed[name]}, as all its points have"
+            raise InputError.of_value(self.name, name, value, allowed)
+
+    def _range(self, name: str) -> str:
+        axis = next(one for one in self.axes if one.name == name)
+        if not axis.is_number:
+            return "one of " + ", ".join(map(str, axis.choices))
+        return f"a number in [{axis.low:g}, {axis.high:g}], the range of its points"
+
+    def _array(self, axis: Axis, value: Any) -> xr.DataArray:
+        """Return values of a parameter as a labelled array."""
+        if isinstance(value, xr.DataArray):
+            array = value
+        else:
+            try:
+                plain = np.asarray(value, dtype=float)
+            except (TypeError, ValueError):
+                raise InputError.of_value(
+                    self.name, axis.name, value, self._range(axis.name)
+                ) from None
+            if plain.ndim > 1:
+                got = f"an array of {plain.ndim} dimensions"
+                allowed = "a number, a list of numbers, or an array of xarray"
+                raise InputError.of_value(self.name, axis.name, got, allowed)
+            dims = (axis.name,) if plain.ndim else ()
+            array = xr.DataArray(plain, {axis.name: plain} if plain.ndim else {}, dims)
+        if not array.size or not np.isfinite(array.values.astype(float)).all():
+            raise InputError.of_value(self.name, axis.name, value, self._range(axis.name))
+        return array.astype(float)
+
+    def _outside(self, arrays: list[xr.DataArray], extrapolate: bool) -> str:
+        """Return how far values are outside the ranges, as text, or refuse them."""
+        notes = []
+        for axis, array in zip(self.numeric, arrays, strict=True):
+            low, high = float(array.min()), float(array.max())
+            width = axis.high - axis.low
+            for value in dict.fromkeys((low, high)):
+                beyond = max(axis.low - value, value - axis.high) / width
+                if beyond <= _SLACK:
+                    continue
+                if not extrapolate or (axis.scale == "log" and value <= 0):
+                    raise InputError.of_value(self.name, axis.name, value, self._range(axis.name))
+                notes.append(
+                    f"{axis.name} = {value:g} is {100 * beyond:.2g} % of its range outside "
+                    f"[{axis.low:g}, {axis.high:g}]"
+                )
+        return "; ".join(notes)
+
+    @cached_property
+    def included(self) -> np.ndarray:
+        """Which points the mean is of, (n,)."""
+        return included(self.sample, self.used)
+
+    @cached_property
+    def predicted(self) -> xr.Dataset:
+        """The points of the mean as the others predict them, over ``point``.
+
+        ``run`` and ``run_error`` are the mean of the runs and its standard deviation; ``mean`` and
+        ``error`` what the other points predict, lengths unchanged.
+        """
+        left_out, rows = self.process.left_out(), self.sample.isel(point=self.included)
+        columns = {
+            "run": rows["mean"].values,
+            "run_error": left_out.noise,
+            "mean": left_out.mean,
+            "error": self.process.widening * left_out.error,
+        }
+        return xr.Dataset(
+            {name: ("point", values) for name, values in columns.items()}, rows.coords
+        )
+
+    @cached_property
+    def error(self) -> float:
+        """Error of the mean, relative to the mean size of the observable.
+
+        It is the larger of two: how far the points are from what the others predict (rms), less
+        their own errors; and the error that the process gives itself there.
+        """
+        left_out, y = self.process.left_out(), self.process.y
+        apart = np.mean((left_out.mean - y) ** 2) - np.mean(left_out.noise**2)
+        size = np.abs(y).mean() or 1.0
+        return float(np.sqrt(max(apart, np.mean(left_out.error**2))) / size)
+
+    @cached_property
+    def coverage(self) -> float:
+        """Share of points in the 95 % interval that the others give them, before it is widened."""
+        return float(np.mean(deviations(self.process.left_out(), self.process.y) < student(MANY)))
+
+    @property
+    def hours(self) -> float:
+        """Core hours of all its points."""
+        return float(self.sample["core_hours"].sum())
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Number of points in each regime that the mean leaves out."""
+        regimes = self.sample["regime"].values[~self.included].astype(str).tolist()
+        return {name: regimes.count(name) for name in sorted(set(regimes))}

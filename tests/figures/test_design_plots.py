@@ -1,0 +1,196 @@
+"""Plots of points scattered in several parameters, as a design has them."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.collections import LineCollection
+from matplotlib.contour import ContourSet
+
+from sim.base.statistics import student_half_width
+from sim.figures.binned import binned_means
+from sim.figures.variables import has_logarithmic_values
+from sim.study.plot_kinds import find_kind
+from tests.figures.made_plots import drawn
+from tests.made.results import MadePoint, made_point
+
+UNSTEADY = {"regime": "accelerating", "acceleration": 2.0}
+SHORT = {"independent_samples": 4.0, "quality": "short"}
+
+
+def design(number: int, unsteady: int = 0, **options) -> list[MadePoint]:
+    """Return flows at places that fill friction and angle evenly; the first are not steady."""
+    places = (np.arange(number)[:, None] * (0.7549, 0.5698) + 0.5) % 1
+    return [
+        made_point(
+            "chute",
+            {"velocity": friction + angle / 10} | (UNSTEADY if index < unsteady else {}),
+            friction=round(0.3 + 0.4 * friction, 4),
+            angle=round(16 + 4 * angle, 4),
+            **options,
+        )
+        for index, (friction, angle) in enumerate(places)
+    ]
+
+
+def grid(columns: int, lines: int, **scalars) -> list[MadePoint]:
+    return [
+        made_point(
+            "chute", {"velocity": 1.0 + x + y} | scalars, friction=0.3 + x / 50, angle=15 + y
+        )
+        for x in range(columns)
+        for y in range(lines)
+    ]
+
+
+def caption(data) -> str:
+    return " ".join(find_kind(data.spec.kind).notes(data))
+
+
+def test_means_are_those_of_groups_of_neighbours():
+    x = pd.Series(np.arange(16.0)[::-1])
+    means = binned_means(x, 2 * x)
+    assert means["points"].tolist() == [4] * 4 and means["mean"].tolist() == [3, 11, 19, 27]
+    assert means[["from", "to"]].to_numpy().tolist()[0] == [0, 3]
+    half = student_half_width(np.array([0.0, 2, 4, 6]))
+    assert means["high"][0] - means["mean"][0] == pytest.approx(half)
+    of_values = binned_means(pd.Series([1.0, 1, 1, 4, 4, 4]), pd.Series([1.0, 10, 100, 2, 2, 2]))
+    assert of_values["x"].tolist() == [1, 4] and of_values["mean"].tolist() == [37, 2]
+    (first, _) = binned_means(
+        pd.Series([1.0, 1, 1, 4, 4, 4]), pd.Series([1.0, 10, 100, 2, 2, 2]), log=True
+    )["mean"]
+    assert first == pytest.approx(10)
+
+
+@pytest.mark.parametrize(
+    ("values", "is_log"),
+    [
+        (np.geomspace(100, 1e4, 20), True),
+        (np.linspace(100, 1e4, 20), False),
+        (np.geomspace(1, 5, 20), False),
+        ([0, 1, 100], False),
+    ],
+)
+def test_a_wide_range_filled_evenly_in_its_logarithm_is_logarithmic(values, is_log):
+    assert has_logarithmic_values(pd.Series(values)) is is_log
+
+
+@pytest.mark.parametrize(("number", "has_band"), [(11, False), (12, True)])
+def test_many_scattered_points_have_a_running_mean(number, has_band):
+    figure, rows, data = drawn({"kind": "scatter", "x": "friction"}, design(number))
+    (axes,) = figure.axes
+    assert len(rows) == number and bool(axes.lines) is has_band
+    assert ("Line: mean over groups" in caption(data)) is has_band
+
+
+def test_points_that_accelerate_are_open_and_no_part_of_the_running_mean():
+    points = design(14, unsteady=3)
+    figure, _, data = drawn({"kind": "scatter", "x": "friction", "colour": "regime"}, points)
+    (axes,) = figure.axes
+    (markers,) = (one for one in axes.collections if len(one.get_offsets()) == 14)
+    assert (markers.get_facecolor() == 1).all(axis=1).sum() == 3
+    assert [text.get_text() for text in figure.legends[0].texts] == ["accelerating", "steady"]
+    assert "band" not in caption(data) and "3 points still accelerating" in caption(data)
+
+
+@pytest.mark.parametrize(
+    ("colour", "label", "column"),
+    [("angle", "angle θ (°)", "angle [degree]"), ("shear_depth", "shear depth/σ", "[σ]")],
+)
+def test_the_colour_of_a_scatter_is_a_parameter_or_an_observable(colour, label, column):
+    points = [
+        made_point("chute", {"shear_depth": 0.01 * n}, friction=0.3 + n / 10, angle=16 + n)
+        for n in range(4)
+    ]
+    plot = {"kind": "scatter", "x": "friction", "colour": colour, "units": "natural"}
+    figure, rows, _ = drawn(plot, points)
+    _, bar = figure.axes
+    assert bar.get_ylabel().replace("\N{NO-BREAK SPACE}", " ") == label
+    assert rows.filter(like=column).shape[1] >= 1
+
+
+def test_a_scatter_matrix_has_a_panel_per_pair_and_counts_on_its_diagonal():
+    figure, rows, _ = drawn({"kind": "pairs"}, design(10))
+    panels = [
+        axes for axes in figure.axes if axes.get_visible() and axes.get_label() != "<colorbar>"
+    ]
+    assert len(panels) == 6 and len(rows) == 10
+    counts = [sum(bar.get_height() for bar in axes.patches) for axes in panels if axes.patches]
+    assert counts == [10, 10, 10]
+    assert [len(axes.collections[0].get_offsets()) for axes in panels if axes.collections] == [
+        10
+    ] * 3
+
+
+def test_parallel_coordinates_have_a_line_per_point_and_the_values_at_the_ends():
+    figure, _, data = drawn({"kind": "parallel"}, design(10, unsteady=2))
+    axes = figure.axes[0]
+    (lines,) = (one for one in axes.collections if isinstance(one, LineCollection))
+    assert len(lines.get_segments()) == 10
+    assert sum(dash is not None for _, dash in lines.get_linestyle()) == 2
+    ends = [
+        f"{data.rows[name].agg(end):.3g}"
+        for name in ("friction", "angle")
+        for end in ("min", "max")
+    ]
+    assert sorted(text.get_text() for text in axes.texts) == sorted(ends)
+    assert "dashed" in caption(data)
+
+
+def test_main_effects_are_means_along_each_parameter_on_one_scale():
+    figure, rows, data = drawn({"kind": "main_effects"}, design(25, unsteady=1))
+    first, second = figure.axes
+    assert first.get_ylim() == second.get_ylim()
+    assert rows["parameter"].unique().tolist() == ["friction", "angle"]
+    assert rows["points"].groupby(rows["parameter"]).sum().tolist() == [24, 24]
+    means = rows.filter(like="mean velocity")[rows["parameter"] == "friction"].iloc[:, 0]
+    assert means.is_monotonic_increasing
+    assert "1 point without a steady mean" in caption(data)
+
+
+MAP = {"kind": "map", "x": "friction", "y": "angle", "colour": "velocity"}
+
+
+def test_cells_of_a_small_grid_have_their_values_and_hatches_where_not_steady():
+    figure, _, data = drawn(MAP, [*grid(3, 2)[:-2], *grid(3, 2, **UNSTEADY)[-2:]])
+    axes = figure.axes[0]
+    values = [text.get_text() for text in axes.texts]
+    assert sorted(values) == ["1.00", "2.00", "2.00", "3.00", "3.00", "4.00"]
+    assert [patch.get_hatch() for patch in axes.patches] == ["////"] * 2
+    assert axes.get_xlim() == pytest.approx((0.29, 0.35)) and axes.get_ylim() == pytest.approx(
+        (14.5, 16.5)
+    )
+    assert "hatched (wide: of runs too short to tell): 2 points" in caption(data)
+
+
+def test_cells_of_a_large_grid_have_contour_lines_with_labels():
+    figure, _, _ = drawn(MAP, grid(7, 6))
+    axes = figure.axes[0]
+    assert any(isinstance(one, ContourSet) for one in axes.collections)
+    assert axes.texts and len(axes.texts) < 42
+
+
+def test_contours_lie_between_scattered_points_unless_more_varies():
+    figure, _, data = drawn(MAP, design(20))
+    contours = [one for one in figure.axes[0].collections if isinstance(one, ContourSet)]
+    assert len(contours) == 2 and "triangulation" in caption(data)
+    points = [
+        made_point(
+            "chute",
+            {"velocity": 1.0 + n},
+            friction=0.3 + 0.01 * (n * 7 % 20),
+            angle=16 + n / 10,
+            depth=2 + n,
+        )
+        for n in range(20)
+    ]
+    figure, _, data = drawn(MAP, points)
+    assert not [one for one in figure.axes[0].collections if isinstance(one, ContourSet)]
+    assert "without contours: they also differ in depth n" in caption(data)
+
+
+def test_curves_of_a_design_say_that_a_scatter_suits_it_better():
+    figure, _, data = drawn({"x": "friction"}, design(16))
+    assert not figure.legends and "scatter suits a design better" in figure.get_suptitle()
+    assert "scatter suits a design better" in caption(data)
+    figure, _, data = drawn({"x": "friction"}, grid(4, 4))
+    assert figure.legends and not figure.get_suptitle()

@@ -1,0 +1,94 @@
+"""Laws fitted to curves: their numbers in caption and data, and why there is none."""
+
+import numpy as np
+import pytest
+
+from sim.study.plot_kinds import find_kind
+from tests.figures.made_plots import drawn
+from tests.made.results import made_point
+
+#: Numbers a, b, c of each law, and the law.
+LAWS = {
+    "linear": ((0.2, -0.1), lambda x, a, b: a + b * x),
+    "quadratic": ((0.2, -0.1, 0.03), lambda x, a, b, c: a + b * x + c * x**2),
+    "power": ((0.2, 1.5), lambda x, a, b: a * x**b),
+    "exponential": ((0.2, 2.0), lambda x, a, b: a * np.exp(-x / b)),
+}
+FRICTIONS = (0.3, 0.4, 0.5, 0.6, 0.8)
+
+
+def flows(law, scatter=0.0, frictions=FRICTIONS, **changes):
+    """Return flows whose velocity follows a law of friction, twice as large at 17°."""
+    numbers, function = LAWS[law]
+    signs = np.resize([1, -1, -1, 1], len(frictions))
+    return [
+        made_point(
+            "chute",
+            {"velocity": (angle - 15) * (function(friction, *numbers) + scatter * sign)} | changes,
+            friction=friction,
+            angle=angle,
+        )
+        for angle in (16, 17)
+        for friction, sign in zip(frictions, signs, strict=True)
+    ]
+
+
+def fitted(law, points, **plot):
+    figure, rows, data = drawn({"x": "friction", "curves": "angle", "fit": law} | plot, points)
+    return figure, rows, " ".join(find_kind("curves").notes(data))
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_law_is_found_again_and_told_in_caption_and_data(law):
+    figure, rows, caption = fitted(law, flows(law))
+    assert f"Lines: {law} law y = a" in caption and "weighted by the intervals" in caption
+    for angle in (16, 17):
+        curve = rows[rows["angle [degree]"] == angle]
+        for letter, number in zip("abc", LAWS[law][0], strict=False):
+            scale = angle - 15 if letter == "a" or law in ("linear", "quadratic") else 1
+            found = curve[f"{letter} of the fit"].unique()
+            assert found == pytest.approx(scale * number, rel=1e-3)
+            half = curve[f"half width of 95 % interval of {letter}"].iloc[0]
+            assert half > 0 and f"{letter} = {found[0]:.4g} ± {half:.2g}" in caption
+    lines = [line for line in figure.axes[0].lines if len(line.get_xdata()) > len(FRICTIONS)]
+    assert len(lines) == 2
+    for line in lines:
+        assert np.min(line.get_xdata()) == pytest.approx(0.3)
+        assert np.max(line.get_xdata()) == pytest.approx(0.8)
+
+
+def test_intervals_hold_the_truth_where_points_scatter_more_than_their_intervals():
+    _, rows, _ = fitted("linear", flows("linear", scatter=0.02))
+    curve = rows[rows["angle [degree]"] == 16]
+    slope, half = curve[["b of the fit", "half width of 95 % interval of b"]].iloc[0]
+    assert abs(slope + 0.1) < half and half > 0.05
+
+
+def test_too_few_points_and_no_convergence_are_said_in_the_caption():
+    points = flows("linear", frictions=(0.3, 0.4))
+    _, rows, caption = fitted("linear", points)
+    assert caption.count("no fit, as 2 values of x where 3 are needed") == 2
+    assert "a of the fit" not in rows
+    assert "no fit, as some values are not above 0" in fitted("power", at(-0.1))[2]
+    assert "no fit, as it did not converge" in fitted("exponential", at(0.0))[2]
+
+
+def at(velocity):
+    """Return flows that all have one velocity."""
+    return [
+        made_point("chute", {"velocity": velocity}, friction=friction, angle=angle)
+        for friction in FRICTIONS
+        for angle in (16, 17)
+    ]
+
+
+def test_flows_that_accelerate_are_left_out():
+    points = flows("linear", frictions=(0.31, 0.41, 0.51), regime="accelerating", acceleration=2.0)
+    _, rows, caption = fitted("linear", points)
+    assert "flows that accelerate are left out" in caption and "a of the fit" not in rows
+
+
+def test_a_curve_over_an_observable_is_fitted_too():
+    _, rows, caption = fitted("linear", None, x="shear_depth", curves="angle")
+    assert "no fit, as 1 value of x where 3 are needed" in caption
+    assert "a of the fit" not in rows

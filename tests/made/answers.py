@@ -1,0 +1,52 @@
+"""Made-up answers to questions of a study, as files, and the data of their pictures."""
+
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+
+import pandas as pd
+
+from sim.figures.data import FigureData
+from sim.study.figure_spec import FigureSpec
+from sim.surrogates import calibration
+from sim.surrogates.indices import sobol_indices
+from sim.surrogates.posterior import calibrate
+from tests.surrogates.made_calibration import SLOPE, made_measurements
+
+#: Sobol' indices of the made-up slope, and its parameters as the chute has them.
+BLOCKS = 2**6
+
+
+def picture_data(folder: Path, kind: str, answer: str) -> FigureData:
+    """Return the data of a picture of an answer in a folder of results."""
+    spec = FigureSpec(
+        "made", kind, "", "chute", "Made", options={"answer": answer, "unit": "m s-1"}
+    )
+    results = SimpleNamespace(runs=folder / "runs")
+    return FigureData(spec, pd.DataFrame(), pd.DataFrame(), results)  # type: ignore[arg-type]
+
+
+def write_indices(folder: Path, error: float = 0.05) -> str:
+    """Write the indices of the made-up slope; return their path in the folder."""
+    sobol_indices(replace(SLOPE, error=error), BLOCKS).to_csv(folder / "indices.csv", index=False)
+    return "indices.csv"
+
+
+def write_effects(folder: Path, left_out: int = 2, noise: float = 0.1) -> str:
+    """Write effects of a screening; return their path in the folder."""
+    rows = [
+        (index, name, "", value, value - 0.1, value + 0.1, 10, left_out, noise)
+        for index, values in (("mu", (1.0, -0.5, 0.0)), ("mu_star", (1.0, 0.5, 0.05)))
+        for name, value in zip(SLOPE.parameters, values, strict=True)
+    ]
+    rows += [("sigma", name, "", 0.3, 0.2, 0.4, 10, left_out, noise) for name in SLOPE.parameters]
+    columns = ["index", "parameter", "other", "value", "low", "high", "blocks", "left_out", "noise"]
+    pd.DataFrame(rows, columns=columns).to_csv(folder / "effects.csv", index=False)
+    return "effects.csv"
+
+
+def write_calibration(folder: Path, shift: float = 0.0) -> str:
+    """Write a calibration of made-up measurements; return its path in the folder."""
+    _, made = made_measurements(1, shift)
+    calibration.save("made", calibrate(made), folder / "calibration.nc")
+    return "calibration.nc"

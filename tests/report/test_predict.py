@@ -1,0 +1,82 @@
+"""The command ``predict`` prints what a surrogate says."""
+
+import json
+
+import numpy as np
+import pytest
+
+from sim.base.errors import InputError
+from sim.report.predict import predict
+from sim.study.design import Axis
+from sim.study.surrogate import SurrogateSpec
+from sim.surrogates.fitting import fit_surrogate
+from sim.surrogates.storage import save
+from tests.made.processes import refusal
+from tests.made.surrogates import AXES, design, made_sample, smooth
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder of results with one surrogate, of two parameters and a law."""
+    folder = tmp_path_factory.mktemp("results")
+    law = Axis("law", 0, 1, choices=("walton_braun", "hertz"))
+    x = design(24, 3)
+    words = np.where(x[:, 0] < 0.3, "arrested", "steady")
+    spec = SurrogateSpec("speed", "wide", "velocity", "chute", (*AXES[:2], law))
+    surrogate = fit_surrogate(spec, made_sample(x, smooth(x), spec.axes, regime=words))
+    save(surrogate, folder / "surrogates" / "speed.nc")
+    return folder
+
+
+def ask(folder, *at, format="table", extrapolate=False, of=None):
+    return predict(folder, at, of, extrapolate, format, folder)
+
+
+def test_a_table_has_a_row_for_each_value(folder):
+    lines = ask(folder, "friction=0.5,0.6", "depth=5", "law=hertz").splitlines()
+    assert lines[0].split() == [
+        *("friction", "depth", "law", "velocity", "(m", "s-1)", "±", "95", "%"),
+        *("arrested", "steady"),
+    ]
+    assert [line.split()[:3] for line in lines[1:3]] == [
+        ["0.5", "5", "hertz"],
+        ["0.6", "5", "hertz"],
+    ]
+    assert lines[3].startswith("error of the surrogate speed: ") and len(lines) == 4
+
+
+def test_json_has_the_same(folder):
+    answer = json.loads(ask(folder, "friction=0.5", "depth=5", "law=hertz", format="json"))
+    (row,) = answer["rows"]
+    assert (row["friction"], row["depth"], row["law"]) == (0.5, 5.0, "hertz")
+    assert row["mean"] > 0 < row["half_width"] and sum(
+        row["probability"].values()
+    ) == pytest.approx(1)
+    table = ask(folder, "friction=0.5", "depth=5", "law=hertz", of="velocity")
+    assert f"{row['mean']:.4g}" in table
+
+
+def test_outside_it_says_by_how_much(folder):
+    at = "friction=0.5", "depth=11", "law=hertz"
+    with pytest.raises(InputError, match=r"speed: depth: got 11; allowed: a number in \[2, 10\]"):
+        ask(folder, *at)
+    assert "depth = 11 is 12 % of its range outside" in ask(folder, *at, extrapolate=True)
+
+
+@pytest.mark.parametrize(
+    ("at", "message"),
+    [
+        (["friction"], "--at: got 'friction'; allowed: PARAMETER=VALUE"),
+        (["friction=1", "friction=2"], "--at: friction: got '2'; allowed: each parameter once"),
+        (["friction=x", "depth=5", "law=hertz"], "speed: friction: got 'x'; allowed: a number"),
+        (["friction=0.5", "depth=5"], "speed: law: got nothing; allowed: one of walton_braun"),
+    ],
+)
+def test_values_that_are_none_are_refused(folder, at, message):
+    with pytest.raises(InputError) as error:
+        ask(folder, *at)
+    assert message in str(error.value)
+
+
+def test_the_command_refuses_in_one_line(folder, capsys):
+    assert "surrogate: got 'packing'" in refusal(capsys, "predict", folder, "--of", "packing")

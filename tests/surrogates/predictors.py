@@ -1,0 +1,55 @@
+"""Made-up predictors: functions whose indices are known, and errors of them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+
+@dataclass
+class MadePredictor:
+    """A function of parameters as a predictor with a constant error."""
+
+    function: Callable[..., np.ndarray]
+    bounds: np.ndarray
+    error: float = 0.0
+    parameters: tuple[str, ...] = ()
+    scales: tuple[str, ...] = field(default=())
+
+    def __post_init__(self):
+        self.bounds = np.asarray(self.bounds, float)
+        self.parameters = self.parameters or tuple(f"x{n}" for n in range(len(self.bounds)))
+        self.scales = self.scales or ("linear",) * len(self.bounds)
+
+    def predict(self, x):
+        return self.function(*np.asarray(x).T), np.full(len(x), self.error)
+
+
+#: Ishigami and Homma 1990, with a = 7 and b = 0.1.
+ISHIGAMI = MadePredictor(
+    lambda x, y, z: np.sin(x) + 7 * np.sin(y) ** 2 + 0.1 * z**4 * np.sin(x), [[-np.pi, np.pi]] * 3
+)
+
+#: Exact indices: first order, total, and the one interaction.
+ISHIGAMI_FIRST, ISHIGAMI_TOTAL, ISHIGAMI_X_Z = (
+    (0.3139, 0.4424, 0.0),
+    (0.5576, 0.4424, 0.2437),
+    0.2437,
+)
+
+#: Coefficients of Sobol's g-function.
+G = np.array([0.0, 1.0, 4.5, 9.0])
+
+
+def g_function(*x):
+    return np.prod(
+        [(np.abs(4 * one - 2) + a) / (1 + a) for one, a in zip(x, G, strict=True)], axis=0
+    )
+
+
+def g_indices():
+    """Return the exact first-order and total indices of the g-function."""
+    parts = 1 / (3 * (1 + G) ** 2)
+    total_variance = np.prod(1 + parts) - 1
+    totals = parts * np.prod(1 + parts) / (1 + parts)
+    return parts / total_variance, totals / total_variance

@@ -1,0 +1,130 @@
+"""Posteriors: they hold the truth as often as they promise, and say so where nothing fits."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from sim.surrogates import posterior
+from sim.surrogates.calibration import load, outcome_sentences, save
+from sim.surrogates.posterior import DISCREPANCY, Calibration, calibrate, summarize
+from tests.surrogates.made_calibration import ANGLES, RANGES, made_measurements
+from tests.surrogates.predictors import MadePredictor
+
+#: Made-up materials of the test; the benchmark has 40.
+MATERIALS = 10
+
+
+def test_intervals_hold_the_truth_of_made_up_materials():
+    held, total = 0, 0
+    for seed in range(MATERIALS):
+        truth, calibration = made_measurements(100 + seed)
+        groups = calibrate(calibration)
+        rows = summarize(groups).set_index("parameter")
+        held += sum(rows["low"][one] <= value <= rows["high"][one] for one, value in truth.items())
+        total += len(truth)
+    # Of 20 intervals that hold at 95 %, 16 or fewer do once in 400 times.
+    assert total == 2 * MATERIALS and held >= 17
+
+
+@pytest.fixture(scope="module")
+def groups():
+    return calibrate(made_measurements(1)[1])
+
+
+def test_a_posterior_is_what_arviz_reads(groups, tmp_path):
+    save("made", groups, tmp_path / "made.nc")
+    found = load(tmp_path / "made.nc")
+    assert set(found) == set(groups)
+    for name, one in groups.items():
+        xr.testing.assert_equal(found[name], one)
+    drawn = found["posterior"]
+    assert drawn["friction"].dims == ("chain", "draw") and set(drawn) == {*RANGES, DISCREPANCY}
+    for name, (low, high) in RANGES.items():
+        assert drawn[name].min() >= low and drawn[name].max() <= high
+    assert found["posterior_predictive"]["velocity"].dims == ("chain", "draw", "measurement")
+    assert found["observed_data"]["velocity"].sizes == {"measurement": len(ANGLES)}
+    assert outcome_sentences(found) == outcome_sentences(groups)
+
+
+def test_equal_seeds_give_equal_posteriors(groups):
+    again = calibrate(made_measurements(1)[1])
+    xr.testing.assert_identical(again["posterior"], groups["posterior"])
+
+
+def test_chains_are_long_enough_or_say_that_they_are_not(groups, monkeypatch):
+    about = groups["observed_data"].attrs
+    assert about["outcome"] == "converged"
+    assert about["steps"] >= posterior.LONG_ENOUGH * about["autocorrelation"]
+    monkeypatch.setattr(posterior, "MOST_STEPS", 100)
+    monkeypatch.setattr(posterior, "_STEPS", 100)
+    short = calibrate(made_measurements(1)[1])
+    assert short["observed_data"].attrs["outcome"] == "not converged"
+    assert outcome_sentences(short)[0].startswith("Not converged: the chains of 100 steps are")
+
+
+def test_what_no_parameters_give_is_no_narrow_posterior():
+    groups = calibrate(made_measurements(1, shift=3.0)[1])
+    assert "posterior" not in groups and groups["observed_data"].attrs["outcome"] == "no fit"
+    (sentence,) = outcome_sentences(groups)
+    assert sentence.startswith("No parameters in the ranges fit: measurements as far from the")
+
+
+#: A parameter that sets the slope, and one without effect.
+LINE = MadePredictor(
+    lambda slope, idle, depth: slope * depth + 0 * idle,
+    [(0, 2), (0, 1), (1, 9)],
+    parameters=("slope", "idle", "depth"),
+)
+
+
+def line(depths=(2.0, 3.0, 4.0), scales=("linear",) * 3, bounds=None, **options) -> Calibration:
+    depths = np.array(depths)
+    made = replace(LINE, scales=scales, bounds=LINE.bounds if bounds is None else np.array(bounds))
+    ranges = {name: tuple(made.bounds[k]) for k, name in enumerate(("slope", "idle"))}
+    errors = np.full(len(depths), 0.05)
+    values = 1.1 * depths
+    return Calibration(made, ranges, {"depth": depths}, values, errors, "velocity", **options)
+
+
+def test_data_inform_the_parameter_that_matters_alone():
+    groups = calibrate(line())
+    rows = summarize(groups).set_index("parameter")
+    assert rows["informed"].to_dict() == {"slope": True, "idle": False}
+    assert abs(rows["median"]["slope"] - 1.1) < 0.02 < rows["high"]["slope"] - 1.1 + 0.02
+    assert rows["share"]["idle"] == pytest.approx(1, abs=0.1)
+    assert "of which the data say nothing beyond its range" in outcome_sentences(groups)[1]
+
+
+def test_the_next_experiment_is_where_the_slope_shows_most():
+    candidates = calibrate(line())["predictions_constant_data"]
+    best = candidates.isel(candidate=int(np.argmax(candidates["narrowing"].values)))
+    assert best["depth"] == 4.0 and 0 < best["narrowing"] < 1
+    assert candidates["depth"].min() == 2 and candidates["depth"].max() == 4
+
+
+def test_an_uncertain_surrogate_gives_wider_posteriors():
+    made = line()
+    unsure = replace(made, predictor=replace(made.predictor, error=0.3))
+    narrow, wide = (
+        summarize(calibrate(one)).set_index("parameter")["share"]["slope"] for one in (made, unsure)
+    )
+    assert wide > 2 * narrow
+
+
+def test_parameters_are_even_in_their_scale():
+    bounds = [(0.01, 100), (0, 1), (1, 9)]
+    made = line(depths=(2.0,), scales=("log", "linear", "linear"), bounds=bounds)
+    vague = replace(made, errors=np.array([1e4]))
+    slope = calibrate(vague)["posterior"]["slope"]
+    assert np.log10(slope).mean() == pytest.approx(0, abs=0.2)
+
+
+def test_measurements_without_conditions_are_calibrated_too():
+    made = MadePredictor(lambda slope: slope, [(0, 2)], parameters=("slope",))
+    values, errors = np.array([1.0, 1.1, 1.05]), np.full(3, 0.1)
+    groups = calibrate(Calibration(made, {"slope": (0.0, 2.0)}, {}, values, errors, "velocity"))
+    (row,) = summarize(groups).itertuples()
+    assert row.low < 1.05 < row.high and row.informed
+    assert groups["predictions_constant_data"].sizes["candidate"] == 1

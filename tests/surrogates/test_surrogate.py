@@ -1,0 +1,184 @@
+"""A surrogate is called with values of its parameters, and read as it was written."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from sim.base.errors import InputError
+from sim.base.seals import read_summary
+from sim.study.design import Axis
+from sim.study.surrogate import SurrogateSpec
+from sim.surrogates.fitting import fit_surrogate
+from sim.surrogates.results import find_surrogate
+from sim.surrogates.storage import load, save
+from tests.made.netcdf import edit_file
+from tests.made.surrogates import AXES, design, made_sample, made_surrogate, smooth
+
+LAW = Axis("law", 0, 1, choices=("walton_braun", "hertz"))
+
+
+@pytest.fixture(scope="module")
+def surrogate():
+    return made_surrogate()
+
+
+@pytest.fixture(scope="module")
+def mixed():
+    """A surrogate of three regimes and two laws, whose mean is of steady flows."""
+    x = design(40, 3)
+    words = np.where(x[:, 0] < 0.3, "arrested", "steady").astype(object)
+    words[:3], mean = "undetermined", smooth(x) + (x[:, 2] >= 0.5)
+    spec = SurrogateSpec("speed", "wide", "velocity", "chute", (*AXES[:2], LAW))
+    return fit_surrogate(spec, made_sample(x, mean, spec.axes, error=0.01, regime=words))
+
+
+def test_a_call_gives_mean_half_width_and_probabilities(surrogate):
+    answer = surrogate(friction=0.5, depth=6.0)
+    exact = smooth(np.array([[0.5, 0.5]]))[0]
+    assert float(answer["mean"]) == pytest.approx(exact, rel=0.02)
+    assert abs(float(answer["mean"]) - exact) < float(answer["half_width"])
+    assert answer["probability"].sel(regime="steady") == 1
+    assert answer["mean"].attrs["units"] == "m s-1" and not answer["mean"].dims
+    assert answer.attrs["error"] == surrogate.error < 0.05 and "outside" not in answer.attrs
+
+
+def test_arrays_are_labelled_dimensions(surrogate):
+    answer = surrogate(friction=[0.3, 0.4, 0.5], depth=[4.0, 6.0])
+    assert answer["mean"].dims == ("friction", "depth") and answer["mean"].shape == (3, 2)
+    assert answer["probability"].dims == ("regime", "friction", "depth")
+    one = surrogate(friction=0.4, depth=6.0)
+    assert float(answer["mean"].sel(friction=0.4, depth=6)) == pytest.approx(float(one["mean"]))
+    along = xr.DataArray([0.3, 0.5], dims="case")
+    paired = surrogate(friction=along, depth=xr.DataArray([4.0, 6.0], dims="case"))
+    assert paired["mean"].dims == ("case",)
+    assert float(paired["mean"][1]) == pytest.approx(
+        float(answer["mean"].sel(friction=0.5, depth=6))
+    )
+
+
+def test_the_mean_is_what_predict_gives(surrogate):
+    mean, error = surrogate.predict(np.array([[0.42, 5.0], [0.6, 3.0]]))
+    answer = surrogate(friction=0.42, depth=5.0)
+    assert (surrogate.parameters, surrogate.scales) == (("friction", "depth"), ("linear", "linear"))
+    assert surrogate.bounds.tolist() == [[0.2, 0.8], [2.0, 10.0]]
+    assert float(answer["mean"]) == pytest.approx(mean[0], rel=1e-8)
+    assert float(answer["half_width"]) == pytest.approx(1.96 * error[0], rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"depth": 5.0}, "speed: friction: got nothing; allowed: a number in [0.2, 0.8], the"),
+        (
+            {"friction": 0.9, "depth": 5.0},
+            "speed: friction: got 0.9; allowed: a number in [0.2, 0.8]",
+        ),
+        (
+            {"friction": 0.5, "depth": [3.0, 11.0]},
+            "speed: depth: got 11; allowed: a number in [2, 10]",
+        ),
+        ({"frction": 0.5, "depth": 5.0}, "did you mean friction? one of friction, depth"),
+        ({"friction": "high", "depth": 5.0}, "speed: friction: got 'high'; allowed: a number in"),
+        ({"friction": np.nan, "depth": 5.0}, "speed: friction: got nan; allowed: a number in"),
+        ({"friction": [[0.5]], "depth": 5.0}, "a number, a list of numbers, or an array of xarray"),
+        (
+            {"friction": 0.5, "depth": 5.0, "restitution": 0.9},
+            "restitution: got 0.9; allowed: 0.85, as",
+        ),
+    ],
+)
+def test_what_it_cannot_predict_is_refused(surrogate, values, message):
+    with pytest.raises(InputError) as error:
+        surrogate(**values)
+    assert message in str(error.value)
+
+
+def test_parameters_of_all_points_may_be_given(surrogate):
+    assert surrogate(friction=0.5, depth=5.0, restitution=0.85, law="walton_braun")["mean"] > 0
+
+
+def test_extrapolation_says_how_far(surrogate):
+    answer = surrogate(friction=0.86, depth=5.0, extrapolate=True)
+    assert answer.attrs["outside"] == "friction = 0.86 is 10 % of its range outside [0.2, 0.8]"
+    inside = surrogate(friction=0.8, depth=5.0)
+    assert float(answer["half_width"]) > float(inside["half_width"])
+    log = made_surrogate(axes=AXES[1:])
+    with pytest.raises(InputError, match="stiffness: got 0;"):
+        log(depth=5.0, stiffness=0.0, extrapolate=True)
+
+
+def test_other_regimes_are_left_out_of_the_mean_and_counted(mixed):
+    assert mixed.counts == {"arrested": 12, "undetermined": 3}
+    assert len(mixed.process.y) == 25 and set(mixed.regimes.names) == {"arrested", "steady"}
+    answer = mixed(friction=[0.22, 0.7], depth=5.0, law="hertz")
+    low, high = answer["probability"].sel(regime="arrested").values
+    assert low > 0.9 and high < 0.1
+
+
+def test_words_are_chosen(mixed):
+    assert mixed.choices == {"law": ("walton_braun", "hertz")}
+    means = [float(mixed(friction=0.6, depth=5.0, law=law)["mean"]) for law in LAW.choices]
+    assert means[1] - means[0] == pytest.approx(1, abs=0.25)
+    one_law = mixed.at(law="hertz")
+    assert one_law.predict(np.array([[0.6, 5.0]]))[0][0] == pytest.approx(means[1])
+    with pytest.raises(InputError, match="law: got nothing; allowed: one of walton_braun, hertz"):
+        mixed(friction=0.6, depth=5.0)
+    with pytest.raises(InputError, match="law: got 'hooke'; allowed: one of walton_braun, hertz"):
+        mixed.at(law="hooke")
+
+
+def test_the_error_is_that_of_points_left_out(surrogate):
+    rough = made_surrogate(lambda x: 2 + np.sin(40 * x[:, 0]) * np.cos(37 * x[:, 1]))
+    assert surrogate.error < 0.02 < 0.2 < rough.error
+
+
+def test_too_few_points_are_refused():
+    x = design(16, 2)
+    words = ["undetermined"] * 14 + ["steady"] * 2
+    spec = SurrogateSpec("speed", "wide", "velocity", "chute", AXES[:2])
+    with pytest.raises(InputError, match="2 steady, 14 undetermined'; allowed: 4 or more"):
+        fit_surrogate(spec, made_sample(x, smooth(x), regime=words))
+
+
+def test_a_file_gives_the_same_predictions(mixed, tmp_path):
+    path = tmp_path / "surrogates" / "speed.nc"
+    save(mixed, path)
+    again = load(path)
+    x = np.random.default_rng(1).random((50, 2)) * [0.6, 8] + [0.2, 2]
+    first, second = (one.at(law="hertz") for one in (mixed, again))
+    for ours, theirs in zip(first.predict(x), second.predict(x), strict=True):
+        assert theirs == pytest.approx(ours, rel=1e-9)
+    assert second.probability(x) == pytest.approx(first.probability(x), rel=1e-9)
+    assert (again.error, again.coverage, again.axes) == (mixed.error, mixed.coverage, mixed.axes)
+    assert read_summary(path)["line"].startswith(
+        "surrogate speed: 25 points (12 arrested, 3 undetermined left"
+    )
+    assert find_surrogate(tmp_path, "speed").name == find_surrogate(tmp_path, "velocity").name
+
+
+def test_damaged_and_foreign_files_are_refused(surrogate, tmp_path):
+    path = tmp_path / "speed.nc"
+    with pytest.raises(InputError, match="no such surrogate"):
+        load(path)
+    save(surrogate, path)
+    whole = path.read_bytes()
+    path.write_bytes(whole[:-700] + bytes([whole[-700] ^ 1]) + whole[-699:])
+    with pytest.raises(InputError, match=r"damaged or not a surrogate \(its checksum"):
+        load(path)
+    path.write_bytes(whole)
+    with edit_file(path) as file:
+        file.format = "another"
+    with pytest.raises(InputError, match="damaged or not a surrogate"):
+        load(path)
+    path.write_text("a text")
+    with pytest.raises(InputError, match="damaged or not a surrogate") as error:
+        load(path)
+    assert "\n" not in str(error.value) and path.exists()
+
+
+def test_an_unknown_surrogate_is_refused(tmp_path, surrogate):
+    with pytest.raises(InputError, match="allowed: a study with surrogates that has run"):
+        find_surrogate(tmp_path)
+    save(surrogate, tmp_path / "surrogates" / "speed.nc")
+    with pytest.raises(InputError, match="surrogate: got 'packing'; allowed: one of speed"):
+        find_surrogate(tmp_path, "packing")

@@ -1,0 +1,106 @@
+"""What one study has run, no other study of the same results runs again."""
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+from sim.engine.command import batch
+from sim.parameters import canonical_values
+from sim.study.load import load_study
+from tests.golden import CLOCK
+from tests.made.project import jobs, plan, planned_jobs, planned_points, snakemake
+
+STUDY = """\
+study: %s
+defaults: {belt: {beads: 10, width: 5, steps_per_cycle: 1000, transient: 1, average: %d}}
+series: [{name: beds, system: belt, grid: {frequency: %s}}]
+"""
+
+
+def write(tree: Path, name: str, average: int = 2, frequencies: str = "[20, 30]") -> str:
+    (tree / f"{name}.yaml").write_text(STUDY % (name, average, frequencies))
+    return f"{name}.yaml"
+
+
+def run_files(tree: Path, name: str) -> dict[str, Path]:
+    return {path.stem: path for path in (tree / "results" / name / "runs").glob("*.nc")}
+
+
+def read_runs(tree: Path, name: str) -> dict[str, tuple[bytes, int]]:
+    """Return contents and times of the run files of a study."""
+    files = run_files(tree, name).items()
+    return {key: (path.read_bytes(), path.stat().st_mtime_ns) for key, path in files}
+
+
+@pytest.fixture(scope="module")
+def tree(tmp_path_factory) -> Path:
+    """Return a folder with a finished study of two points."""
+    tree = tmp_path_factory.mktemp("tree")
+    process = snakemake(tree, "dataset", study=write(tree, "first"))
+    assert process.returncode == 0, process.stderr
+    return tree
+
+
+def test_a_copy_of_a_finished_study_runs_nothing(tree):
+    study = write(tree, "copy")
+    dry_run = plan(tree, "dataset", study=study)
+    assert jobs(dry_run) == {"dataset": 1}
+    assert "2 points in other studies, not to be run: first (2)" in dry_run
+    assert not (tree / "results" / "copy").exists()
+    process = snakemake(tree, "dataset", study=study)
+    assert process.returncode == 0, process.stderr
+    assert jobs(process.stderr) == {"dataset": 1}
+    first, copy = run_files(tree, "first"), run_files(tree, "copy")
+    assert first.keys() == copy.keys()
+    assert all(copy[key].samefile(path) for key, path in first.items())
+    datasets = (xr.load_dataset(tree / f"results/{name}/dataset.nc") for name in ("first", "copy"))
+    one, other = (data.drop_vars([n for n in CLOCK if n in data]) for data in datasets)
+    xr.testing.assert_equal(one, other)
+    for name in ("first", "copy"):
+        assert planned_jobs(tree, "dataset", study=f"{name}.yaml") == {}
+
+
+def test_what_is_there_is_taken_and_the_rest_runs_and_both_grow_apart(tree):
+    """Compiling for the new point does not rerun those that were taken."""
+    first = read_runs(tree, "first")
+    study = write(tree, "larger", 4, "[20, 40]")
+    process = snakemake(tree, "dataset", study=study)
+    assert process.returncode == 0, process.stderr
+    # The file of the first study is that of its copy, too.
+    assert "1 point in other studies, from which runs here grow: copy (1)" in process.stderr
+    (shared,) = run_files(tree, "larger").keys() & first.keys()
+    log = tree / "results" / "larger" / "logs" / "runs" / f"{shared}.log"
+    assert f"{shared}.nc: grows\n" in log.read_text()
+    assert read_runs(tree, "first") == first
+    assert planned_jobs(tree, "dataset", study="first.yaml") == {}
+    # The first study grows in its turn: it takes what the other has become.
+    grown = write(tree, "first", 4)
+    (other,) = first.keys() - {shared}
+    assert planned_points(tree, "dataset", study=grown) == {other}
+    process = snakemake(tree, "dataset", study=grown)
+    assert process.returncode == 0, process.stderr
+    assert run_files(tree, "first")[shared].samefile(run_files(tree, "larger")[shared])
+    assert planned_jobs(tree, "dataset", study=grown) == {}
+    # Taken beside a new point, it is not run because the engine is compiled for that.
+    assert planned_points(tree, "dataset", study=write(tree, "wider", 4, "[20, 50]")) == set(
+        load_study(tree / "wider.yaml", tree / "results").points
+    ) - {shared}
+
+
+def test_a_job_looks_again_just_before_it_computes(tree, tmp_path, monkeypatch):
+    points = load_study(tree / "first.yaml", tree / "results").points
+    key = next(iter(points))
+    results = tree / "results" / "late"
+    text = json.dumps([canonical_values(points[key].parameters)])
+    read, write = os.pipe()
+    os.write(write, text.encode())
+    os.close(write)
+    with os.fdopen(read) as stream:
+        monkeypatch.setattr("sys.stdin", stream)
+        assert batch(results) == 0
+    assert run_files(tree, "late")[key].samefile(run_files(tree, "first")[key])
+    log = (results / "logs" / "runs" / f"{key}.log").read_text()
+    assert f"{key}: taken from " in log and log.endswith("already there\n")

@@ -1,0 +1,21 @@
+# Answers to the questions of the study: surrogates, sensitivities, calibrations.
+
+
+rule questions:
+    input:
+        rules.dataset.output,
+    output:
+        PLAN.answer_files,
+    log:
+        f"{RESULTS}/logs/questions.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/questions.tsv"
+    conda:
+        "../envs/talus.yaml"
+    resources:
+        **PLAN.reader_resources,
+    params:
+        questions=PLAN.questions,
+        code=room_code("surrogates", "observable"),
+    shell:
+        'python -m sim questions "$TALUS_STUDY" > {log} 2>&1'
