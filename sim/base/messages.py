@@ -133,8 +133,10 @@ def input_error(
         # The value keeps its decimal point, which is the mistake.
         return InputError(f"{source}: {path}: got {got!r}; allowed: {allowed}")
     if hint := _hint(owner, _name(entry), got):
-        is_choice = entry["type"] == "literal_error"
-        allowed = f"{allowed}; {hint}" if is_choice or len(allowed) < SHORT else hint
+        # A hint replaces what takes long to read, but not the few options of a choice.
+        are_few = 0 < len(_options(entry)) <= MOST_NAMES
+        is_short = len(allowed) < SHORT and not _options(entry)
+        allowed = f"{allowed}; {hint}" if are_few or is_short else hint
     return InputError.of_value(source, path, got, allowed)
 
 
@@ -194,11 +196,10 @@ def _allowed(entry: ErrorDetails, owner: type[BaseModel]) -> str:
         case "list_type" | "too_short":
             return allowed_values(owner.model_fields[name])
         case "literal_error":
-            # Files write the options of plug-ins without their hash.
-            expected = _QUOTED.sub(lambda one: repr(plain_name(one[1])), entry["ctx"]["expected"])
-            options = _QUOTED.findall(expected)
-            is_long = len(options) > MOST_NAMES
-            return one_of(entry["input"], options) if is_long else expected
+            *first, last = options = _options(entry)
+            if len(options) > MOST_NAMES:
+                return one_of(entry["input"], options)
+            return " or ".join(filter(None, (", ".join(map(repr, first)), repr(last))))
         case "string_pattern_mismatch" | "string_type" if isinstance(entry["loc"][-1], int):
             (item,) = typing.get_args(owner.model_fields[name].annotation)
             for constraint in getattr(item, "__metadata__", ()):
@@ -207,6 +208,12 @@ def _allowed(entry: ErrorDetails, owner: type[BaseModel]) -> str:
         return entry["msg"]
     allowed = allowed_values(fields[name]) + _unit(fields[name], entry["input"])
     return f"finite, {allowed}" if entry["type"] == "finite_number" else allowed
+
+
+def _options(entry: ErrorDetails) -> list[str]:
+    """Return the options of a choice, those of plug-ins without their hash, as in files."""
+    expected = entry["ctx"]["expected"] if entry["type"] == "literal_error" else ""
+    return [plain_name(name) for name in _QUOTED.findall(expected)]
 
 
 def _unit(field: FieldInfo, value: Any) -> str:

@@ -82,7 +82,7 @@ class Results:
         for name in dataset.data_vars:
             if rows[name].isnull().all() and not dataset[name].isnull().all():
                 others.append(str(name))
-        return rows.drop_vars(others)
+        return rows.drop_vars(others, errors="ignore")
 
     def profile(self, point: str, name: str, grid: str = "") -> tuple[np.ndarray, np.ndarray]:
         """Return a profile of a point, (R, H) over completed replicates, and heights (H,) in m.
