@@ -163,7 +163,7 @@ def test_an_entry_becomes_what_its_figure_is(tmp_path):
         (
             "kind: curves",
             "kind: curve",
-            "figures[0].kind: got 'curve'; allowed: did you mean curves? one of ",
+            "figures[0].kind: got 'curve'; allowed: did you mean curves?",
         ),
         (
             "kind: curves",
