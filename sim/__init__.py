@@ -20,10 +20,10 @@ if TYPE_CHECKING:
     from sim.parameters.laws import law
     from sim.parameters.motions import motion
     from sim.parameters.observables import observable
+    from sim.report.results import load
     from sim.study.load import points
     from sim.study.papers import paper
     from sim.study.plot_kinds import plot_kind
-    from sim.surrogates.results import load
 
 __all__ = [
     "BlowUp",
@@ -49,7 +49,7 @@ _PLACES = {
     "Flow": "sim.engine.flow:Flow",
     "judge": "sim.claims.claim:judge",
     "law": "sim.parameters.laws:law",
-    "load": "sim.surrogates.results:load",
+    "load": "sim.report.results:load",
     "load_plugins": "sim.base.plugins:load_plugins",
     "motion": "sim.parameters.motions:motion",
     "observable": "sim.parameters.observables:observable",

@@ -327,15 +327,24 @@ def _add_point_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
         "Write the trajectory of a replicate, or without one its first and last state, in a format "
         "of other programs."
     )
-    export.add_argument("path", type=Path, metavar="RUN.nc")
-    export.add_argument("--to", required=True, choices=("amber", "extxyz", "lammps-dump", "vtk"))
+    export.add_argument(
+        "path",
+        type=Path,
+        metavar="RUN.nc",
+        help="run file; or a study file, or the folder of its results, for all runs",
+    )
+    export.add_argument(
+        "--to",
+        choices=("amber", "extxyz", "lammps-dump", "vtk"),
+        help="format (default: that of the suffix of FILE)",
+    )
     export.add_argument(
         "-o",
         "--output",
         type=Path,
         metavar="FILE",
-        help="must not be there yet, and end as files of the format do "
-        "(default: named like the run, in this folder)",
+        help="must not be there yet, and end as files of the format do; of a study a folder "
+        "(default: named like the run or the study, in this folder)",
     )
     export.add_argument(
         "--replicate", type=int, default=0, metavar="N", help="its number, from 0 (default: 0)"

@@ -3,7 +3,8 @@
 import difflib
 import re
 import typing
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from contextlib import suppress
 from typing import Any
 
 import annotated_types
@@ -13,6 +14,7 @@ from pydantic_core import ErrorDetails, ValidationError
 
 from sim.base.additions import plain_name
 from sim.base.errors import InputError, in_short, key_path
+from sim.base.synonyms import names_meant
 
 _UNKNOWN = {"extra_forbidden", "invalid_key"}
 _TAG = "system"
@@ -75,9 +77,9 @@ def unknown_key(
     """Return the error of an unknown last key of a path, with similar and known keys."""
     if hint:
         return InputError(f"{source}: {path}: unknown key, got {in_short(value)}; {hint}")
-    names = list(known)
-    question = did_you_mean(path.rpartition(".")[2], names)
-    message = f"unknown key, got {in_short(value)}; {question}allowed: {', '.join(names)}"
+    names, key = list(known), path.rpartition(".")[2]
+    question = did_you_mean(key, names)
+    message = f"unknown key, got {in_short(value)}; {question}allowed: {near(key, names)}"
     return InputError(f"{source}: {path}: {message}")
 
 
@@ -86,6 +88,7 @@ def input_error(
     model: type[BaseModel],
     source: str,
     paths: Mapping[str, str] | None = None,
+    key_hint: Callable[[str], str] = lambda key: "",
 ) -> InputError:
     """Turn the error of validating ``model`` into the line shown to the user.
 
@@ -102,6 +105,8 @@ def input_error(
         The file the values come from.
     paths : mapping, optional
         Full path in the file of each key, where that is not the key itself.
+    key_hint : callable, optional
+        Function: unknown key → a hint, ``""`` without any. Models with a method ``hint`` need none.
     """
     details = error.errors(include_url=False)
     choices = [detail for detail in details if detail["type"] == "literal_error"]
@@ -115,20 +120,23 @@ def input_error(
         (got,) = rule["got"]
         return InputError.of_value(source, path, got, rule["allowed"])
     if entry["type"] in _UNKNOWN:
-        hint = _hint(owner, _name(entry), None)
+        hint = _hint(owner, _name(entry), None) or key_hint(_name(entry))
         return unknown_key(source, path, entry["input"], owner.model_fields, hint)
     got = None if entry["type"] == "missing" else entry["input"]
     if entry["type"].startswith("union_tag"):
         kinds = _models_in(owner.model_fields[_name(entry)].annotation)
-        allowed = "one of " + ", ".join(tag for kind in kinds for tag in _tags(kind))
-        return InputError.of_value(source, f"{path}.{_TAG}", entry["input"].get(_TAG), allowed)
+        tag = entry["input"].get(_TAG)
+        allowed = one_of(tag, [tag for kind in kinds for tag in _tags(kind)])
+        return InputError.of_value(source, f"{path}.{_TAG}", tag, allowed)
     allowed = _allowed(entry, owner)
     if entry["type"] == "int_type" and isinstance(got, float):
         # The value keeps its decimal point, which is the mistake.
         return InputError(f"{source}: {path}: got {got!r}; allowed: {allowed}")
     if hint := _hint(owner, _name(entry), got):
-        is_choice = entry["type"] == "literal_error"
-        allowed = f"{allowed}; {hint}" if is_choice or len(allowed) < SHORT else hint
+        # A hint replaces what takes long to read, but not the few options of a choice.
+        are_few = 0 < len(_options(entry)) <= MOST_NAMES
+        is_short = len(allowed) < SHORT and not _options(entry)
+        allowed = f"{allowed}; {hint}" if are_few or is_short else hint
     return InputError.of_value(source, path, got, allowed)
 
 
@@ -188,41 +196,71 @@ def _allowed(entry: ErrorDetails, owner: type[BaseModel]) -> str:
         case "list_type" | "too_short":
             return allowed_values(owner.model_fields[name])
         case "literal_error":
-            # Files write the options of plug-ins without their hash.
-            expected = _QUOTED.sub(lambda one: repr(plain_name(one[1])), entry["ctx"]["expected"])
-            options = _QUOTED.findall(expected)
-            is_long = len(options) > MOST_NAMES
-            return one_of(str(entry["input"]), options) if is_long else expected
+            *first, last = options = _options(entry)
+            if len(options) > MOST_NAMES:
+                return one_of(entry["input"], options)
+            return " or ".join(filter(None, (", ".join(map(repr, first)), repr(last))))
         case "string_pattern_mismatch" | "string_type" if isinstance(entry["loc"][-1], int):
             (item,) = typing.get_args(owner.model_fields[name].annotation)
             for constraint in getattr(item, "__metadata__", ()):
                 return allowed_values(constraint)
-    allowed = allowed_values(fields[name]) if name in fields else entry["msg"]
+    if name not in fields:
+        return entry["msg"]
+    allowed = allowed_values(fields[name]) + _unit(fields[name], entry["input"])
     return f"finite, {allowed}" if entry["type"] == "finite_number" else allowed
 
 
-def one_of(name: str, options: Collection[str]) -> str:
+def _options(entry: ErrorDetails) -> list[str]:
+    """Return the options of a choice, those of plug-ins without their hash, as in files."""
+    expected = entry["ctx"]["expected"] if entry["type"] == "literal_error" else ""
+    return [plain_name(name) for name in _QUOTED.findall(expected)]
+
+
+def _unit(field: FieldInfo, value: Any) -> str:
+    """Return the unit of a number in words, and what is wrong with a number that is text."""
+    extra = field.json_schema_extra
+    if not isinstance(value, int | float | str) or field.annotation not in (int, float):
+        return ""
+    if isinstance(value, str):
+        with suppress(ValueError):
+            float(value)
+            return ", without quotes"
+    unit = getattr(extra, "scale", "") or getattr(extra, "unit_text", "").strip()
+    return f", in {unit}{', without the unit' * isinstance(value, str)}" if unit else ""
+
+
+def one_of(name: Any, options: Collection[str]) -> str:
     """Return what is allowed in place of a name: all options if they are few, else the nearest.
+
+    Anything but a text is near to no option.
 
     >>> one_of("hertzian", ["drag", "hertz"])
     'did you mean hertz? one of drag, hertz'
     """
-    return f"{did_you_mean(name, options)}one of {near(name, options)}"
+    word = name if isinstance(name, str) else ""
+    return f"{did_you_mean(word, options)}one of {near(word, options)}"
 
 
 def near(name: str, options: Collection[str], most: int = MOST_NAMES) -> str:
-    """Return options separated by commas: all if they are few, else the nearest to a name."""
+    """Return options separated by commas: all if they are few, else those like a name.
+
+    >>> near("friction", ["friction", *"abcdefghijkl"])
+    'friction and 12 more (talus schema has all)'
+    """
     if len(options) <= most:
         return ", ".join(options)
-    nearest = difflib.get_close_matches(name, options, n=most, cutoff=0)
-    return f"{', '.join(nearest)} and {len(options) - most} more"
+    similar = difflib.get_close_matches(name, options, n=most)
+    others = f"{len(options) - len(similar)} {'more' if similar else 'names'}"
+    return f"{' and '.join(filter(None, (', '.join(similar), others)))} (talus schema has all)"
 
 
 def did_you_mean(name: str, known: Collection[str]) -> str:
-    """Return a question with the known names closest to ``name``, ``""`` without any.
+    """Return a question with the known names that ``name`` stands for or that are closest to it.
+
+    It is ``""`` without any.
 
     >>> did_you_mean("frction", ["friction", "depth"])
     'did you mean friction? '
     """
-    close = difflib.get_close_matches(name, known, n=3)
+    close = names_meant(name, known) or difflib.get_close_matches(name, known, n=3)
     return f"did you mean {' or '.join(close)}? " if close else ""

@@ -174,7 +174,10 @@ def _find(name: str, folder: Path, error_of: Callable[[str], InputError]) -> _So
             contents = (one for one in sorted(path.rglob("*")) if one.is_file())
             visible = tuple(one for one in contents if _is_content(one.relative_to(path)))
             return _beside_study(path, path / _INIT, visible, error_of)
-        installed = ", ".join(sorted(entries.names)) or "none"
+        # Imported here, as every command would wait for the import.
+        from sim.base.messages import near
+
+        installed = near(name, sorted(entries.names)) or "none"
         raise error_of(f"installed: {installed}")
     module = entries[name].module
     spec = find_spec(module.partition(".")[0])

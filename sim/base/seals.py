@@ -72,6 +72,11 @@ def checked_read(path: Path, kind: str, replaceable: bool, sealed: bool = False)
     """
     if not os.path.lexists(path):
         raise InputError(f"{path}: no such {kind}; rerun the study to make it")
+    if path.suffix in (".yaml", ".yml"):
+        raise InputError(
+            f"{path}: a YAML file, where a {kind} (*.nc) is expected; talus points lists "
+            "the points of a study"
+        )
     try:
         if not path.is_file():
             raise ValueError("no file, or a link to none")

@@ -126,6 +126,9 @@ def _read_text(path: str | Path, source: str) -> str:
     except IsADirectoryError:
         raise InputError(f"{source}: a folder, where a YAML file is expected") from None
     except UnicodeDecodeError:
+        if Path(source).suffix == ".nc":
+            problem = "a netCDF file, where a YAML file is expected"
+            raise InputError(f"{source}: {problem}; talus info describes a run") from None
         raise InputError(f"{source}: not a text file (UTF-8 expected)") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
@@ -175,22 +178,24 @@ def _refuse_wrong_keys(root: yaml.Node, source: str) -> None:
             pending += _members(node, path, source)
 
 
-def _key_problem(key: yaml.Node) -> str:
-    """Return the message for a key that is not text."""
-    comma = isinstance(key, yaml.ScalarNode) and key.tag == f"{_TAG}int"
-    return "expected text as a key" + (
-        "; a number has a decimal point, not a comma" if comma else ""
-    )
+def _key_problem(key: yaml.Node, before: Any) -> str:
+    """Return the message for a key that is not text, after a value."""
+    problem = "expected text as a key"
+    if isinstance(before, str) and "(" in before:
+        return f"{problem}; instead of {before}, ...) give a list, a range or a design"
+    is_number = isinstance(key, yaml.ScalarNode) and key.tag == f"{_TAG}int"
+    return problem + "; a number has a decimal point, not a comma" * is_number
 
 
 def _members(node: yaml.MappingNode, path: _Path, source: str) -> list[tuple[yaml.Node, _Path]]:
     """Return a mapping's values with their paths; raise for a wrong key."""
     first_lines: dict[str, int] = {}
-    members = []
+    members: list[tuple[yaml.Node, _Path]] = []
     for key, value in node.value:
         text = isinstance(key, yaml.ScalarNode) and key.tag in (f"{_TAG}str", f"{_TAG}merge")
         if not text:
-            raise yaml.constructor.ConstructorError(None, None, _key_problem(key), key.start_mark)
+            problem = _key_problem(key, members[-1][0].value if members else "")
+            raise yaml.constructor.ConstructorError(None, None, problem, key.start_mark)
         key_location = (*path, key.value)
         line = key.start_mark.line + 1
         if key.value in first_lines:

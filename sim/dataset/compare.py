@@ -11,6 +11,7 @@ import pandas as pd
 from scipy.stats import false_discovery_control, t
 
 from sim.base.errors import InputError
+from sim.base.messages import one_of
 from sim.base.statistics import CONFIDENCE, MANY, mean_interval, student, student_half_width
 from sim.dataset.results import load, require_known_options
 from sim.engine.stored_run import open_run_file, parameters_of
@@ -187,7 +188,7 @@ def read_side(path: Path, quantity: str) -> tuple[pd.DataFrame, str]:
 
 def _require_quantity(quantity: str, path: Path, allowed: Collection[str]) -> None:
     if quantity not in allowed:
-        raise InputError.of_value(str(path), "", quantity, "one of " + ", ".join(allowed))
+        raise InputError.of_value(str(path), "", quantity, one_of(quantity, allowed))
 
 
 def tabulate(

@@ -14,6 +14,7 @@ import xarray as xr
 
 from sim.base.additions import plugin_options
 from sim.base.errors import InputError
+from sim.base.messages import one_of
 from sim.base.seals import checked_read
 from sim.dataset.grids import GRIDS, number_density_name, regrid
 from sim.dataset.rounds import RESULT_COLUMNS
@@ -74,14 +75,14 @@ class Results:
     def of(self, system: str) -> xr.Dataset:
         """Return the points of one system, without variables that only other systems have."""
         if system not in list(SYSTEMS):
-            raise InputError.of_value("of", "system", system, "one of " + ", ".join(SYSTEMS))
+            raise InputError.of_value("of", "system", system, one_of(system, SYSTEMS))
         dataset = self.dataset
         rows = dataset.sel(point=dataset["system"] == system)
         others = [name for name in _PARAMETERS if name not in SYSTEMS[system].model_fields]
         for name in dataset.data_vars:
             if rows[name].isnull().all() and not dataset[name].isnull().all():
                 others.append(str(name))
-        return rows.drop_vars(others)
+        return rows.drop_vars(others, errors="ignore")
 
     def profile(self, point: str, name: str, grid: str = "") -> tuple[np.ndarray, np.ndarray]:
         """Return a profile of a point, (R, H) over completed replicates, and heights (H,) in m.

@@ -14,6 +14,7 @@ from PIL.PngImagePlugin import PngInfo
 
 from sim.base.errors import InputError
 from sim.base.files import atomic_write
+from sim.base.messages import one_of
 from sim.dataset.results import Results, load_results, require_known_options
 from sim.figures.caption import caption
 from sim.figures.data import FigureData, figure_data
@@ -64,7 +65,7 @@ def find_spec(name: str, plots: Mapping[str, FigureSpec] | None = None) -> Figur
         hint = (
             "" if plots is not None else "with --study STUDY.yaml a plot of that study; without, "
         )
-        raise InputError.of_value("figure", "name", name, f"{hint}one of {', '.join(specs)}")
+        raise InputError.of_value("figure", "name", name, hint + one_of(name, specs))
     return specs[name]
 
 
@@ -104,13 +105,7 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
     with ExitStack() as stack:
         still, other, csv, text = (stack.enter_context(atomic_write(file)) for file in files)
         stack.enter_context(mpl.rc_context(SETTINGS))
-        drawn = kind.draw(data)
-        figure = drawn.figure if isinstance(drawn, Animation) else drawn
-        if not data.rows["completed"].any():
-            figure.axes[0].text(
-                0.5, 0.5, "no point completed", ha="center", transform=figure.axes[0].transAxes
-            )
-        settle(figure)
+        drawn, figure = _draw(data, kind)
         # Without a date, the same data give the same bytes.
         if isinstance(drawn, Animation):
             _save_gif(drawn, other)
@@ -121,6 +116,24 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
         for file, content in zip((csv, text), _texts(data, kind), strict=True):
             file.write_text(content, encoding="utf-8")
     return files
+
+
+def draw(spec: FigureSpec, results: Results) -> Figure:
+    """Return the picture of a study's plot, without writing a file."""
+    with mpl.rc_context(SETTINGS):
+        return _draw(*_data_and_kind(spec, results))[1]
+
+
+def _draw(data: FigureData, kind: PlotKind) -> tuple[Figure | Animation, Figure]:
+    """Return what a kind of plot draws, and its picture with the final layout."""
+    drawn = kind.draw(data)
+    figure = drawn.figure if isinstance(drawn, Animation) else drawn
+    if not data.rows["completed"].any():
+        figure.axes[0].text(
+            0.5, 0.5, "no point completed", ha="center", transform=figure.axes[0].transAxes
+        )
+    settle(figure)
+    return drawn, figure
 
 
 def settle(figure: Figure) -> None:

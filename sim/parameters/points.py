@@ -7,7 +7,7 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -16,8 +16,9 @@ from pydantic import ValidationError
 
 from sim.base.additions import on_change
 from sim.base.errors import InputError
-from sim.base.messages import allowed_values, input_error
+from sim.base.messages import allowed_values, input_error, one_of
 from sim.base.plugins import load_shipped
+from sim.base.synonyms import add_synonym, names_meant
 from sim.base.yaml import read_yaml
 from sim.parameters.belt import BeltParameters
 from sim.parameters.choices import extended
@@ -34,6 +35,7 @@ from sim.parameters.roles import (
     id_parts,
     numerical_parameters,
 )
+from sim.parameters.synonyms import SYNONYMS
 
 SYSTEMS: dict[str, type[Parameters]] = {
     "chute": ChuteParameters,
@@ -49,12 +51,18 @@ def _update_systems() -> None:
         belt=extended(BeltParameters, MOTION),
         conveyor=extended(ConveyorParameters, LAW, MOTION),
     )
+    for model in SYSTEMS.values():
+        for name, declaration in declarations(model).items():
+            add_synonym(declaration.symbol, name)
 
 
 load_shipped("sim.laws")
 load_shipped("sim.laws.motions")
 LAW.describe()
 on_change(_update_systems)
+for _name, _words in SYNONYMS.items():
+    for _word in _words.split():
+        add_synonym(_word, _name)
 
 #: Suffix of run files.
 RUN_FILE = ".nc"
@@ -104,12 +112,25 @@ def parse_point(
     system = mapping.get("system")
     if not isinstance(system, str) or system not in SYSTEMS:
         path = (paths or {}).get("system", "system")
-        raise InputError.of_value(source, path, system, "one of " + ", ".join(SYSTEMS))
+        raise InputError.of_value(source, path, system, one_of(system, SYSTEMS))
     model = SYSTEMS[system]
     try:
         return model.model_validate(dict(mapping))
     except ValidationError as error:
-        raise input_error(error, model, str(source), paths) from None
+        hint = partial(hint_on_key, system=system)
+        raise input_error(error, model, str(source), paths, hint) from None
+
+
+def hint_on_key(key: str, system: str) -> str:
+    """Return whose parameter a key is that a system lacks, empty if it may mean one of its own."""
+    every = dict.fromkeys(name for model in SYSTEMS.values() for name in model.model_fields)
+    own, meant = SYSTEMS[system].model_fields, names_meant(key, every)
+    if key in own or (key not in every and (not meant or not own.keys().isdisjoint(meant))):
+        return ""
+    name = key if key in every else meant[0]
+    owners = [one for one, model in SYSTEMS.items() if name in model.model_fields]
+    question = "" if name == key else f"did you mean {name}? "
+    return f"{question}{name} is a parameter of the {' and the '.join(owners)}"
 
 
 def parse_python_point(source: str, system: Any, values: Mapping[str, Any]) -> Parameters:

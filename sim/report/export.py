@@ -1,6 +1,6 @@
 """Export the particles of a run in formats of other programs: AMBER, extended XYZ, LAMMPS, VTK."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from itertools import product
 from pathlib import Path
@@ -14,11 +14,18 @@ from sim.base.errors import InputError
 from sim.base.files import atomic_write, require_writable, temporary_folder
 from sim.base.program import __version__
 from sim.base.seals import checked_read
+from sim.base.words import count_text
 from sim.engine.stored_run import parameters_of
+from sim.parameters import RUN_FILE
 from sim.report.frames import Frame, Frames, frames_of
+from sim.study.command import YAML_SUFFIXES
+from sim.study.load import load_study
 
 #: Å in a metre, ps in a second.
 ANGSTROM, PICOSECOND = 1e10, 1e12
+
+#: Longest part of the name of a file that tells a point of a study apart.
+MOST_LETTERS = 60
 
 #: Indices of the corners of a box (x varies slowest) in the order of VTK.
 _HEXAHEDRON = np.array([[0, 4, 6, 2, 1, 5, 7, 3]])
@@ -28,31 +35,79 @@ _HEXAHEDRON = np.array([[0, 4, 6, 2, 1, 5, 7, 3]])
 _Head = Callable[[IO[str], Frames, Frame, int], str]
 
 
-def export(path: Path, to: str, output: Path | None, replicate: int) -> str:
+def export(path: Path, to: str | None, output: Path | None, replicate: int) -> str:
     """Write the trajectory of a replicate, or its first and last state, for other programs.
 
     Parameters
     ----------
     path : Path
-        The run file.
-    to : str
-        One of `FORMATS`.
+        The run file; or the results of a study or its file, for all runs of the study.
+    to : str, optional
+        One of `FORMATS`. By default, that of the suffix of ``output``.
     output : Path, optional
-        The file to write. It must not exist, and needs a suffix of the format, by which other
-        programs recognise it. By default, it is named like the run file, in the present folder.
+        The file to write, or the folder for those of a study. It must not exist. A file needs a
+        suffix of the format, by which other programs recognise it. By default, it is named like the
+        run file, or like the study and the format, in the present folder.
     replicate : int
         Number of the replicate, from 0.
 
     Returns
     -------
     str
-        A line on the written file.
+        A line on the written files.
 
     Raises
     ------
     InputError
-        When the run file cannot be read, has no such replicate, or the output cannot be written.
+        When a run file cannot be read, has no such replicate, or the output cannot be written.
     """
+    if to is None:
+        fitting = [name for name, (endings, _) in FORMATS.items() if _has_ending(output, endings)]
+        if not fitting:
+            allowed = f"one of {', '.join(FORMATS)}, or -o FILE that ends as files of a format do"
+            raise InputError.of_value("--to", "", None, allowed)
+        (to,) = fitting
+    if path.suffix in YAML_SUFFIXES:
+        path = Path("results") / load_study(path).name
+    return (_export_study if path.is_dir() else _export_run)(path, to, output, replicate)
+
+
+def _has_ending(output: Path | None, endings: tuple[str, ...]) -> bool:
+    return output is not None and output.suffix.lower() in endings
+
+
+def _export_study(results: Path, to: str, output: Path | None, replicate: int) -> str:
+    """Export all runs in a folder of results into a folder, which appears when it is complete."""
+    runs = sorted((results / "runs").glob(f"*{RUN_FILE}"))
+    if not runs:
+        raise InputError.of_value("export", "", str(results), "a run file, or results with runs")
+    output = output or Path(f"{results.resolve().name}-{to}")
+    if output.exists() or not output.name:
+        raise InputError.of_value("--output", "", str(output), "a folder that is not there")
+    require_writable(output.parent, "--output")
+    output.parent.mkdir(parents=True, exist_ok=True)
+    names = _short_names([run.stem for run in runs])
+    with temporary_folder(output) as folder:
+        for run, name in zip(runs, names, strict=True):
+            _export_run(run, to, folder / output.name / f"{name}{FORMATS[to][0][0]}", replicate)
+        (folder / output.name).rename(output)
+    return f"{output}: {count_text(len(runs), 'run')}"
+
+
+def _short_names(ids: Sequence[str]) -> list[str]:
+    """Return a name for each of several points: what tells it apart, and the hash of its id.
+
+    >>> _short_names(["belt-frequency20-beads9-0ab5f3d1", "belt-frequency30-beads9-77ae0c52"])
+    ['frequency20-0ab5f3d1', 'frequency30-77ae0c52']
+    """
+    parts = [one.split("-") for one in ids]
+    common = set(parts[0]).intersection(*parts) if len(ids) > 1 else set(parts[0][1:-1])
+    kept = ["-".join(one for one in own[:-1] if one not in common) for own in parts]
+    return [f"{text[:MOST_LETTERS]}-{own[-1]}" for text, own in zip(kept, parts, strict=True)]
+
+
+def _export_run(path: Path, to: str, output: Path | None, replicate: int) -> str:
+    """Export a run into a file; see `export`."""
     endings, write = FORMATS[to]
     if not path.name or (output and not output.name):
         raise InputError.of_value("export", "", str(output or path), "the name of a file")
@@ -60,7 +115,7 @@ def export(path: Path, to: str, output: Path | None, replicate: int) -> str:
     if output.is_dir():
         allowed = f"the name of a file; {output} is a folder"
         raise InputError.of_value("--output", "", str(output), allowed)
-    if output.suffix.lower() not in endings:
+    if not _has_ending(output, endings):
         allowed = f"a name that ends in {' or '.join(endings)}, as {to} does"
         raise InputError.of_value("--output", "", str(output), allowed)
     _require_new(output, to)

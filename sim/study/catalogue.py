@@ -9,7 +9,7 @@ from pydantic import AfterValidator, Field, ValidationError, model_validator
 
 from sim.base.additions import on_change
 from sim.base.errors import InputError
-from sim.base.messages import input_error
+from sim.base.messages import input_error, one_of
 from sim.base.yaml import read_yaml
 from sim.parameters import SYSTEMS
 from sim.parameters.common import broken_rule
@@ -53,7 +53,7 @@ def _one_or_tuple(value: Any) -> Any:
 
 def _require_kind(kind: str) -> str:
     if kind not in kinds():
-        raise broken_rule("", kind, f"one of {', '.join(kinds())}")
+        raise broken_rule("", kind, one_of(kind, kinds()))
     return kind
 
 

@@ -20,6 +20,7 @@ from sim.base.files import (
     require_writable,
     user_temporary_folder,
 )
+from sim.base.messages import one_of
 from sim.base.plugins import VARIABLE
 from sim.base.program import package_folder, program
 from sim.study.entries import ALLOWED_NAME, NAME
@@ -47,7 +48,7 @@ def init(target: Path, model: str) -> str:
     """
     texts = _template_texts()
     if model not in texts:
-        raise InputError.of_value("--from", "", model, "one of " + ", ".join(texts))
+        raise InputError.of_value("--from", "", model, one_of(model, texts))
     is_file = target.name.lower().endswith(YAML_SUFFIXES)
     path = target if is_file else target / f"{model}.yaml"
     if path.suffix not in YAML_SUFFIXES or not re.match(NAME, path.stem) or len(path.stem) > 60:

@@ -1,12 +1,13 @@
 """Keys of a study file, whatever their system: parameters, lists and ranges, overrides, names."""
 
+import re
 from math import floor
 from typing import Annotated, Any, ClassVar, Self
 from unicodedata import category
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
-from sim.parameters import SYSTEMS, Parameters, canonical_number
+from sim.parameters import Parameters, canonical_number, hint_on_key
 from sim.parameters.common import Real, broken_rule
 
 #: Unicode categories without letters, some of which move the cursor or reverse the line where a
@@ -57,6 +58,10 @@ def optional(
     return Field(None, description=description, json_schema_extra=adapt_schema, **options)
 
 
+#: A function in place of values, as in the files of other programs.
+_CALL = re.compile(r"\w+\(.*\)")
+
+
 class Some(Strict):
     """Values of some parameters of a system; only those given are set."""
 
@@ -69,10 +74,9 @@ class Some(Strict):
             return "a list of values belongs under grid"
         if system_hint := getattr(cls.parameters, "hint", lambda key, value: "")(key, value):
             return str(system_hint)
-        systems = [name for name, model in SYSTEMS.items() if key in model.model_fields]
-        system = cls.parameters.model_fields["system"].default
-        text = f"{key} is a parameter of the {' and the '.join(systems)}"
-        return text if systems and system not in systems else ""
+        if isinstance(value, str) and _CALL.fullmatch(value):
+            return "points spread over ranges belong under design (docs/designs.md)"
+        return hint_on_key(key, cls.parameters.model_fields["system"].default)
 
     def explicit_values(self) -> dict[str, Any]:
         """Return the values that the file sets here, with numbers in canonical form."""

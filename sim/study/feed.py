@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.base.errors import InputError
+from sim.base.messages import one_of
 from sim.parameters import (
     NUMERICAL,
     SYSTEMS,
@@ -43,8 +44,7 @@ def feed(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
             points = [point for point in study.points.values() if set(point.series) & set(names)]
             contents = PlotContents(plot, points, str(path), f"plots[{index}]")
             _require_known_names(contents, series, entries)
-            entries[plot.name] = spec = _plot_spec(contents, names)
-            _require_distinct_positions(spec, contents.points, contents.source, contents.place)
+            entries[plot.name] = plot_entry(contents, names)
             data += [path.parent / one.file for one in plot.beside or () if one.file]
     return replace(study, entries=entries, data=tuple(dict.fromkeys(data)))
 
@@ -84,14 +84,14 @@ def _require_known_names(
         raise contents.error("name", name, "a name that no other plot has, capitals or not")
     for number, one in enumerate(contents.plot.series or []):
         if one not in series:
-            raise contents.error(f"series[{number}]", one, "one of " + ", ".join(series))
+            raise contents.error(f"series[{number}]", one, one_of(one, series))
 
 
-def _plot_spec(contents: PlotContents, series: Sequence[str]) -> FigureSpec:
-    """Return the figure entry of a plot of some series."""
+def plot_entry(contents: PlotContents, series: Sequence[str]) -> FigureSpec:
+    """Return the figure entry of a plot of some series; raise ``InputError`` as `feed` does."""
     plot, second = contents.plot, contents.second
     contents.require_drawable()
-    return FigureSpec(
+    spec = FigureSpec(
         name=plot.name,
         kind=plot.kind,
         paper="",
@@ -110,6 +110,8 @@ def _plot_spec(contents: PlotContents, series: Sequence[str]) -> FigureSpec:
         }
         | plugin_code(plot.kind),
     )
+    _require_distinct_positions(spec, contents.points, contents.source, contents.place)
+    return spec
 
 
 def _require_points_vary(

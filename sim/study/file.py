@@ -205,6 +205,13 @@ class StudyFile(Strict):
         }
     )
 
+    @classmethod
+    def hint(cls, key: str, value: Any) -> str:
+        """Return where a parameter belongs that stands at the top of the file."""
+        is_parameter = any(key in model.model_fields for model in SYSTEMS.values())
+        text = f"{key} is a parameter: it belongs under defaults.<system>, or base of a series"
+        return text if is_parameter and key not in cls.model_fields else ""
+
     study: str = Field(
         pattern=NAME,
         max_length=60,

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.base.errors import InputError
+from sim.base.messages import near
 from sim.parameters import NUMERICAL, SYSTEMS, Parameters, field_info
 from sim.study.beside import DataSet, data_sets
 from sim.study.figure_spec import written
@@ -195,7 +196,7 @@ class PlotContents:
         values = {getattr(point, name) for point in self.parameters}
         if len(values) < 2:
             vary = varying_parameters(self.parameters)
-            allowed = "a parameter that the points vary" + (f": {', '.join(vary)}" if vary else "")
+            allowed = "a parameter that the points vary" + (f": {near(name, vary)}" if vary else "")
             got = f"{name}, which is {_value_text(values.pop())} throughout"
             raise self.error(key, got, allowed)
 

@@ -13,6 +13,7 @@ from pydantic import (
 )
 
 from sim.base.additions import NAME as PLUGIN_NAME
+from sim.base.messages import one_of
 from sim.parameters.common import Real, broken_rule
 from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional, require_printable
 from sim.study.measured import ALLOWED_FILE, FILE
@@ -23,7 +24,7 @@ from sim.study.plottable import every_name
 def _require_known_kind(kind: str) -> str:
     kinds = study_kinds(own=True)
     if kind not in kinds:
-        raise broken_rule("", kind, "one of " + ", ".join(kinds))
+        raise broken_rule("", kind, one_of(kind, kinds))
     return kind
 
 

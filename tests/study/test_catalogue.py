@@ -160,7 +160,11 @@ def test_an_entry_becomes_what_its_figure_is(tmp_path):
             "figures[0].y: got 'wave_power'; allowed: a key of curves: name, kind",
         ),
         ("{obstacle:g}", "{amplitude:g}", "figures[0].lead: got 'unsupported format string"),
-        ("kind: curves", "kind: curve", "figures[0].kind: got 'curve'; allowed: one of anim"),
+        (
+            "kind: curves",
+            "kind: curve",
+            "figures[0].kind: got 'curve'; allowed: did you mean curves?",
+        ),
         (
             "kind: curves",
             "kind: row",

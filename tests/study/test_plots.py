@@ -235,9 +235,9 @@ def test_every_kind_shows_its_usual_observable_of_every_system(parse, kind, syst
         ({"x": None}, "x: got nothing; allowed: "),
         ({"x": "fricton"}, "x: got 'fricton'; allowed: did you mean friction"),
         (
-            {"x": "slope"},
-            "x: got 'slope'; allowed: a parameter of the chute that the points vary: friction, "
-            "friction_plane, law, angle; or an observable: loop_time, spin,",
+            {"x": "slop"},
+            "x: got 'slop'; allowed: a parameter of the chute that the points vary: friction, "
+            "friction_plane, law, angle; or an observable: ",
         ),
         ({"x": "frequency"}, "x: got 'frequency'; allowed: a parameter of the chute; this is"),
         ({"x": "law", "panels": "friction"}, "x: got 'law'; allowed: a parameter that is a number"),
@@ -252,7 +252,7 @@ def test_every_kind_shows_its_usual_observable_of_every_system(parse, kind, syst
         ({"y": "backflow"}, "y: got 'backflow'; allowed: an observable of the chute; backflow is"),
         ({"y": "mass_flux"}, "y: got 'mass_flux'; allowed: an observable of curves; mass_flux is"),
         ({"y": "overburden"}, "y: got 'overburden'; allowed: points with stress_profiles: true"),
-        ({"series": ["flow"]}, "series[0]: got 'flow'; allowed: one of flows"),
+        ({"series": ["flow"]}, "series[0]: got 'flow'; allowed: did you mean flows? one of flows"),
         ({"system": "belt"}, "system: got 'belt'; allowed: a system of its series: chute"),
         (
             {"colour": "velocity"},

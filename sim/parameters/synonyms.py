@@ -1,0 +1,31 @@
+"""Words that people use for parameters, observables and kinds of plot, besides the symbols."""
+
+#: Name in Talus -> words for it.
+SYNONYMS = {
+    "amplitude": "A",
+    "angle": "inclination slope tilt",
+    "average": "averaging_time duration length",
+    "beads": "n_beads n_particles number_of_particles particles",
+    "cell": "box domain periodic_length",
+    "colour": "c color hue z",
+    "curves": "by hue line lines plot",
+    "damping": "damping_coefficient viscosity",
+    "depth": "height layers",
+    "diameter": "d grain_size particle_size radius size",
+    "distribution": "hist histogram",
+    "friction": "coefficient_of_friction friction_coefficient",
+    "frequency": "freq hz omega",
+    "gravity": "acceleration_of_gravity",
+    "law": "contact contact_law contact_model force_law force_model",
+    "map": "contour heat_map heatmap phase_diagram",
+    "mass": "particle_mass",
+    "panels": "col facet facets row subplots",
+    "profiles": "profile",
+    "replicates": "repeats repetitions runs seeds",
+    "restitution": "coefficient_of_restitution cor elasticity",
+    "stiffness": "k kn spring spring_constant",
+    "time_series": "series timeseries",
+    "transient": "burn_in spin_up warm_up warmup",
+    "velocity": "flow_rate mean_velocity speed v",
+    "width": "belt_width",
+}

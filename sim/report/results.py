@@ -1,0 +1,245 @@
+"""The results of a study in Python: a short table of them, grids over parameters, and plots."""
+
+from dataclasses import dataclass, replace
+from html import escape
+from math import prod
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from pydantic import ValidationError
+
+from sim.base.errors import InputError
+from sim.base.messages import input_error, one_of
+from sim.base.words import count_text, printable
+from sim.dataset.results import require_known_options
+from sim.parameters import NUMERICAL, SYSTEMS, Parameters, parse_point
+from sim.study.feed import plot_entry
+from sim.study.figure_spec import FigureSpec, written
+from sim.study.model import Point
+from sim.study.plot_contents import PlotContents
+from sim.study.plot_file import PlotFile
+from sim.study.plottable import find_observable, numbers
+from sim.surrogates import results as with_surrogates
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+#: Most names, and most values of a parameter, in a line of the table.
+MOST_SHOWN = 6
+
+#: How names of errors end, which the table does not list.
+_OF_ERRORS = ("_error", "_half_width")
+
+#: Most places of a grid per point.
+MOST_PLACES = 10
+
+
+@dataclass(frozen=True, repr=False)
+class LabelledResults(with_surrogates.StudyResults):
+    """The results of a study, with a table of what they hold, grids and plots.
+
+    Of a study of one system, the dataset has no parameters of other systems.
+    """
+
+    def to_grid(self, observable: str = "velocity", system: str = "") -> xr.DataArray:
+        """Return an observable over the parameters that the points vary.
+
+        Parameters
+        ----------
+        observable : str
+            A number per replicate, named as in plots of a study.
+        system : str
+            System of the points, where the study has several.
+
+        Returns
+        -------
+        xarray.DataArray
+            Means over the replicates in SI units, NaN where no point stands. Its coordinate
+            ``half_width`` has the half widths of the 95 % intervals.
+
+        Raises
+        ------
+        InputError
+            When there is no such observable, no parameter varies, several points share a place, or
+            the points are spread as those of a design.
+        """
+        from sim.figures.data import figure_data, varying_parameters
+        from sim.figures.plot import observed_quantity
+
+        system = self._system(system)
+        found = find_observable("curves", "observable", observable, system, _grid_error)
+        series = tuple(dict.fromkeys(" ".join(self.dataset["series"].values).split()))
+        options = {"show": observable, "units": "si"}
+        spec = FigureSpec("grid", "curves", "", system, "", series=series, options=options)
+        data = figure_data(self, spec)
+        names = varying_parameters(data.rows, list(SYSTEMS[system].model_fields))
+        _require_grid(data.rows, names)
+        quantity = observed_quantity(data)
+        columns = {observable: quantity.value, "half_width": quantity.half_width}
+        table = data.rows[names].assign(**columns).set_index(names)
+        grid = table.to_xarray().set_coords("half_width")[observable]
+        for name in names:
+            grid[name].attrs = dict(self.dataset[name].attrs)
+        grid["half_width"].attrs = {"units": found.unit, "long_name": "half width of 95 % interval"}
+        return grid.assign_attrs(units=found.unit, long_name=found.meaning)
+
+    def plot(self, **keys: Any) -> "Figure":
+        """Draw a plot of the points.
+
+        Parameters
+        ----------
+        **keys
+            The keys of an entry under ``plots`` of a study file, without its ``name``.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The picture, as the study would draw it.
+
+        Raises
+        ------
+        InputError
+            For what would be a mistake in a study file.
+        """
+        from sim.figures.render import draw
+
+        try:
+            plot = PlotFile.model_validate({"name": "plot"} | keys)
+        except ValidationError as error:
+            paths = {name: f"plot.{name}" for name in (*PlotFile.model_fields, *keys)}
+            raise input_error(error, PlotFile, "results", paths) from None
+        require_known_options(self.dataset, Path("results"))
+        points = self._points()
+        series = list(dict.fromkeys(name for point in points for name in point.series))
+        for name in plot.series or []:
+            if name not in series:
+                raise InputError.of_value("results", "plot.series", name, one_of(name, series))
+        names = plot.series or series
+        shown = [point for point in points if not set(names).isdisjoint(point.series)]
+        return draw(plot_entry(PlotContents(plot, shown, "results", "plot"), names), self)
+
+    def _points(self) -> list[Point]:
+        """Return the points of the dataset as those of a study."""
+        columns = {str(name): one.values for name, one in self.dataset.coords.variables.items()}
+        return [
+            Point(
+                str(point),
+                _parameters(columns, row),
+                tuple(str(columns["series"][row]).split()),
+                tuple(str(columns["figures"][row]).split()),
+            )
+            for row, point in enumerate(columns["point"])
+        ]
+
+    def _system(self, system: str) -> str:
+        """Return the system of a grid: the one that is named, or the only one."""
+        systems = list(dict.fromkeys(map(str, self.dataset["system"].values)))
+        if not system and len(systems) == 1:
+            return systems[0]
+        if system not in systems:
+            raise _grid_error("system", system or None, one_of(system, systems))
+        return system
+
+    def _lines(self) -> list[tuple[str, str]]:
+        """Return what the results hold: pairs of a heading and a text."""
+        from sim.figures.data import varying_parameters
+
+        dataset = self.dataset
+        lines = [("study", f"{dataset.attrs.get('study', '')}: {dataset.attrs.get('title', '')}")]
+        for system in dict.fromkeys(map(str, dataset["system"].values)):
+            rows = self.of(system)
+            runs = int((rows["status"] == "completed").sum())
+            regimes = pd.Series(rows["point_regime"].values).value_counts(sort=False)
+            counts = ", ".join(f"{count} {name}" for name, count in regimes.items())
+            lines.append((system, f"{count_text(rows.sizes['point'], 'point')}, {runs:,} runs"))
+            lines.append(("  regimes", counts))
+            fields = SYSTEMS[system].model_fields
+            table = pd.DataFrame({name: rows[name].values for name in fields if name in rows})
+            varied = varying_parameters(table, list(table))
+            texts = [f"{name} ({_few(pd.unique(table[name].sort_values()))})" for name in varied]
+            lines.append(("  varied", _few(texts, "; ")))
+            observed = (one for one in numbers(system).values() if one.source in rows)
+            known = [
+                one.name
+                for one in observed
+                if not one.name.endswith(_OF_ERRORS) and rows[one.source].notnull().any()
+            ]
+            lines.append(("  observables", _few(known)))
+        if len(self.boundaries):
+            lines.append(("boundaries", count_text(len(self.boundaries), "row")))
+        return [(heading, printable(text)) for heading, text in lines]
+
+    def __repr__(self) -> str:
+        return "\n".join(f"{heading:<13} {text}".rstrip() for heading, text in self._lines())
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><th style='text-align:left'>{escape(heading)}</th>"
+            f"<td style='text-align:left'>{escape(text)}</td></tr>"
+            for heading, text in self._lines()
+        )
+        return f"<table>{rows}</table>"
+
+
+def load(results: str | Path) -> LabelledResults:
+    """Load the results of a study.
+
+    Parameters
+    ----------
+    results : str or Path
+        The folder of the results, or the dataset in it.
+
+    Raises
+    ------
+    InputError
+        When there is no dataset, or it is damaged.
+    """
+    loaded = LabelledResults(**vars(with_surrogates.load(results)))
+    systems = set(map(str, loaded.dataset["system"].values))
+    return replace(loaded, dataset=loaded.of(*systems)) if len(systems) == 1 else loaded
+
+
+def _grid_error(key: str, value: Any, allowed: str) -> InputError:
+    return InputError.of_value("to_grid", key, value, allowed)
+
+
+def _require_grid(rows: pd.DataFrame, names: list[str]) -> None:
+    """Raise unless points vary parameters, each at a place of its own, and fill much of a grid."""
+    if not names:
+        allowed = "results whose points vary a parameter"
+        raise _grid_error("", count_text(len(rows), "point"), allowed)
+    shared = rows[rows.duplicated(names, keep=False)]
+    if len(shared):
+        place = shared[names].iloc[0]
+        same = shared[(shared[names] == place).all(axis=1)]
+        same = same[[name for name in sorted(NUMERICAL) if name in same]]
+        differing = same.columns[same.nunique() > 1]
+        got = ", ".join(f"{name} {written(value)}" for name, value in place.items())
+        allowed = f"one point at each place: these differ in {', '.join(differing)}"
+        raise _grid_error("", f"{len(same)} points at {got}", allowed)
+    counts = {name: rows[name].nunique() for name in names}
+    distinct = [name for name, count in counts.items() if count == len(rows) > 2]
+    if len(distinct) > 1 or prod(counts.values()) > MOST_PLACES * len(rows):
+        got = f"{len(rows):,} points at {prod(counts.values()):,} places of {', '.join(names)}"
+        allowed = "a grid; a design has its points as rows of dataset (results.dataset)"
+        raise _grid_error("", got, allowed)
+
+
+def _parameters(columns: dict[str, np.ndarray], row: int) -> Parameters:
+    """Return the parameters of a row of a dataset, whose switches and counts are numbers."""
+    fields = SYSTEMS[str(columns["system"][row])].model_fields
+    values = {name: columns[name][row] for name in fields if name in columns}
+    for name, value in values.items():
+        kind = fields[name].annotation
+        values[name] = kind(value) if kind in (bool, int, float) else str(value)
+    return parse_point(values, "results")
+
+
+def _few(items: Any, separator: str = ", ") -> str:
+    """Return the first of some items as text, and how many more there are."""
+    texts = [written(item) if isinstance(item, float | int) else str(item) for item in items]
+    others = [f"{len(texts) - MOST_SHOWN} more"] if len(texts) > MOST_SHOWN else []
+    return separator.join(texts[:MOST_SHOWN] + others)
