@@ -19,7 +19,7 @@ from sim.dataset.results import Results, load_current
 from sim.study.load import Study, load_study
 from sim.study.surrogate import SurrogateSpec
 from sim.surrogates.fitting import fit_surrogate
-from sim.surrogates.sample import included, sample_points
+from sim.surrogates.sample import points_of_mean, sample_points
 from sim.surrogates.surrogate import Surrogate
 
 SYSTEMS = ("belt", "chute")
@@ -28,14 +28,15 @@ SYSTEMS = ("belt", "chute")
 def spec_of(study: Study, system: str, series: str) -> SurrogateSpec:
     """Return the surrogate of the velocity over a series, with the ranges of the design."""
     axes = study.axes[f"{system}-design"]
-    return SurrogateSpec(series, series, "velocity", system, axes)
+    (asked,) = (one for one in study.surrogates if one.system == system)
+    return SurrogateSpec(series, series, "velocity", system, axes, asked.regimes)
 
 
 def fresh_points(results: Results, study: Study, system: str) -> tuple[xr.Dataset, np.ndarray]:
     """Return the fresh points that have a mean, and their values of the axes (n, k)."""
     spec = spec_of(study, system, f"{system}-fresh")
     sample = sample_points(results, spec)
-    sample = sample.isel(point=np.flatnonzero(included(sample, spec.regimes)))
+    sample = sample.isel(point=np.flatnonzero(points_of_mean(sample, spec.regimes)))
     return sample, np.column_stack([sample[axis.name].values for axis in spec.axes])
 
 
