@@ -57,6 +57,7 @@ def test_a_grid_takes_observables_that_plots_take():
         (GRID, ("speed",), "to_grid: observable: got 'speed'; allowed: did you mean velocity?"),
         ([*GRID, BELT], (), "to_grid: system: got nothing; allowed: one of chute, belt"),
         (GRID, ("velocity", "belt"), "to_grid: system: got 'belt'; allowed: one of chute"),
+        (GRID, ("velocity", "", "b"), "to_grid: series: got 'b'; allowed: one of chute"),
         (GRID[:1], (), "to_grid: got '1 point'; allowed: results whose points vary a parameter"),
         (
             [*GRID, made_point("chute", {"velocity": 1.0}, depth=1.5, friction=0.3, seed=7)],
@@ -70,7 +71,7 @@ def test_a_grid_takes_observables_that_plots_take():
                 for n in range(4)
             ],
             (),
-            "to_grid: got '4 points at 16 places of depth, friction'; allowed: a grid; a design",
+            "to_grid: got '4 points at 16 places of depth, friction'; allowed: a grid, as of one",
         ),
     ],
 )
