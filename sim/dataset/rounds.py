@@ -112,7 +112,7 @@ def add_further_points(study: Study, known: Collection[str]) -> Study:
     for one in study.surrogates if len(known) > len(points) else ():
         if not one.has_rounds:
             continue
-        for key, parameters in one.added(known).items():
+        for key, parameters in one.added_points(known).items():
             points[key] = point_with_membership(points, parameters, one.series, one.figures)
             series[one.series] = tuple(dict.fromkeys((*series[one.series], key)))
     return replace(study, points=points, series=series)

@@ -1,5 +1,6 @@
 """Write the four files of a figure from a dataset: PNG, SVG or GIF, data and caption."""
 
+import re
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -29,6 +30,9 @@ POSTER = 150
 #: Resolution of the frames of a GIF (dots per inch), and the number of colours that they share.
 DPI = 72
 PALETTE = 64
+
+#: A number with more digits than a picture shows, except a scale.
+_LONG_NUMBER = re.compile(r"(?<!scale\()(?<![\w.#])(-?\d+\.\d\d)\d{2,}(?![\w.])")
 
 #: Most passes of the layout.
 PASSES = 6
@@ -111,11 +115,22 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
             _save_gif(drawn, other)
         else:
             figure.savefig(other, format="svg", metadata={"Title": spec.title, "Date": None})
+            svg = with_short_numbers(other.read_text(encoding="utf-8"))
+            other.write_text(svg, encoding="utf-8")
         figure.savefig(still, format="png", dpi=POSTER if spec.animated else None)
         _save_small(still, spec.title)
         for file, content in zip((csv, text), _texts(data, kind), strict=True):
             file.write_text(content, encoding="utf-8")
     return files
+
+
+def with_short_numbers(svg: str) -> str:
+    """Return an SVG picture with places to a hundredth of a point; scales keep their digits.
+
+    >>> with_short_numbers('<use x="56.870777" transform="scale(0.015625)"/>')
+    '<use x="56.87" transform="scale(0.015625)"/>'
+    """
+    return _LONG_NUMBER.sub(r"\1", svg)
 
 
 def draw(spec: FigureSpec, results: Results) -> Figure:

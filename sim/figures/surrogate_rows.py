@@ -83,7 +83,7 @@ def _predictions(
     there, x = surrogate.at(**chosen), rows.to_numpy()
     rows["mean"], error = there.predict(x)
     names = surrogate.regimes.names
-    is_used = [name in surrogate.used for name in names]
+    is_used = [name in surrogate.mean_regimes for name in names]
     # Where no regime is known, none is likelier than another.
     likely = there.probability(x)[is_used].sum(axis=0) if names else np.ones(count)
     return rows.assign(half_width=student(MANY) * error, probability=likely, **chosen)
@@ -101,13 +101,13 @@ def surface_rows(surrogate: Surrogate, x: Axis, y: Axis, chosen: dict[str, Any])
 
 
 def run_rows(surrogate: Surrogate, chosen: dict[str, Any]) -> pd.DataFrame:
-    """Return the runs at a choice of words and switches; ``included`` are those of the mean."""
+    """Return the runs at a choice of words and switches; ``in_mean`` are those of the mean."""
     sample = surrogate.sample
     names = ["point", *(axis.name for axis in surrogate.axes), "mean"]
     rows = pd.DataFrame({name: sample[name].values for name in names})
-    rows["included"], rows["half_width"] = surrogate.included, np.nan
-    errors = student(MANY) * surrogate.predicted["run_error"].values
-    rows.loc[surrogate.included, "half_width"] = errors
+    rows["in_mean"], rows["half_width"] = surrogate.in_mean, np.nan
+    errors = student(MANY) * surrogate.leave_one_out["run_error"].values
+    rows.loc[surrogate.in_mean, "half_width"] = errors
     is_chosen = [rows[name] == value for name, value in chosen.items()]
     return rows[np.all(is_chosen, axis=0)] if is_chosen else rows
 
@@ -115,7 +115,7 @@ def run_rows(surrogate: Surrogate, chosen: dict[str, Any]) -> pd.DataFrame:
 def near_rows(surrogate: Surrogate, axis: Axis, chosen: dict[str, Any]) -> pd.DataFrame:
     """Return the runs near a section, moved onto it by what the surrogate says."""
     rows = run_rows(surrogate, chosen)
-    rows = rows[rows["included"]].drop(columns="included")
+    rows = rows[rows["in_mean"]].drop(columns="in_mean")
     others = tuple(one for one in surrogate.numeric if one.name != axis.name)
     if others and len(rows):
         cube = unit_cube(others, {one.name: rows[one.name].to_numpy() for one in others})
@@ -130,9 +130,9 @@ def near_rows(surrogate: Surrogate, axis: Axis, chosen: dict[str, Any]) -> pd.Da
 
 def agreement_rows(surrogate: Surrogate) -> pd.DataFrame:
     """Return each run of the mean beside what the others predict of it."""
-    predicted, normal = surrogate.predicted, float(student(MANY))
+    predicted, normal = surrogate.leave_one_out, float(student(MANY))
     rows = run_rows(surrogate, {})
-    rows = rows[rows["included"]].drop(columns="included")
+    rows = rows[rows["in_mean"]].drop(columns="in_mean")
     rows = rows.rename(columns={"mean": "run", "half_width": "run_half_width"})
     return rows.assign(
         predicted=predicted["mean"].values,
@@ -158,7 +158,7 @@ def with_units(surrogate: Surrogate, rows: pd.DataFrame) -> pd.DataFrame:
     for axis in surrogate.axes:
         unit = declared[axis.name].scale or declared[axis.name].unit
         headings[axis.name] = f"{axis.name} [{unit}]" if unit else axis.name
-    headings["probability"] = f"probability of {' or '.join(surrogate.used)}"
+    headings["probability"] = f"probability of {' or '.join(surrogate.mean_regimes)}"
     return rows.rename(columns=headings)
 
 
@@ -174,12 +174,12 @@ def held_note(surrogate: Surrogate, *shown: str) -> str:
 
 def regime_note(surrogate: Surrogate, where: str) -> str:
     """Return the sentence on where the mean means nothing, as another regime is likelier."""
-    others = [name for name in surrogate.regimes.names if name not in surrogate.used]
+    others = [name for name in surrogate.regimes.names if name not in surrogate.mean_regimes]
     if not others:
         return ""
     return (
         f"{where} another regime ({' or '.join(others)}) is likelier than "
-        f"{' or '.join(surrogate.used)}."
+        f"{' or '.join(surrogate.mean_regimes)}."
     )
 
 

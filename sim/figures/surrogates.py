@@ -117,8 +117,8 @@ def draw_surface(data: FigureData) -> Figure:
         filled = axes.contourf(across, up, mean, levels=levels, cmap=COLOURS)
         if chance.min() < _EVEN < chance.max():
             axes.contour(across, up, chance, [_EVEN], colors="black", linewidths=1.8)
-        for is_included, runs in run_rows(surrogate, chosen).groupby("included"):
-            axes.plot(runs[x.name], runs[y.name], clip_on=False, **_dot(bool(is_included)))
+        for is_in_mean, runs in run_rows(surrogate, chosen).groupby("in_mean"):
+            axes.plot(runs[x.name], runs[y.name], clip_on=False, **_dot(bool(is_in_mean)))
         if chosen:
             axes.set_title(settings(surrogate.system, chosen.items()), fontsize=9)
         for name, one in (("x", x), ("y", y)):
@@ -135,9 +135,9 @@ def draw_surface(data: FigureData) -> Figure:
     return figure
 
 
-def _dot(is_included: bool) -> dict[str, Any]:
+def _dot(is_in_mean: bool) -> dict[str, Any]:
     """Return the look of a run in a map: filled where it is part of the mean."""
-    face = "black" if is_included else "white"
+    face = "black" if is_in_mean else "white"
     edge = {"markeredgecolor": "black", "markeredgewidth": 0.7}
     return {"marker": "o", "linestyle": "", "markersize": 3.6, "markerfacecolor": face, **edge}
 
@@ -145,10 +145,10 @@ def _dot(is_included: bool) -> dict[str, Any]:
 def _explain_marks(figure: Figure, panels: Sequence[Axes], surrogate: Surrogate) -> None:
     """Put a legend above a map: dots, and the line where another regime becomes likelier."""
     entries = {"run": Line2D([], [], **_dot(True))}
-    if not surrogate.included.all():
+    if not surrogate.in_mean.all():
         entries["run left out of the mean"] = Line2D([], [], **_dot(False))
     if any(len(axes.collections) > 1 for axes in panels):
-        label = f"probability of {' or '.join(surrogate.used)} 1/2"
+        label = f"probability of {' or '.join(surrogate.mean_regimes)} 1/2"
         entries[label] = Line2D([], [], **_BOUNDARY)
     legend_above(figure, list(entries.values()), list(entries))
 

@@ -1,6 +1,7 @@
 """Rows of the report for claims, the evidence of their verdicts, and the readings of papers."""
 
 import hashlib
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -90,6 +91,13 @@ def count_verdicts(claims: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, i
 def has_tested_claims(claims: Iterable[Mapping[str, Any]]) -> bool:
     """Return whether any claim was tested by runs; those on the contact model do not count."""
     return any(claim["kind"] != "model" and claim["verdict"] != "untestable" for claim in claims)
+
+
+def tests_a_paper(claims: Sequence[Mapping[str, Any]]) -> bool:
+    """Return whether runs test most claims of any paper."""
+    totals = Counter(claim["paper"] for claim in claims)
+    tested = Counter(claim["paper"] for claim in claims if claim["verdict"] != "untestable")
+    return any(2 * tested[paper] > total for paper, total in totals.items())
 
 
 def engine_checks(claims: Iterable[Mapping[str, Any]]) -> dict[str, int]:

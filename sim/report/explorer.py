@@ -24,7 +24,10 @@ from sim.report.runs import varied_parameters
 from sim.study.plottable import numbers
 
 #: Significant digits of the numbers.
-_DIGITS = 5
+_DIGITS = 4
+
+#: Ends of the names of observables that say how sure others are; intervals show that.
+_ERRORS = ("_error", "_half_width", "_seed")
 
 #: What the table of points says in words, and how the explorer labels it.
 _WORDS = {"regime": "regime", "quality": "quality of the mean", "series": "series"}
@@ -89,7 +92,7 @@ def _observables(
     is_completed = (points["status"] == "completed").values
     columns = []
     for name, observable in numbers(system).items():
-        if observable.is_mean or observable.source not in points:
+        if observable.is_mean or observable.source not in points or name.endswith(_ERRORS):
             continue
         if name == "velocity":
             means = np.array([row["velocity"] for row in rows], dtype=float)

@@ -21,6 +21,7 @@ from sim.report.claims import (
     has_tested_claims,
     read_claims,
     reading_tables,
+    tests_a_paper,
 )
 from sim.report.explorer import compressed, drawing_program, explorer_data
 from sim.report.gallery import Address, data_uri, figure_entries, headline_figures
@@ -110,7 +111,7 @@ def render(
     all_rows = claim_rows(claims, runs, study.figures)
     rows = [row for row in all_rows if row["paper"] in papers()]
     entries = figure_entries(study.entries.values(), figures, rows, address)
-    order = _page_order(study, entries, has_tested_claims(rows))
+    order = _page_order(study, entries, rows)
     return template("report.html.j2").render(
         study=study,
         study_files={file.name: file.read_text(encoding="utf-8") for file in study.sources},
@@ -144,14 +145,18 @@ def render(
     )
 
 
-def _page_order(study: Study, entries: list[dict[str, Any]], has_tested: bool) -> dict[str, Any]:
+def _page_order(
+    study: Study, entries: list[dict[str, Any]], claims: list[dict[str, Any]]
+) -> dict[str, Any]:
     """Return whether a study is one's own, its gallery, and the sections after the summary.
 
-    A study is one's own if it defines plots or feeds no figure of the papers. Its plots and points
-    then come first. Figures of the papers and, if its runs test some, their claims come last.
+    A study is one's own if it defines plots or feeds no figure of the papers, unless it tests most
+    claims of a paper. Its plots and points then come first. Figures of the papers and, if its runs
+    test some, their claims come last.
     """
-    is_own = bool(study.plots) or not study.figures
-    gallery = [entry for entry in entries if not entry["own"]]
+    has_tested = has_tested_claims(claims)
+    is_own = (bool(study.plots) or not study.figures) and not tests_a_paper(claims)
+    gallery = [entry for entry in entries if not (is_own and entry["own"])]
     parts = ["claims", "figures"] if has_tested else ["figures", "claims"]
     if is_own:
         parts = [

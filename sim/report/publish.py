@@ -97,7 +97,7 @@ def _published_files(study: Study) -> list[str]:
         if spec.animated or end != ".png"
     )
     boundaries = ["boundaries.csv"] if study.boundaries else []
-    return [*RESULT_FILES, *boundaries, *(one.file for one in study.surrogates), *figures]
+    return [*RESULT_FILES, *boundaries, *(one.file for one in study.questions), *figures]
 
 
 def _require_files(folder: Path, names: Sequence[str]) -> None:

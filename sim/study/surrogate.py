@@ -110,18 +110,18 @@ class SurrogateSpec:
         rounds = (self.error, self.budget, self.batch)
         return (self.name, self.series, self.observable, axes, self.regimes, *rounds)
 
-    def further(self) -> Iterator[tuple[str, Parameters]]:
+    def further_points(self) -> Iterator[tuple[str, Parameters]]:
         """Yield the points of the design beyond those of the study file, in order, with ids."""
         assert self.design, "only a design goes on"
         for start in range(0, MOST_POINTS, _CHUNK):
             for point in self.design.points(_CHUNK, after=self.design.size + start):
                 yield point_id(point), point
 
-    def added(self, known: Container[str]) -> dict[str, Parameters]:
+    def added_points(self, known: Container[str]) -> dict[str, Parameters]:
         """Return the further points that rounds have added: those before the first unknown one."""
-        return dict(takewhile(lambda pair: pair[0] in known, self.further()))
+        return dict(takewhile(lambda pair: pair[0] in known, self.further_points()))
 
     def next_batch(self, known: Container[str]) -> dict[str, Parameters]:
         """Return the next further points that are not known, as many as a round adds."""
-        unknown = (pair for pair in self.further() if pair[0] not in known)
+        unknown = (pair for pair in self.further_points() if pair[0] not in known)
         return dict(islice(unknown, self.batch))

@@ -7,7 +7,7 @@ from sim.study.plottable import numbers
 from sim.study.surrogate import SurrogateSpec
 from sim.surrogates.process import fit
 from sim.surrogates.regimes import fit_regimes
-from sim.surrogates.sample import included, unit_cube
+from sim.surrogates.sample import points_of_mean, unit_cube
 from sim.surrogates.surrogate import Surrogate
 
 #: Fewest points of which a mean can be.
@@ -22,7 +22,7 @@ def fit_surrogate(spec: SurrogateSpec, sample: xr.Dataset) -> Surrogate:
     InputError
         When fewer than `FEWEST_POINTS` have a mean and a regime that counts.
     """
-    chosen = included(sample, spec.regimes)
+    chosen = points_of_mean(sample, spec.regimes)
     if chosen.sum() < FEWEST_POINTS:
         regimes = sample["regime"].values.astype(str).tolist()
         found = ", ".join(f"{regimes.count(name)} {name}" for name in sorted(set(regimes)))
@@ -49,7 +49,7 @@ def fit_surrogate(spec: SurrogateSpec, sample: xr.Dataset) -> Surrogate:
         system=spec.system,
         axes=spec.axes,
         fixed=sample.attrs["fixed"],
-        used=spec.regimes,
+        mean_regimes=spec.regimes,
         sample=sample,
         process=process,
         regimes=fit_regimes(x, sample["regime"].values),

@@ -17,9 +17,8 @@ from sim.surrogates.indices import (
     sobol_indices_of_runs,
 )
 from sim.surrogates.posterior import Calibration, calibrate
-from sim.surrogates.sample import sample_points
+from sim.surrogates.sample import points_of_mean, sample_points
 from sim.surrogates.storage import load
-from sim.surrogates.surrogate import included
 
 
 def answer_sensitivity(spec: SensitivitySpec, dataset: Results, folder: Path) -> None:
@@ -38,7 +37,7 @@ def _indices_of_runs(spec: SensitivitySpec, dataset: Results) -> pd.DataFrame:
     """Return the indices of the runs of a design, taken in the order of the design."""
     assert spec.design, "a surrogate has none"
     sample = sample_points(dataset, spec.of)
-    counts = included(sample, spec.of.regimes)
+    counts = points_of_mean(sample, spec.of.regimes)
     means = pd.Series(np.where(counts, sample["mean"].values, np.nan), sample["point"].values)
     errors = pd.Series(sample["standard_error"].values, sample["point"].values)
     # Points of a design that are equal are one point of the study.

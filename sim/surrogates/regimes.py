@@ -46,7 +46,7 @@ class Regimes:
         return tuple(sorted(set(map(str, self.regime)) - set(UNKNOWN)))
 
     @property
-    def asked(self) -> tuple[str, ...]:
+    def process_names(self) -> tuple[str, ...]:
         """The regimes that have a process."""
         return {1: (), 2: self.names[:1]}.get(len(self.names), self.names)
 
@@ -75,7 +75,7 @@ class Regimes:
     def _processes(self) -> list[Process]:
         return [
             replace(self.process(name), theta=theta[1:])
-            for name, theta in zip(self.asked, self.theta, strict=True)
+            for name, theta in zip(self.process_names, self.theta, strict=True)
         ]
 
 
@@ -83,7 +83,7 @@ def fit_regimes(x: np.ndarray, regime: np.ndarray) -> Regimes:
     """Return the probabilities that the regimes (n,) at points (n, d) give."""
     start = Regimes(x, regime, np.zeros((0, x.shape[1] + 3)))
     rows = []
-    for name in start.asked:
+    for name in start.process_names:
         process = fit_lengths(start.process(name))
         rows.append([_sharpness(process), *process.theta])
     return replace(start, theta=np.reshape(rows, (-1, x.shape[1] + 3)))

@@ -88,13 +88,13 @@ def further_points(
     # Imported here, as rounds of boundaries need none of it.
     from sim.dataset.build import gather_results
     from sim.surrogates.fitting import FEWEST_POINTS, fit_surrogate
-    from sim.surrogates.sample import included, sample_points
+    from sim.surrogates.sample import points_of_mean, sample_points
 
     first = {key: known[key] for key in study.series[spec.series]}
-    added = spec.added(known)
+    added = spec.added_points(known)
     members = first | added
     sample = sample_points(gather_results(study, folder, spec.series, members), spec)
-    is_enough = included(sample, spec.regimes).sum() >= FEWEST_POINTS
+    is_enough = points_of_mean(sample, spec.regimes).sum() >= FEWEST_POINTS
     if is_enough and fit_surrogate(spec, sample).error <= spec.error:
         return {}
     hours = sample["core_hours"].to_series()

@@ -79,9 +79,9 @@ def _fixed(rows: xr.Dataset, spec: SurrogateSpec) -> dict[str, Any]:
     return {name: found[0] for name, found in values.items() if len(found) == 1}
 
 
-def included(sample: xr.Dataset, used: tuple[str, ...]) -> np.ndarray:
-    """Return which points have a mean and one of the regimes ``used``, (n,)."""
-    is_used = np.isin(sample["regime"].values.astype(str), used)
+def points_of_mean(sample: xr.Dataset, regimes: tuple[str, ...]) -> np.ndarray:
+    """Return which points have a mean and one of some ``regimes``, (n,)."""
+    is_used = np.isin(sample["regime"].values.astype(str), regimes)
     return is_used & np.isfinite(sample["mean"].values)
 
 

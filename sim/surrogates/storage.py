@@ -13,7 +13,7 @@ from sim.base.seals import append_summary, checked_read, seal
 from sim.study.design import Axis
 from sim.surrogates.process import Process
 from sim.surrogates.regimes import Regimes
-from sim.surrogates.sample import included, unit_cube
+from sim.surrogates.sample import points_of_mean, unit_cube
 from sim.surrogates.surrogate import Surrogate
 
 #: Value of the attribute ``format`` of such a file.
@@ -33,7 +33,7 @@ def save(surrogate: Surrogate, path: Path) -> None:
     about = words | {
         "axes": [asdict(axis) for axis in surrogate.axes],
         "fixed": dict(surrogate.fixed),
-        "used": surrogate.used,
+        "mean_regimes": surrogate.mean_regimes,
         "is_log": process.is_log,
         "has_scatter": process.has_scatter,
         "widening": process.widening,
@@ -80,8 +80,8 @@ def _surrogate(stored: xr.Dataset, about: dict[str, Any]) -> Surrogate:
     )
     sample = stored.drop_vars(["theta", "regime_theta"])
     sample.attrs = {"scatter": int(about["has_scatter"]), "fixed": about["fixed"]}
-    used = tuple(about["used"])
-    chosen = included(sample, used)
+    mean_regimes = tuple(about["mean_regimes"])
+    chosen = points_of_mean(sample, mean_regimes)
     x = unit_cube(axes, {axis.name: sample[axis.name].values for axis in axes})
     process = Process(
         x[chosen],
@@ -98,7 +98,7 @@ def _surrogate(stored: xr.Dataset, about: dict[str, Any]) -> Surrogate:
         **words,
         axes=axes,
         fixed=about["fixed"],
-        used=used,
+        mean_regimes=mean_regimes,
         sample=sample,
         process=process,
         regimes=regimes,

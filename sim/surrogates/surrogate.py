@@ -14,7 +14,7 @@ from sim.base.statistics import MANY, student
 from sim.study.design import Axis
 from sim.surrogates.process import Process, deviations
 from sim.surrogates.regimes import Regimes
-from sim.surrogates.sample import included, unit_cube
+from sim.surrogates.sample import points_of_mean, unit_cube
 
 #: Share of a range by which a value may be outside it: sums of steps need not end on it.
 _SLACK = 1e-9
@@ -32,7 +32,7 @@ class Surrogate:
         Parameters that the points vary.
     fixed : mapping
         Parameters that are the same at all points, by name.
-    used : tuple of str
+    mean_regimes : tuple of str
         Regimes whose points the mean is of.
     sample : xarray.Dataset
         Its points, see `sim.surrogates.sample.sample_points`.
@@ -51,7 +51,7 @@ class Surrogate:
     system: str
     axes: tuple[Axis, ...]
     fixed: Mapping[str, Any]
-    used: tuple[str, ...]
+    mean_regimes: tuple[str, ...]
     sample: xr.Dataset
     process: Process = field(repr=False)
     regimes: Regimes = field(repr=False)
@@ -233,18 +233,18 @@ class Surrogate:
         return "; ".join(notes)
 
     @cached_property
-    def included(self) -> np.ndarray:
+    def in_mean(self) -> np.ndarray:
         """Which points the mean is of, (n,)."""
-        return included(self.sample, self.used)
+        return points_of_mean(self.sample, self.mean_regimes)
 
     @cached_property
-    def predicted(self) -> xr.Dataset:
+    def leave_one_out(self) -> xr.Dataset:
         """The points of the mean as the others predict them, over ``point``.
 
         ``run`` and ``run_error`` are the mean of the runs and its standard deviation; ``mean`` and
         ``error`` what the other points predict, lengths unchanged.
         """
-        left_out, rows = self.process.left_out(), self.sample.isel(point=self.included)
+        left_out, rows = self.process.left_out(), self.sample.isel(point=self.in_mean)
         columns = {
             "run": rows["mean"].values,
             "run_error": left_out.noise,
@@ -280,5 +280,5 @@ class Surrogate:
     @property
     def counts(self) -> dict[str, int]:
         """Number of points in each regime that the mean leaves out."""
-        regimes = self.sample["regime"].values[~self.included].astype(str).tolist()
+        regimes = self.sample["regime"].values[~self.in_mean].astype(str).tolist()
         return {name: regimes.count(name) for name in sorted(set(regimes))}

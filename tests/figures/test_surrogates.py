@@ -91,10 +91,10 @@ def test_predicted_stands_beside_run(drawn):
     folder, _ = drawn
     rows = read(folder, "speed-agreement")
     speed = load(folder / "made").surrogate("speed")
-    assert len(rows) == speed.included.sum() < 16
+    assert len(rows) == speed.in_mean.sum() < 16
     apart = rows["run [m s-1]"] - rows["predicted from the other runs [m s-1]"]
     assert apart.to_numpy() == pytest.approx(
-        (speed.predicted["run"] - speed.predicted["mean"]).values, rel=1e-6
+        (speed.leave_one_out["run"] - speed.leave_one_out["mean"]).values, rel=1e-6
     )
     caption = (folder / "figures" / "speed-agreement.caption.txt").read_text()
     assert f"Not part of the mean: {16 - len(rows)} arrested." in caption

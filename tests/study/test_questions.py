@@ -71,9 +71,9 @@ def test_further_points_are_those_of_a_larger_design():
     (speed,) = asked.surrogates
     first = speed.next_batch(asked.points)
     assert list(first) == list(larger.points)[8:12]
-    assert speed.added(asked.points) == {}
+    assert speed.added_points(asked.points) == {}
     known = {**asked.points, **first}
-    assert list(speed.added(known)) == list(first)
+    assert list(speed.added_points(known)) == list(first)
     assert list(speed.next_batch(known)) == list(larger.points)[12:]
 
 

@@ -74,7 +74,7 @@ def test_an_edit_makes_old_what_its_room_has_made(tree, edit, name, old):
     assert planned_jobs(tree, study="rooms.yaml") == old
 
 
-ROOMS = {"dataset", "figures", "papers", "report"}
+ROOMS = {"dataset", "surrogates", "figures", "papers", "report"}
 
 
 @pytest.mark.parametrize(
@@ -86,6 +86,7 @@ ROOMS = {"dataset", "figures", "papers", "report"}
         ("papers/walton/figures.yaml", {"report"}),
         ("engine/contact/damping.py", set()),
         ("dataset/gather.py", ROOMS),
+        ("surrogates/process.py", {"surrogates", "figures", "report"}),
         ("figures/caption.py", {"figures", "report"}),
         ("claims/judge.py", {"papers", "report"}),
         ("papers/walton/judges/flows.py", {"papers", "report"}),

@@ -76,7 +76,7 @@ function applyFilters(form) {
   for (const row of rows) {
     row.hidden = !wanted.every(([name, value]) =>
       name === "text"
-        ? row.textContent.toLowerCase().includes(value.trim().toLowerCase())
+        ? (row.textContent + row.id).toLowerCase().includes(value.trim().toLowerCase())
         : row.dataset[name].split("|").includes(value),
     );
     shown += !row.hidden;

@@ -1,0 +1,143 @@
+"""What a design is worth: surrogates of a few points beside full grids, on points neither has seen.
+
+`python -m benchmarks.designs` reads the results of `config/explore.yaml` and prints the table of
+docs/surrogates.md; `--picture FILE.svg` draws it. Errors are root mean squares over the fresh
+points, less what the scatter of their own few beds adds.
+"""
+
+import argparse
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+import xarray as xr
+from scipy.interpolate import RegularGridInterpolator
+
+from sim.base.statistics import MANY, student
+from sim.dataset.results import Results, load_current
+from sim.study.load import Study, load_study
+from sim.study.surrogate import SurrogateSpec
+from sim.surrogates.fitting import fit_surrogate
+from sim.surrogates.sample import included, sample_points
+from sim.surrogates.surrogate import Surrogate
+
+SYSTEMS = ("belt", "chute")
+
+
+def spec_of(study: Study, system: str, series: str) -> SurrogateSpec:
+    """Return the surrogate of the velocity over a series, with the ranges of the design."""
+    axes = study.axes[f"{system}-design"]
+    return SurrogateSpec(series, series, "velocity", system, axes)
+
+
+def fresh_points(results: Results, study: Study, system: str) -> tuple[xr.Dataset, np.ndarray]:
+    """Return the fresh points that have a mean, and their values of the axes (n, k)."""
+    spec = spec_of(study, system, f"{system}-fresh")
+    sample = sample_points(results, spec)
+    sample = sample.isel(point=np.flatnonzero(included(sample, spec.regimes)))
+    return sample, np.column_stack([sample[axis.name].values for axis in spec.axes])
+
+
+def error_of(prediction: np.ndarray, fresh: xr.Dataset) -> float:
+    """Return the error of predictions at fresh points, without the scatter of their beds."""
+    residual = prediction - fresh["mean"].values
+    is_known = np.isfinite(residual)
+    own = fresh["standard_error"].values[is_known]
+    return float(np.sqrt(max(0.0, np.mean(residual[is_known] ** 2) - np.mean(own**2))))
+
+
+def coverage_of(surrogate: Surrogate, fresh: xr.Dataset, x: np.ndarray) -> float:
+    """Return the share of fresh means within the 95 % interval of their difference."""
+    mean, error = surrogate.predict(x)
+    width = float(student(MANY)) * np.hypot(error, fresh["standard_error"].values)
+    return float(np.mean(np.abs(mean - fresh["mean"].values) <= width))
+
+
+def interpolation(sample: xr.Dataset, spec: SurrogateSpec, x: np.ndarray) -> np.ndarray:
+    """Return linear interpolations of a full grid, along the logarithm where an axis has it."""
+    names = [axis.name for axis in spec.axes]
+    table = sample["mean"].to_series().to_frame().assign(**{n: sample[n].values for n in names})
+    grid = table.set_index(names)["mean"].to_xarray()
+    is_log = np.array([axis.scale == "log" for axis in spec.axes])
+    ticks = [
+        np.log(grid[name].values) if log else grid[name].values
+        for name, log in zip(names, is_log, strict=True)
+    ]
+    places = np.where(is_log, np.log(x, where=is_log, out=np.ones_like(x)), x)
+    return RegularGridInterpolator(ticks, grid.values)(places)
+
+
+def rows_of(results: Results, study: Study, system: str) -> list[dict[str, object]]:
+    """Return a row per way to predict: number of points, error (m/s), coverage."""
+    fresh, x = fresh_points(results, study, system)
+    rows: list[dict[str, object]] = []
+    design, grid = (spec_of(study, system, f"{system}-{kind}") for kind in ("design", "grid"))
+    sample = sample_points(results, design)
+    for count in range(16, sample.sizes["point"] + 1, 16):
+        surrogate = fit_surrogate(design, sample.isel(point=slice(count)))
+        coverage = coverage_of(surrogate, fresh, x)
+        rows.append(
+            _row(system, "design, surrogate", count, surrogate.predict(x)[0], fresh, coverage)
+        )
+    sample = sample_points(results, grid)
+    count = sample.sizes["point"]
+    surrogate = fit_surrogate(grid, sample)
+    coverage = coverage_of(surrogate, fresh, x)
+    rows.append(_row(system, "grid, surrogate", count, surrogate.predict(x)[0], fresh, coverage))
+    rows.append(_row(system, "grid, linear", count, interpolation(sample, grid, x), fresh, None))
+    return rows
+
+
+def _row(
+    system: str,
+    way: str,
+    count: int,
+    prediction: np.ndarray,
+    fresh: xr.Dataset,
+    share: float | None,
+) -> dict[str, object]:
+    return {
+        "system": system,
+        "prediction": way,
+        "points": count,
+        "error (mm/s)": 1000 * error_of(prediction, fresh),
+        "fresh points within 95 %": share,
+        "fresh points": fresh.sizes["point"],
+    }
+
+
+def draw(table: pd.DataFrame, path: Path) -> None:
+    """Draw the error against the number of points, a panel per system."""
+    figure, panels = plt.subplots(1, 2, figsize=(7.2, 2.9), layout="constrained")
+    for axes, (system, rows) in zip(panels, table.groupby("system", sort=False), strict=True):
+        for (way, each), marker in zip(rows.groupby("prediction", sort=False), "os^", strict=True):
+            line = "-" if len(each) > 1 else ""
+            axes.plot(
+                each["points"], each["error (mm/s)"], marker=marker, linestyle=line, label=way
+            )
+        axes.set(
+            title=system, xlabel="points", ylabel="error at fresh points (mm/s)", ylim=(0, None)
+        )
+        axes.set_xlim(0, None)
+        axes.grid(alpha=0.3)
+    panels[0].legend(frameon=False)
+    figure.savefig(path)
+
+
+def main() -> None:
+    """Print the table, and draw it where a file is named."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--results", type=Path, default=Path("results"))
+    parser.add_argument("--picture", type=Path)
+    options = parser.parse_args()
+    study = load_study("config/explore.yaml", options.results)
+    results = load_current(study, options.results / study.name)
+    table = pd.DataFrame([row for name in SYSTEMS for row in rows_of(results, study, name)])
+    print(table.to_string(index=False, float_format="%.3g"))
+    if options.picture:
+        draw(table, options.picture)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,124 @@
+"""Answers of a study with made-up runs: indices of a surrogate and of designs, a calibration."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from sim.dataset.build import build
+from sim.figures.render import find_spec, render
+from sim.study.load import load_study
+from sim.surrogates import answers, calibration
+from sim.surrogates.posterior import summarize
+from tests.made.runs import write_run
+
+STUDY = """
+study: asked
+series:
+  - &wide
+    name: wide
+    system: chute
+    base: {depth: 5, replicates: 2}
+    design:
+      kind: sobol
+      points: 16
+      over: {friction: [0.3, 0.8], restitution: [0.6, 0.95], angle: [14, 18]}
+  - <<: *wide
+    name: many
+    design:
+      kind: morris
+      points: 40
+      over: {friction: [0.3, 0.8], restitution: [0.6, 0.95], angle: [14, 18]}
+  - <<: *wide
+    name: blocks
+    design:
+      kind: saltelli
+      points: 40
+      over: {friction: [0.3, 0.8], restitution: [0.6, 0.95], angle: [14, 18]}
+surrogate: [{name: speed, series: wide}]
+sensitivity:
+  - {name: matters, surrogate: speed}
+  - {name: screening, series: many}
+  - {name: direct, series: blocks}
+calibrate:
+  - {name: beads, data: exp.csv, surrogate: speed, parameters: {friction: [0.3, 0.8]}}
+"""
+
+#: The friction of the material that was "measured", and the restitution that is known of it.
+FRICTION, RESTITUTION = 0.55, 0.8
+
+
+def velocity(friction, angle):
+    """Return the velocity of a made-up flow, which the restitution does not change."""
+    return angle / 10 - friction
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    """Return the results of the study, in which a point of the screening has failed."""
+    place = tmp_path_factory.mktemp("asked")
+    rows = "".join(
+        f"{angle}, {RESTITUTION}, {velocity(FRICTION, angle):.4f}, 0.02\n" for angle in (15, 17)
+    )
+    (place / "exp.csv").write_text(f"angle, restitution, velocity, velocity_error\n{rows}")
+    (place / "study.yaml").write_text(STUDY)
+    study = load_study(place / "study.yaml", place)
+    lost = study.series["many"][5]
+    for key, point in study.points.items():
+        parameters = point.parameters
+        speed = velocity(parameters.friction, parameters.angle) * np.array([0.999, 1.001])
+        failed = (0, 1) if key == lost else ()
+        write_run(place / "asked" / "runs", parameters, speed, failed=failed)
+    build(place / "study.yaml", place)
+    lines = answers.build(place / "study.yaml", place)
+    assert lines[1].startswith("calibration beads: friction = 0.5")
+    return place / "asked"
+
+
+def table(folder: Path, name: str, index: str) -> pd.DataFrame:
+    rows = pd.read_csv(folder / "sensitivity" / f"{name}.csv").set_index(["index", "parameter"])
+    return rows.loc[index]
+
+
+#: Variances of friction and angle, evenly spread.
+SHARES = np.array([0.5**2, 0.0, 0.4**2]) / (0.5**2 + 0.4**2)
+
+
+def test_indices_of_the_surrogate_are_those_of_the_function(folder):
+    for index in ("first", "total"):
+        found = table(folder, "matters", index)
+        assert found["value"].to_numpy() == pytest.approx(SHARES, abs=0.03)
+        assert (found["left_out"] == 0).all()
+
+
+def test_indices_of_the_runs_are_those_of_the_function(folder):
+    found = table(folder, "direct", "total")
+    assert found["value"].to_numpy() == pytest.approx(SHARES, abs=0.35)
+    assert set(found["blocks"]) == {8}
+
+
+def test_a_screening_leaves_out_the_trajectory_of_a_run_that_failed(folder):
+    found = table(folder, "screening", "mu")
+    assert found["value"].to_numpy() == pytest.approx([-0.5, 0, 0.4], abs=0.01)
+    assert set(found["blocks"]) == {9} and set(found["left_out"]) == {1}
+
+
+def test_the_calibration_has_the_friction_of_the_material(folder):
+    groups = calibration.load(folder / "calibration" / "beads.nc")
+    (row,) = summarize(groups).itertuples()
+    assert row.low < FRICTION < row.high and row.informed
+    assert groups["constant_data"]["restitution"].values.tolist() == [RESTITUTION] * 2
+
+
+def test_every_picture_of_an_answer_is_drawn(folder, tmp_path):
+    study = load_study(folder.parent / "study.yaml", folder.parent)
+    endings = ("indices", "interactions", "screening", "posterior", "predictions", "experiment")
+    names = [name for name in study.plots if name.rpartition("-")[2] in endings]
+    assert len(names) == 7
+    for name in names:
+        spec = find_spec(name, study.plots)
+        files = render(spec, folder / "dataset.nc", tmp_path)
+        assert all(file.stat().st_size for file in files)
+        text = (tmp_path / f"{name}.caption.txt").read_text()
+        assert text.startswith(spec.lead)
