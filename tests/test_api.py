@@ -110,7 +110,27 @@ def test_numbers_of_numpy_are_numbers():
     ("call", "message"),
     [
         (lambda: sim.simulate(friction=-1), "simulate: friction: got -1; allowed: a number >= 0"),
-        (lambda: sim.simulate("bolt"), "simulate: system: got 'bolt'; allowed: one of chute, belt"),
+        (lambda: sim.simulate("bolt"), "simulate: system: got 'bolt'; allowed: did you mean belt?"),
+        (
+            lambda: sim.simulate("belt", friction=0.3),
+            "simulate: friction: unknown key, got 0.3; friction is a parameter of the chute and",
+        ),
+        (
+            lambda: sim.simulate("belt", mu=0.3),
+            "simulate: mu: unknown key, got 0.3; did you mean friction? friction is a parameter of",
+        ),
+        (
+            lambda: sim.simulate(μ=0.3),
+            "simulate: μ: unknown key, got 0.3; did you mean friction? allowed: 42 names (talus",
+        ),
+        (
+            lambda: sim.simulate("belt", frequency="30 Hz"),
+            "simulate: frequency: got '30 Hz'; allowed: a number > 0, in Hz, without the unit",
+        ),
+        (
+            lambda: sim.simulate(friction="0.3 "),
+            "simulate: friction: got '0.3 '; allowed: a number >= 0, without quotes",
+        ),
         (lambda: sim.Flow("belt", beats=9), "Flow: beats: unknown key, got 9; did you mean"),
         (lambda: sim.Flow(replicate=-1), "Flow: replicate: got -1; allowed: an integer >= 0"),
         (lambda: sim.Flow(replicate="1"), "Flow: replicate: got '1'; allowed: an integer >= 0"),

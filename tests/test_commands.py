@@ -33,6 +33,12 @@ series:
 # What is replaced in STUDY, by what; the key and two pieces of the message.
 MISTAKES = {
     "unknown key at the top": ("study: mine", "study: mine\ntitel: x", "titel", "mean title?"),
+    "parameter at the top": (
+        "study: mine",
+        "study: mine\nreplicates: 3",
+        "replicates",
+        "defaults.",
+    ),
     "unknown key of a series": ("grid:", "gird:", "series[0].gird", "mean grid?"),
     "unknown parameter": (
         "friction: [",
@@ -52,7 +58,7 @@ MISTAKES = {
         "series[1].cases[0].depth",
         "unknown key",
     ),
-    "unknown system": ("system: belt", "system: blet", "series[1].system", "'blet'", "chute, belt"),
+    "unknown system": ("system: belt", "system: blet", "series[1].system", "'blet'", "mean belt?"),
     "no system": ("    system: belt\n", "", "series[1].system", "chute, belt"),
     "no name": ("name: second\n    ", "", "series[1].name", "got nothing"),
     "no study": ("study: mine\n", "", "study", "got nothing"),

@@ -44,7 +44,9 @@ class LabelledResults(with_surrogates.StudyResults):
     Of a study of one system, the dataset has no parameters of other systems.
     """
 
-    def to_grid(self, observable: str = "velocity", system: str = "") -> xr.DataArray:
+    def to_grid(
+        self, observable: str = "velocity", system: str = "", series: str = ""
+    ) -> xr.DataArray:
         """Return an observable over the parameters that the points vary.
 
         Parameters
@@ -53,6 +55,8 @@ class LabelledResults(with_surrogates.StudyResults):
             A number per replicate, named as in plots of a study.
         system : str
             System of the points, where the study has several.
+        series : str
+            Series of the points; by default all of the system.
 
         Returns
         -------
@@ -71,9 +75,12 @@ class LabelledResults(with_surrogates.StudyResults):
 
         system = self._system(system)
         found = find_observable("curves", "observable", observable, system, _grid_error)
-        series = tuple(dict.fromkeys(" ".join(self.dataset["series"].values).split()))
+        every = dict.fromkeys(" ".join(self.of(system)["series"].values).split())
+        if series and series not in every:
+            raise _grid_error("series", series, one_of(series, every))
         options = {"show": observable, "units": "si"}
-        spec = FigureSpec("grid", "curves", "", system, "", series=series, options=options)
+        shown = (series,) if series else tuple(every)
+        spec = FigureSpec("grid", "curves", "", system, "", series=shown, options=options)
         data = figure_data(self, spec)
         names = varying_parameters(data.rows, list(SYSTEMS[system].model_fields))
         _require_grid(data.rows, names)
@@ -224,7 +231,7 @@ def _require_grid(rows: pd.DataFrame, names: list[str]) -> None:
     distinct = [name for name, count in counts.items() if count == len(rows) > 2]
     if len(distinct) > 1 or prod(counts.values()) > MOST_PLACES * len(rows):
         got = f"{len(rows):,} points at {prod(counts.values()):,} places of {', '.join(names)}"
-        allowed = "a grid; a design has its points as rows of dataset (results.dataset)"
+        allowed = "a grid, as of one series; results.dataset has the points of a design as rows"
         raise _grid_error("", got, allowed)
 
 

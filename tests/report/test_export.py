@@ -1,5 +1,6 @@
 """Particles in other formats, read again by programs that know nothing of this one."""
 
+import shutil
 import sys
 from pathlib import Path
 from xml.etree import ElementTree
@@ -215,6 +216,45 @@ def test_the_default_output_is_named_like_the_run_and_lies_here(run, tmp_path, m
     monkeypatch.chdir(tmp_path / "here")
     assert main(["export", str(run), "--to", "amber"]) == 0
     assert [path.name for path in Path().iterdir()] == ["a.run.ncdf"]
+
+
+def test_the_suffix_of_the_output_is_its_format(run):
+    for to, (endings, _) in FORMATS.items():
+        for ending in endings:
+            output = run.parent / f"{to}{ending}"
+            assert main(["export", str(run), "-o", str(output)]) == 0
+            assert output.read_bytes() == exported(run, to).read_bytes() or to in ("amber", "vtk")
+            shutil.rmtree(run.parent / "out")
+
+
+@pytest.mark.parametrize("to", FORMATS)
+def test_a_study_becomes_a_folder_of_short_names(to, system, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    points = [POINTS[system].model_copy(update={"gravity": g}) for g in (1.0, 2.0)]
+    runs = tmp_path / "results" / "mine" / "runs"
+    runs.mkdir(parents=True)
+    ids = [point_id(point) for point in points]
+    for point, name in zip(points, ids, strict=True):
+        write(runs / f"{name}.nc", point)
+    Path("mine.yaml").write_text(
+        f"study: mine\nseries: [{{name: a, system: {system}, grid: {{gravity: [1, 2]}}}}]\n"
+    )
+    assert main(["export", "results/mine", "--to", to, "-o", "out"]) == 0
+    ending = FORMATS[to][0][0]
+    expected = {f"gravity{g}-{name[-8:]}{ending}" for g, name in zip((1, 2), ids, strict=True)}
+    assert {path.name for path in Path("out").glob(f"*{ending}")} == expected
+    assert "out: 2 runs" in capsys.readouterr().out
+    assert main(["export", "mine.yaml", "--to", to]) == 0
+    assert {path.name for path in Path(f"mine-{to}").glob(f"*{ending}")} == expected
+    assert "a folder that is not there" in refusal(capsys, "export", "mine.yaml", "--to", to)
+    assert not list(Path().glob(".*.part"))
+
+
+def test_a_study_without_runs_or_a_format_is_refused(run, capsys):
+    folder = run.parent
+    assert "results with runs" in refusal(capsys, "export", folder, "--to", "vtk")
+    for words in ([], ["-o", "a.pdb"]):
+        assert "--to: got nothing; allowed: one of amber" in refusal(capsys, "export", run, *words)
 
 
 @pytest.mark.parametrize(

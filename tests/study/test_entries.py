@@ -70,6 +70,20 @@ def error_message(**series) -> str:
             "conveyor",
         ),
         (
+            {"grid": {"mu": [3]}},
+            "grid.mu: unknown key, got [3]; did you mean friction? allowed: 41 names (talus schema "
+            "has all)",
+        ),
+        (
+            {"base": {"depth": "lhs(1,20,10)"}},
+            "base.depth: got 'lhs(1,20,10)'; allowed: a number > 0; points spread over ranges "
+            "belong under design (docs/designs.md)",
+        ),
+        (
+            {"system": "chut"},
+            "system: got 'chut'; allowed: did you mean chute? one of chute, belt, conveyor",
+        ),
+        (
             {"friction": 3},
             "friction: unknown key, got 3; parameters belong under base, grid or cases",
         ),
