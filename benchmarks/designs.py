@@ -110,19 +110,23 @@ def _row(
 
 def draw(table: pd.DataFrame, path: Path) -> None:
     """Draw the error against the number of points, a panel per system."""
-    figure, panels = plt.subplots(1, 2, figsize=(7.2, 2.9), layout="constrained")
+    looks = {
+        "design, surrogate": ("o", "-", "#0072b2"),
+        "grid, surrogate": ("s", "", "#009e73"),
+        "grid, linear": ("^", "", "#d55e00"),
+    }
+    figure, panels = plt.subplots(1, 2, figsize=(7.2, 3.1), layout="constrained")
     for axes, (system, rows) in zip(panels, table.groupby("system", sort=False), strict=True):
-        for (way, each), marker in zip(rows.groupby("prediction", sort=False), "os^", strict=True):
-            line = "-" if len(each) > 1 else ""
-            axes.plot(
-                each["points"], each["error (mm/s)"], marker=marker, linestyle=line, label=way
-            )
-        axes.set(
-            title=system, xlabel="points", ylabel="error at fresh points (mm/s)", ylim=(0, None)
-        )
-        axes.set_xlim(0, None)
+        for way, each in rows.groupby("prediction", sort=False):
+            marker, line, colour = looks[str(way)]
+            style = {"marker": marker, "linestyle": line, "color": colour, "label": way}
+            axes.plot(each["points"], each["error (mm/s)"], clip_on=False, **style)
+        axes.set(title=system, xlabel="points", ylim=(0, None), xlim=(0, None))
         axes.grid(alpha=0.3)
-    panels[0].legend(frameon=False)
+    panels[0].set_ylabel("error at fresh points (mm/s)")
+    figure.legend(
+        *panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3, frameon=False
+    )
     figure.savefig(path)
 
 

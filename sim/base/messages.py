@@ -242,14 +242,14 @@ def one_of(name: Any, options: Collection[str]) -> str:
 
 
 def near(name: str, options: Collection[str], most: int = MOST_NAMES) -> str:
-    """Return options separated by commas: all if they are few, else those like a name.
+    """Return options separated by commas: all if they are few, else those most like a name.
 
-    >>> near("friction", ["friction", *"abcdefghijkl"])
-    'friction and 12 more (talus schema has all)'
+    >>> near("friction", ["friction", "fraction", "depth"], most=2)
+    'friction, fraction and 1 more (talus schema has all)'
     """
     if len(options) <= most:
         return ", ".join(options)
-    similar = difflib.get_close_matches(name, options, n=most)
+    similar = difflib.get_close_matches(name, options, n=most, cutoff=0.4)
     others = f"{len(options) - len(similar)} {'more' if similar else 'names'}"
     return f"{' and '.join(filter(None, (', '.join(similar), others)))} (talus schema has all)"
 

@@ -99,6 +99,7 @@ figures:
 PLOT_OPTIONS = {
     "show": "velocity",
     "second": "",
+    "colour": "",
     "between": (),
     "beside": (),
     "fit": "",

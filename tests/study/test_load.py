@@ -288,7 +288,7 @@ def test_a_study_without_boundaries_has_no_rounds(example, parse):
         ({"tolerance": 1e-7}, r"tolerance: got 1e-07; allowed: a number >= 3.08e-06"),
         ({"along": "fricton"}, r"along: got 'fricton'; allowed: did you mean friction"),
         ({"along": "seed"}, r"along: got 'seed'"),
-        ({"along": "average"}, r"along: got 'average'; allowed: .*initial_velocity"),
+        ({"along": "average"}, r"along: got 'average'; allowed: did you mean bump_coverage"),
         ({"along": "trajectory"}, r"along: got 'trajectory'"),
         ({"of": "transport"}, r"of: got 'transport'; allowed: 'flow' or 'acceleration'"),
         ({"grid": {"friction": [0.3]}}, r"grid.friction: got .*; allowed: .* other than friction"),
