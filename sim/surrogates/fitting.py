@@ -52,5 +52,5 @@ def fit_surrogate(spec: SurrogateSpec, sample: xr.Dataset) -> Surrogate:
         mean_regimes=spec.regimes,
         sample=sample,
         process=process,
-        regimes=fit_regimes(x, sample["regime"].values),
+        regimes=fit_regimes(x, sample["regime"].values, spec.regimes),
     )

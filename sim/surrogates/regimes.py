@@ -30,7 +30,7 @@ class Regimes:
     x : numpy.ndarray
         Points, (n, d).
     regime : numpy.ndarray
-        The regime of each, (n,); points in one of `UNKNOWN` count for nothing.
+        The regime of each, (n,).
     theta : numpy.ndarray
         Logarithms of sharpness, amplitude, lengths and scatter of each process,
         (processes, d + 3).
@@ -43,7 +43,7 @@ class Regimes:
     @cached_property
     def names(self) -> tuple[str, ...]:
         """The regimes that occur, by name."""
-        return tuple(sorted(set(map(str, self.regime)) - set(UNKNOWN)))
+        return tuple(sorted(set(map(str, self.regime))))
 
     @property
     def process_names(self) -> tuple[str, ...]:
@@ -52,10 +52,9 @@ class Regimes:
 
     def process(self, name: str) -> Process:
         """Return the process through the labels of a regime, lengths not fitted."""
-        counts = ~np.isin(self.regime.astype(str), UNKNOWN)
-        labels = np.where(self.regime[counts] == name, 1.0, -1.0)
+        labels = np.where(self.regime == name, 1.0, -1.0)
         variance = np.full(len(labels), _EXACT)
-        return Process(self.x[counts], labels, variance, is_log=False, has_scatter=True)
+        return Process(self.x, labels, variance, is_log=False, has_scatter=True)
 
     def probability(self, x: np.ndarray) -> np.ndarray:
         """Return the probability of each regime at points (m, d), (regimes, m)."""
@@ -79,8 +78,18 @@ class Regimes:
         ]
 
 
-def fit_regimes(x: np.ndarray, regime: np.ndarray) -> Regimes:
-    """Return the probabilities that the regimes (n,) at points (n, d) give."""
+def has_known_regime(regime: np.ndarray, counted: tuple[str, ...] = ()) -> np.ndarray:
+    """Return where a regime (n,) is known: not of `UNKNOWN`, unless the mean counts it."""
+    return ~np.isin(regime.astype(str), sorted(set(UNKNOWN) - set(counted)))
+
+
+def fit_regimes(x: np.ndarray, regime: np.ndarray, counted: tuple[str, ...] = ()) -> Regimes:
+    """Return the probabilities that the regimes (n,) at points (n, d) give.
+
+    Those of `UNKNOWN` say nothing, unless they are ``counted`` among those of the mean.
+    """
+    is_known = has_known_regime(regime, counted)
+    x, regime = x[is_known], regime[is_known]
     start = Regimes(x, regime, np.zeros((0, x.shape[1] + 3)))
     rows = []
     for name in start.process_names:

@@ -12,7 +12,7 @@ from sim.base.files import atomic_write
 from sim.base.seals import append_summary, checked_read, seal
 from sim.study.design import Axis
 from sim.surrogates.process import Process
-from sim.surrogates.regimes import Regimes
+from sim.surrogates.regimes import Regimes, has_known_regime
 from sim.surrogates.sample import points_of_mean, unit_cube
 from sim.surrogates.surrogate import Surrogate
 
@@ -92,7 +92,9 @@ def _surrogate(stored: xr.Dataset, about: dict[str, Any]) -> Surrogate:
         theta=stored["theta"].values,
         widening=float(about["widening"]),
     )
-    regimes = Regimes(x, sample["regime"].values, np.atleast_2d(stored["regime_theta"].values))
+    regime = sample["regime"].values
+    is_known = has_known_regime(regime, mean_regimes)
+    regimes = Regimes(x[is_known], regime[is_known], np.atleast_2d(stored["regime_theta"].values))
     words: dict[str, Any] = {name: str(about[name]) for name in _WORDS}
     return Surrogate(
         **words,

@@ -198,7 +198,7 @@ LAW = "law('l', make=dict, force=dict, energy=dict, collision_time=dict, "
                 ("observable='y', second='y'", "second: got 'y'; allowed: another key than"),
                 ("log=('colour',)", "log: got ('colour',); allowed: colour only where"),
                 ("log=('height',)", "log[0]: got 'height'; allowed: 'x', 'y' or 'colour'"),
-                ("others=('size',)", "others[0]: got 'size'; allowed: 'curves', 'colour', 'panels'"),
+                ("others=('size',)", "others[0]: got 'size'; allowed: 'curves', 'colour'"),
                 ("others=('beside',)", "others: got ('beside',); allowed: curves, panels, between"),
                 ("systems=('drum',)", "systems: got 'drum'; allowed: one of chute, belt"),
                 ("what='{} {}'", "what: got '{} {}'; allowed: one line of text, with {}"),

@@ -62,3 +62,12 @@ def test_a_single_point_of_a_regime_is_enough():
     words[3] = "arrested"
     chances = fit_regimes(x, words).probability(x)
     assert np.isfinite(chances).all() and chances[0, 3] == chances[0].max()
+
+
+def test_what_the_mean_counts_is_a_regime_of_its_own():
+    x = np.linspace(0, 1, 12)[:, None]
+    words = np.array(["undetermined"] * 9 + ["accelerating"] * 3, object)
+    assert fit_regimes(x, words).names == ("accelerating",)
+    regimes = fit_regimes(x, words, ("steady", "undetermined"))
+    assert regimes.names == ("accelerating", "undetermined")
+    assert regimes.probability(np.array([[0.1]]))[1, 0] > 0.9
