@@ -23,6 +23,8 @@ $(STAMP): requirements.lock
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --requirement requirements.lock
 	@# Else every job compiles what it imports where PYTHONDONTWRITEBYTECODE is set.
 	@$(BIN)/python -m compileall -q -j 0 -x '/tests?/' $(VENV)/lib sim >/dev/null || true
+	@printf '#!/bin/sh\nexec "%s/python" "%s/talus.py" "$$@"\n' '$(CURDIR)/$(BIN)' '$(CURDIR)' > $(BIN)/talus
+	@chmod +x $(BIN)/talus
 	@touch $(STAMP)
 	@echo 'ready: . $(VENV)/bin/activate'
 

@@ -46,7 +46,7 @@ def commands() -> str:
     )
     parts = [
         "# Commands",
-        "`talus COMMAND` where the package is installed, `python -m sim COMMAND` in the repository."
+        "`talus COMMAND`, where the package is installed and in the repository after `make setup`."
         " Exit codes: 0, 1 (an error of the system), 2 (input that cannot be used), 3 (a run blew"
         " up), 130 and 143 (ended by a signal).",
         _table(("command", ""), [(f"[`{n}`](#{n})", text) for n, (_, text) in COMMANDS.items()]),

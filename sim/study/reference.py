@@ -22,7 +22,7 @@ from sim.study.validate import file_models
 
 SCHEMA_NAME = "schema.json"
 GUIDE_NAME = "README.md"
-BEGIN = "<!-- reference: begin; written by `python -m sim schema --write`, do not edit -->"
+BEGIN = "<!-- reference: begin; written by `talus schema --write`, do not edit -->"
 END = "<!-- reference: end -->"
 
 
