@@ -119,7 +119,7 @@ def test_every_run_is_listed_with_what_became_of_it(page, made):
 
 def test_provenance_is_shown(page):
     assert "0123456789ab" in page.text
-    assert "python -m sim study" in page.text
+    assert "talus study" in page.text
     assert "2026-01-01" in page.text
 
 
@@ -271,7 +271,7 @@ def test_the_command_that_repeats_a_study_is_quoted_for_the_shell(made, tmp_path
     odd = tmp_path / "$(touch PWN) {a} b.yaml"
     odd.write_text(study_path.read_text())
     page = Page(build(odd, results).read_text(encoding="utf-8"))
-    assert f"python -m sim study '{odd}' --cores" in page.text
+    assert f"talus study '{odd}' --cores" in page.text
 
 
 def test_a_missing_figure_is_named_and_the_old_report_stays(made, tmp_path):
