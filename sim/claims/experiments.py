@@ -70,6 +70,7 @@ def _restore_check(fields: dict[str, Any]) -> Check:
         | {
             "points": tuple(fields["points"]),
             "short": tuple(fields["short"]),
+            "open_points": tuple(fields["open_points"]),
             "tested": None if p_values is None else tuple(p_values),
         }
     )

@@ -215,7 +215,7 @@ def test_caption_says_what_is_missing_and_what_the_bars_are(folder, made):
 
 @pytest.mark.parametrize("name", ["gallas_9", "style"])
 def test_an_unknown_figure_is_refused(dataset_path, tmp_path, name):
-    with pytest.raises(InputError, match="walton_2"):
+    with pytest.raises(InputError, match="talus schema has all"):
         draw(name, dataset_path, tmp_path)
 
 

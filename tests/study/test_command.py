@@ -69,7 +69,7 @@ def test_studies_that_come_with_the_program_can_be_copied(exec_call):
     ("words", "message"),
     [
         ([], "first.yaml: is there already"),
-        (["--from", "paper"], "--from: got 'paper'; allowed: one of beyond, first, "),
+        (["--from", "paper"], "--from: got 'paper'; allowed: one of beyond, explore, first, "),
         (["a b.yaml"], "init: got 'a b.yaml'; allowed: "),
         ([f"{'a' * 61}.yaml"], "init: got "),
         (["x.YAML"], "init: got 'x.YAML'; allowed: "),

@@ -74,7 +74,8 @@ def test_a_killed_workflow_resumes_by_itself(killed):
     assert {path.stem for path in killed.runs.glob("*.nc")} == set(killed.study.points)
     rerun = [path for path, changed in killed.before.items() if path.stat().st_mtime_ns != changed]
     assert len(rerun) <= 1
-    assert not list(killed.runs.glob("*.part"))
+    # An empty folder may be left, of a process that was killed after it had renamed its file.
+    assert not [path for path in killed.runs.glob(".*.part") if any(path.iterdir())]
 
 
 def test_a_living_workflow_keeps_its_lock(killed):
