@@ -24,6 +24,9 @@ from sim.surrogates.surrogate import Surrogate
 
 SYSTEMS = ("belt", "chute")
 
+#: Resamples of the fresh points for the interval of an error.
+RESAMPLES = 2000
+
 
 def spec_of(study: Study, system: str, series: str) -> SurrogateSpec:
     """Return the surrogate of the velocity over a series, with the ranges of the design."""
@@ -40,12 +43,17 @@ def fresh_points(results: Results, study: Study, system: str) -> tuple[xr.Datase
     return sample, np.column_stack([sample[axis.name].values for axis in spec.axes])
 
 
-def error_of(prediction: np.ndarray, fresh: xr.Dataset) -> float:
-    """Return the error of predictions at fresh points, without the scatter of their beds."""
-    residual = prediction - fresh["mean"].values
-    is_known = np.isfinite(residual)
-    own = fresh["standard_error"].values[is_known]
-    return float(np.sqrt(max(0.0, np.mean(residual[is_known] ** 2) - np.mean(own**2))))
+def error_of(prediction: np.ndarray, fresh: xr.Dataset) -> tuple[float, float, float]:
+    """Return the error of predictions at fresh points, without the scatter of their beds.
+
+    The ends of its 95 % interval follow: the bootstrap over the fresh points.
+    """
+    squares = (prediction - fresh["mean"].values) ** 2 - fresh["standard_error"].values ** 2
+    squares = squares[np.isfinite(squares)]
+    draws = np.random.default_rng(1).choice(squares, (RESAMPLES, squares.size))
+    low, high = np.quantile(draws.mean(axis=1), (0.025, 0.975))
+    middle, low, high = np.sqrt(np.maximum(0.0, (squares.mean(), low, high)))
+    return float(middle), float(low), float(high)
 
 
 def coverage_of(surrogate: Surrogate, fresh: xr.Dataset, x: np.ndarray) -> float:
@@ -98,11 +106,14 @@ def _row(
     fresh: xr.Dataset,
     share: float | None,
 ) -> dict[str, object]:
+    error, low, high = error_of(prediction, fresh)
     return {
         "system": system,
         "prediction": way,
         "points": count,
-        "error (mm/s)": 1000 * error_of(prediction, fresh),
+        "error (mm/s)": 1000 * error,
+        "low": 1000 * low,
+        "high": 1000 * high,
         "fresh points within 95 %": share,
         "fresh points": fresh.sizes["point"],
     }
@@ -120,7 +131,9 @@ def draw(table: pd.DataFrame, path: Path) -> None:
         for way, each in rows.groupby("prediction", sort=False):
             marker, line, colour = looks[str(way)]
             style = {"marker": marker, "linestyle": line, "color": colour, "label": way}
-            axes.plot(each["points"], each["error (mm/s)"], clip_on=False, **style)
+            error = each["error (mm/s)"]
+            bars = np.array([error - each["low"], each["high"] - error])
+            axes.errorbar(each["points"], error, bars, capsize=2, clip_on=False, **style)
         axes.set(title=system, xlabel="points", ylim=(0, None), xlim=(0, None))
         axes.grid(alpha=0.3)
     panels[0].set_ylabel("error at fresh points (mm/s)")
