@@ -204,8 +204,8 @@ def agreement_notes(data: FigureData) -> list[str]:
     left = ", ".join(f"{count} {name}" for name, count in surrogate.counts.items())
     notes = [
         "Bars: 95 % intervals of the runs (vertical) and of the predictions (horizontal).",
-        f"{100 * surrogate.coverage:.0f} % of the runs were within the interval of their "
-        f"prediction; it was then widened by {surrogate.process.widening:.2f}.",
+        f"{100 * surrogate.coverage:.0f} % of the runs are within the interval of their prediction "
+        f"before it is widened by {surrogate.process.widening:.2f}, for few points and for kinks.",
         error_note(surrogate),
     ]
     if surrogate.process.has_scatter:

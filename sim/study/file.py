@@ -111,8 +111,8 @@ class SeriesFile(_Family):
     def _require_design_alone(self) -> Self:
         for key in ("grid", "cases"):
             if self.design and getattr(self, key):
-                got, allowed = f"design and {key}", f"one of both: {key} of another series"
-                raise broken_rule("design", got, allowed)
+                allowed = f"no {key} beside it; a series has a design or a grid or cases"
+                raise broken_rule("design", "a design", allowed)
         return self
 
     @property

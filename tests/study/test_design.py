@@ -391,8 +391,8 @@ def test_a_mistake_is_one_line_with_its_key(design, message):
 @pytest.mark.parametrize(
     ("series", "message"),
     [
-        ({"grid": {"depth": [1, 2]}}, "design: got 'design and grid'; allowed: one of both: grid "),
-        ({"cases": [{"depth": 1}]}, "design: got 'design and cases'; allowed: one of both: cases"),
+        ({"grid": {"depth": [1, 2]}}, "design: got 'a design'; allowed: no grid beside it"),
+        ({"cases": [{"depth": 1}]}, "design: got 'a design'; allowed: no cases beside it"),
         (
             {"overrides": [{"when": {"depth": [2]}, "set": {"friction": 0.4}}]},
             "overrides[0].set.friction: got 0.4; allowed: parameters other than design.over.fricti",

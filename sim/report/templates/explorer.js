@@ -148,7 +148,7 @@
 
   function position(name, log, values) {
     const usable = log && values.every((value) => value === null || value > 0);
-    return channel(name, { scale: usable ? { type: "log", nice: false } : { zero: false } });
+    return channel(name, { scale: usable ? { type: "log", nice: false, padding: 8 } : { zero: false, padding: 8 } });
   }
 
   function specification(choice, rows) {
