@@ -4,15 +4,18 @@
 """
 
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
-import sim
-
-if Path(sim.__file__ or "").parent != Path(__file__).with_name("sim"):
+place = find_spec("sim")
+if place is None or Path(place.origin or "").parent != Path(__file__).with_name("sim"):
+    name = place and (place.origin or list(place.submodule_search_locations or ()))
     raise ImportError(
-        f"{sim.__file__ or list(sim.__path__)}: another package is called sim and hides that of "
-        "Talus; rename it, or start Python in another folder"
+        f"{name}: another package is called sim and hides that of Talus; rename it, or start "
+        "Python in another folder"
     )
+
+import sim  # noqa: E402
 
 if __name__ == "__main__":
     from sim.__main__ import main

@@ -372,13 +372,20 @@ def test_a_dry_run_is_handed_to_snakemake():
 def test_compiled_code_is_removed_and_nothing_else(tmp_path):
     (tmp_path / "0123456789ab" / "deep").mkdir(parents=True)
     (tmp_path / "0123456789ab" / "deep" / "code.nbc").write_bytes(bytes(1_600_000))
-    (tmp_path / "0123456789ab-0123456789ab").mkdir()
-    (tmp_path / "mine").mkdir()
+    for name in ("mine", "202611251234", "202611251234-202611251234"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "202611251234" / "photo.jpg").touch()
+    (tmp_path / "202611251234" / "code.nbi").touch()
     (tmp_path / "ba9876543210").symlink_to(tmp_path / "mine")
     folder = os.environ | {"TALUS_CACHE_DIR": str(tmp_path)}
     done = program("clean", env=folder)
     assert done.stdout == f"{tmp_path}: 2 MB of compiled code removed\n"
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["ba9876543210", "mine"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "202611251234",
+        "202611251234-202611251234",
+        "ba9876543210",
+        "mine",
+    ]
     assert (
         program("clean", env=os.environ | {"TALUS_CACHE_DIR": str(tmp_path / "no")}).returncode == 0
     )

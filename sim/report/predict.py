@@ -58,7 +58,7 @@ def predict(
             "outside": outside,
             "rows": rows,
         }
-        return json.dumps(document, indent=2, ensure_ascii=False)
+        return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False)
     return "\n".join(_lines(surrogate, rows, outside))
 
 
@@ -69,6 +69,9 @@ def _values(surrogate: Surrogate, at: Sequence[str]) -> dict[str, Any]:
         name, sign, written = text.partition("=")
         if not (name and sign and written):
             raise InputError.of_value("--at", "", text, "PARAMETER=VALUE")
+        if name not in {axis.name for axis in surrogate.axes} | set(surrogate.fixed):
+            allowed = "one of " + ", ".join(axis.name for axis in surrogate.axes)
+            raise InputError.of_value("--at", "", name, allowed)
         if name in values:
             raise InputError.of_value("--at", name, written, "each parameter once")
         parts = [_value(surrogate, name, part) for part in written.split(",")]

@@ -30,6 +30,10 @@ _ALLOWED_COMPARISON = (
 )
 
 
+#: Largest deviation of a normal distribution, in ranges: what is wider cannot be told from even.
+MOST_RANGES = 1000.0
+
+
 class Distribution(Strict):
     """How the values of a parameter are spread: between two numbers, or over choices."""
 
@@ -73,6 +77,9 @@ class Distribution(Strict):
             raise broken_rule("between", self.between, "two numbers > 0 where the scale is log")
         if self.mean is not None and not low <= self.mean <= high:
             raise broken_rule("mean", self.mean, f"a number in [{low:g}, {high:g}], as of between")
+        if self.deviation is not None and self.deviation > MOST_RANGES * (high - low):
+            allowed = f"a number <= {MOST_RANGES:g} times the range; what is wider is even"
+            raise broken_rule("deviation", self.deviation, allowed)
         return self
 
     @model_validator(mode="after")

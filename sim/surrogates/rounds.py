@@ -4,6 +4,8 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
+
 from sim.base.errors import InputError
 from sim.base.files import atomic_write
 from sim.dataset.boundaries import added_points
@@ -98,8 +100,9 @@ def further_points(
     if is_enough and fit_surrogate(spec, sample).error <= spec.error:
         return {}
     hours = sample["core_hours"].to_series()
-    estimated = sum(_hours(point) for point in members.values())
-    factor = float(hours.sum()) / estimated or 1.0
+    # The median, as the first run of all may have compiled the engine.
+    ratios = [hours[key] / _hours(point) for key, point in members.items()]
+    factor = float(np.median(ratios)) or 1.0
     left = spec.budget - float(hours[list(added)].sum())
     batch = {}
     for key, point in spec.next_batch(known).items():

@@ -19,6 +19,9 @@ from sim.surrogates.sample import points_of_mean, unit_cube
 #: Share of a range by which a value may be outside it: sums of steps need not end on it.
 _SLACK = 1e-9
 
+#: Most ranges by which a value may be outside, where it is asked for.
+_MOST_OUTSIDE = 100.0
+
 
 @dataclass(frozen=True)
 class Surrogate:
@@ -224,7 +227,8 @@ class Surrogate:
                 beyond = max(axis.low - value, value - axis.high) / width
                 if beyond <= _SLACK:
                     continue
-                if not extrapolate or (axis.scale == "log" and value <= 0):
+                is_absurd = beyond > _MOST_OUTSIDE or (axis.scale == "log" and value <= 0)
+                if is_absurd or not extrapolate:
                     raise InputError.of_value(self.name, axis.name, value, self._range(axis.name))
                 notes.append(
                     f"{axis.name} = {value:g} is {100 * beyond:.2g} % of its range outside "

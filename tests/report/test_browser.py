@@ -354,9 +354,13 @@ def test_the_explorer_draws_what_is_chosen_and_keeps_it_in_the_address(page, rep
     expect(section.locator("output")).to_have_text(f"{shown_points} of {total} points")
 
 
-def test_an_address_with_unknown_names_leaves_the_usual_choice(page, report):
+@pytest.mark.parametrize(
+    "address",
+    ["x=nonsense&y=velocity&is.nonsense=1&system=moon", "system=toString&item=1", "%E0%A4=1"],
+)
+def test_an_address_with_unknown_names_leaves_the_usual_choice(page, report, address):
     page.goto("about:blank")
-    page.goto(f"{report}#explore?x=nonsense&y=velocity&is.nonsense=1&system=moon")
+    page.goto(f"{report}#explore?{address}")
     section = opened_explorer(page)
     expect(section.locator("select[name=y]")).to_have_value("velocity")
     expect(section.locator("select[name=x]")).not_to_have_value("")

@@ -67,6 +67,8 @@ def test_outside_it_says_by_how_much(folder):
     ("at", "message"),
     [
         (["friction"], "--at: got 'friction'; allowed: PARAMETER=VALUE"),
+        (["self=1"], "--at: got 'self'; allowed: one of "),
+        (["extrapolate=1"], "--at: got 'extrapolate'; allowed: one of "),
         (["friction=1", "friction=2"], "--at: friction: got '2'; allowed: each parameter once"),
         (["friction=x", "depth=5", "law=hertz"], "speed: friction: got 'x'; allowed: a number"),
         (["friction=0.5", "depth=5"], "speed: law: got nothing; allowed: one of walton_braun"),

@@ -318,6 +318,10 @@ ERRORS = [
         plain(friction={"mean": 3, "deviation": 0.1, "between": [0, 1]}),
         "over.friction.mean: got 3; allowed: a number in [0, 1], as of between",
     ),
+    (
+        plain(friction={"mean": 0.3, "deviation": 1e300, "between": [0, 1]}),
+        "over.friction.deviation: got 1e+300; allowed: a number <= 1000 times the range",
+    ),
     (plain(law={"choices": ["hertz"]}), "over.law.choices: got ['hertz']; allowed: a list of two"),
     (plain(depth={"choices": [1, 1.0]}), "over.depth.choices: got [1, 1]; allowed: a list of two"),
     (plain(law={"choices": ["hertz", "x"]}), "over.law: got 'x'; allowed: one of walton_braun, "),

@@ -22,7 +22,7 @@
     script.textContent = await inflate("drawing-program");
     document.head.append(script);
     const choice = readAddress();
-    buildForm(choice.get("system") in systems ? choice.get("system") : Object.keys(systems)[0]);
+    buildForm(Object.hasOwn(systems, choice.get("system")) ? choice.get("system") : Object.keys(systems)[0]);
     apply(choice);
     update(false);
   }
@@ -89,7 +89,7 @@
 
   function apply(choice) {
     for (const [name, value] of choice) {
-      const field = form.elements[name];
+      const field = [...form.elements].find((one) => one.name === name);
       if (!field || name === "system") continue;
       if (field.type === "checkbox") field.checked = value === "1";
       else if (!field.matches("select") || [...field.options].some((option) => option.value === value)) field.value = value;
@@ -301,7 +301,7 @@
     const choice = readAddress();
     if (![...choice].length) return;
     await begin();
-    if (choice.get("system") in systems) buildForm(choice.get("system"));
+    if (Object.hasOwn(systems, choice.get("system"))) buildForm(choice.get("system"));
     apply(choice);
     update(false);
   });

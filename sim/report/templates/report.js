@@ -123,6 +123,8 @@ for (const button of all("[data-toggle-all]")) {
 
 // A link to what is closed or filtered away shows it.
 function reveal() {
+  // The explorer's choice is no place of the page, and need not be a valid address.
+  if (location.hash.startsWith("#explore?")) return;
   const found = document.getElementById(decodeURIComponent(location.hash.slice(1)));
   if (!found) return;
   // The number of a run stands for its row.
