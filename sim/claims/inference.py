@@ -56,9 +56,9 @@ def trend(
         of them clearly goes the other way, with Holm's correction. All pairs are tested, not
         neighbours alone: single steps may be too small to show a decrease over several steps.
     margin : float, optional
-        With ``monotone`` and positive values, the claim then holds only where no two groups go the
-        other way by this share or more (one-sided equivalence): that no reversal is seen is no
-        evidence that there is none.
+        With ``monotone`` and positive values: the claim holds only where surely no two groups go
+        the other way by this share or more (one-sided equivalence), since that no reversal is seen
+        is no evidence that there is none. It fails only where two surely do.
     labels : sequence of str
         Names of the groups, ``"20 Hz"`` for instance. With ``monotone`` the text of the check then
         names the surest reversal, if that refutes the claim, with the interval of the difference.
@@ -79,14 +79,12 @@ def trend(
         if monotone:
             numbers = [*combinations(range(len(groups)), 2)]
             pairs += [(groups, one, other) for one, other in numbers]
-            p_pairs += [
-                mann_whitney_p(sign * groups[one], sign * groups[other]) for one, other in numbers
-            ]
-        if margin is not None:
-            p_apart += [
-                _no_reversal_p(*(pair if rising else pair[::-1]), margin)
-                for pair in combinations(groups, 2)
-            ]
+            for pair in combinations(groups, 2):
+                low, high = pair if rising else pair[::-1]
+                raised = (1 + (margin or 0)) * high
+                p_pairs.append(mann_whitney_p(low, raised))
+                if margin is not None:
+                    p_apart.append(mann_whitney_p(raised, low))
     p_contrary = [_stouffer_p(p_falling, sizes)]
     if monotone:
         p_contrary += [*(p_falling if len(strata) > 1 else ()), *p_pairs]
@@ -103,11 +101,6 @@ def trend(
     groups, one, other = pairs[int(np.argmin(p_pairs))]
     reversal = _reversal(groups, one, other, labels, unit)
     return replace(check, text=f"{check.value:.3g}; {reversal}")
-
-
-def _no_reversal_p(low: np.ndarray, high: np.ndarray, margin: float) -> float:
-    """Return the p-value that ``high`` is lower than ``low`` by less than a share, if at all."""
-    return mann_whitney_p((1 + margin) * high, low)
 
 
 def _reversal(groups: Groups, one: int, other: int, labels: Sequence[str], unit: str) -> str:
@@ -194,7 +187,7 @@ def same_by_rank(
     Replicates may be in different states.
     """
     raised = 1 + margin
-    p_holds = max(_no_reversal_p(first, second, margin), _no_reversal_p(second, first, margin))
+    p_holds = max(mann_whitney_p(raised * first, second), mann_whitney_p(raised * second, first))
     p_fails = 2 * min(
         mann_whitney_p(first, raised * second), mann_whitney_p(second, raised * first)
     )

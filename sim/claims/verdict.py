@@ -256,11 +256,12 @@ def combined_verdict(checks: Iterable[Check]) -> str:
 def p_values(checks: Iterable[Check]) -> tuple[float, float]:
     """Return the p-values that all votes on a statement hold, and that any fails.
 
-    The second one has Holm's correction for multiple tests.
+    The second one has Holm's correction for multiple tests, which counts withheld votes too: a
+    statement that they may refute as well has as many chances to fail.
     """
     votes = [check for check in checks if check.has_vote]
     usable = [check for check in votes if check.can_decide]
-    fails = holm_p([check.p_fails for check in usable])
+    fails = holm_p([check.p_fails if check.can_decide else 1.0 for check in votes])
     is_complete = usable and len(usable) == len(votes)
     return max(check.p_holds for check in usable) if is_complete else 1.0, fails
 

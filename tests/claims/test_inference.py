@@ -104,6 +104,17 @@ def test_that_no_reversal_is_seen_is_no_evidence_of_none(margin, verdict):
     assert trend("x", falling, rising=False, monotone=True, margin=margin).verdict == verdict
 
 
+@pytest.mark.parametrize(
+    ("margin", "verdict"), [(None, NOT_REPRODUCED), (0.05, REPRODUCED), (0.001, NOT_REPRODUCED)]
+)
+def test_a_reversal_counts_on_either_side_from_one_share_on(margin, verdict):
+    """A sure reversal of 3 %: smaller than the share it refutes nothing."""
+    dip = groups(1, 2, 1.94, 3, replicates=12, scatter=0.01)
+    assert trend("x", [dip], monotone=True, margin=margin).verdict == verdict
+    fall = trend("x", [dip[::-1]], rising=False, monotone=True, margin=margin)
+    assert fall.verdict == verdict
+
+
 def test_samples_are_the_same_by_rank_within_a_margin():
     first = np.linspace(0.99, 1.01, 8)
     verdicts = [

@@ -100,6 +100,13 @@ def test_what_has_no_vote_fails_nothing(silent):
     assert silent.verdict == (INCONCLUSIVE if silent.withheld else REPORTED)
 
 
+def test_a_failure_is_clear_among_all_votes_the_withheld_ones_included():
+    fails = Check("x", 1, nan, 0, inf, tested=(0.96, 0.04))
+    assert combined_verdict([fails]) == NOT_REPRODUCED
+    assert combined_verdict([fails, replace(HOLDS, votes=False)]) == NOT_REPRODUCED
+    assert combined_verdict([fails, replace(HOLDS, withheld="too young")]) == INCONCLUSIVE
+
+
 @pytest.mark.parametrize("looks", [0, 1, 2, 5])
 def test_bound_and_replicates_are_those_that_decide_at_a_look(looks):
     check = Check("x", 1.0, 0.2, 0, inf, looks=looks)

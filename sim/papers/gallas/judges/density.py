@@ -124,8 +124,8 @@ def belt_density_ratio(_: np.ndarray, number: np.ndarray) -> float:
 def g17(evidence: Evidence, *, frequencies: Sequence[float], margin: float) -> list[Check]:
     """Over the frequencies (Hz) the largest density falls (a), and the layer widens (b).
 
-    A sure reversal between any two refutes either. That there is none must be sure as well, but for
-    one by less than the share ``margin``.
+    A reversal between any two that is surely larger than the share ``margin`` refutes either. That
+    there is none so large must be sure as well.
     """
     line = complete_line(evidence, "frequency", frequencies)
     places, values = list(line.values()), ", ".join(f"{f:g}" for f in line)
