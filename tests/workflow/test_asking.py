@@ -16,6 +16,8 @@ from tests.made.project import bare_folder, command, planned_jobs, snakemake
 
 STUDY = "asking.yaml"
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture(scope="module")
 def tree(tmp_path_factory) -> Path:

@@ -1,5 +1,7 @@
 """A design in the workflow: it grows, and what has run is kept."""
 
+import pytest
+
 from sim.report.points import show
 from sim.study.load import load_study
 from tests.made.project import bare_folder, snakemake
@@ -7,6 +9,7 @@ from tests.made.project import bare_folder, snakemake
 STUDY = "spread.yaml"
 
 
+@pytest.mark.long
 def test_a_design_grows_from_32_to_64_points_without_a_run_lost(tmp_path):
     tree = bare_folder(tmp_path, STUDY)
     study, runs = tree / STUDY, tree / "results" / "spread" / "runs"
