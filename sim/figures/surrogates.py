@@ -201,7 +201,6 @@ def agreement_table(data: FigureData) -> pd.DataFrame:
 def agreement_notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption of predicted against run."""
     surrogate = find_surrogate(data)
-    left = ", ".join(f"{count} {name}" for name, count in surrogate.counts.items())
     notes = [
         "Bars: 95 % intervals of the runs (vertical) and of the predictions (horizontal).",
         f"{100 * surrogate.coverage:.0f} % of the runs are within the interval of their prediction "
@@ -213,7 +212,8 @@ def agreement_notes(data: FigureData) -> list[str]:
             "No point has two replicates: how far initial states differ is estimated from how far "
             "the runs are from a smooth surface."
         )
-    return [*notes, f"Not part of the mean: {left}."] if left else notes
+    omissions = surrogate.omissions
+    return [*notes, f"Not part of the mean: {omissions}."] if omissions else notes
 
 
 def _label(surrogate: Surrogate) -> str:

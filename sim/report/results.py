@@ -14,6 +14,7 @@ from pydantic import ValidationError
 from sim.base.errors import InputError
 from sim.base.messages import input_error, one_of
 from sim.base.words import count_text, printable
+from sim.dataset import results as datasets
 from sim.dataset.results import require_known_options
 from sim.parameters import NUMERICAL, SYSTEMS, Parameters, parse_point
 from sim.study.feed import plot_entry
@@ -22,7 +23,8 @@ from sim.study.model import Point
 from sim.study.plot_contents import PlotContents
 from sim.study.plot_file import PlotFile
 from sim.study.plottable import find_observable, numbers
-from sim.surrogates import results as with_surrogates
+from sim.surrogates.results import find_surrogate
+from sim.surrogates.surrogate import Surrogate
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,11 +40,21 @@ MOST_PLACES = 10
 
 
 @dataclass(frozen=True, repr=False)
-class LabelledResults(with_surrogates.StudyResults):
-    """The results of a study, with a table of what they hold, grids and plots.
+class LabelledResults(datasets.Results):
+    """The results of a study, with its surrogates, a table of what they hold, grids and plots.
 
     Of a study of one system, the dataset has no parameters of other systems.
     """
+
+    def surrogate(self, name: str) -> Surrogate:
+        """Return a surrogate of the study by its name, or the only one of an observable.
+
+        Raises
+        ------
+        InputError
+            When the results have no such surrogate, or its file is damaged.
+        """
+        return find_surrogate(self.runs.parent if self.runs else Path(), name)
 
     def to_grid(
         self, observable: str = "velocity", system: str = "", series: str = ""
@@ -204,7 +216,7 @@ def load(results: str | Path) -> LabelledResults:
     InputError
         When there is no dataset, or it is damaged.
     """
-    loaded = LabelledResults(**vars(with_surrogates.load(results)))
+    loaded = LabelledResults(**vars(datasets.load(results)))
     systems = set(map(str, loaded.dataset["system"].values))
     return replace(loaded, dataset=loaded.of(*systems)) if len(systems) == 1 else loaded
 

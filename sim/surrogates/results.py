@@ -1,43 +1,10 @@
-"""The results of a study with its surrogates, as `sim.load` gives them."""
+"""Find the surrogates in the results of a study."""
 
-from dataclasses import dataclass
 from pathlib import Path
 
 from sim.base.errors import InputError
-from sim.dataset import results
 from sim.surrogates.storage import load as load_surrogate
 from sim.surrogates.surrogate import Surrogate
-
-
-@dataclass(frozen=True)
-class StudyResults(results.Results):
-    """The dataset of a study, and its surrogates."""
-
-    def surrogate(self, name: str) -> Surrogate:
-        """Return a surrogate of the study by its name, or the only one of an observable.
-
-        Raises
-        ------
-        InputError
-            When the results have no such surrogate, or its file is damaged.
-        """
-        return find_surrogate(self.runs.parent if self.runs else Path(), name)
-
-
-def load(path: str | Path) -> StudyResults:
-    """Load the results of a study.
-
-    Parameters
-    ----------
-    path : str or Path
-        The folder of the results, or the dataset in it.
-
-    Raises
-    ------
-    InputError
-        When there is no dataset, or it is damaged.
-    """
-    return StudyResults(**vars(results.load(path)))
 
 
 def find_surrogate(folder: Path, name: str | None = None) -> Surrogate:

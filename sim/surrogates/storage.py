@@ -112,10 +112,10 @@ def _pair(values: list[float] | None) -> tuple[float, float] | None:
 
 
 def _summary(surrogate: Surrogate) -> dict[str, Any]:
-    left = ", ".join(f"{count} {name}" for name, count in surrogate.counts.items())
+    omissions = surrogate.omissions
     line = (
         f"surrogate {surrogate.name}: {len(surrogate.process.y)} points"
-        + (f" ({left} left out)" if left else "")
+        + (f" ({omissions} left out)" if omissions else "")
         + f", error {100 * surrogate.error:.2g} %, {surrogate.hours:.2g} core hours"
     )
     return {"line": line, "error": surrogate.error, "points": len(surrogate.process.y)}

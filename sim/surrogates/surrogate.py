@@ -282,6 +282,11 @@ class Surrogate:
         return float(self.sample["core_hours"].sum())
 
     @property
+    def omissions(self) -> str:
+        """How many points of which regime the mean leaves out, in words; empty for none."""
+        return ", ".join(f"{count} {name}" for name, count in self.counts.items())
+
+    @property
     def counts(self) -> dict[str, int]:
         """Number of points in each regime that the mean leaves out."""
         regimes = self.sample["regime"].values[~self.in_mean].astype(str).tolist()

@@ -7,9 +7,9 @@ import pytest
 from sim.dataset.build import build
 from sim.figures.figure_records import current_record
 from sim.figures.render import find_spec, render
+from sim.report.results import load
 from sim.study.load import load_study
 from sim.surrogates import answers
-from sim.surrogates.results import load
 from tests.made.runs import write_run
 
 STUDY = """\

@@ -9,11 +9,11 @@ from sim.base.errors import InputError
 from sim.dataset.build import build
 from sim.dataset.results import load_current, load_results
 from sim.dataset.rounds import points_of_rounds, read_round, round_files, rounds_to_come
+from sim.report.results import load
 from sim.report.status import survey
 from sim.report.status_table import as_text
 from sim.study.load import load_study
 from sim.surrogates import answers
-from sim.surrogates.results import load
 from sim.surrogates.rounds import write_round
 from tests.made.runs import write_run
 
