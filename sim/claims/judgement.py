@@ -61,7 +61,10 @@ class Variant:
 
 @dataclass(frozen=True)
 class Judgement:
-    """A claim with its variants, those of the headline reading first."""
+    """A claim with its variants, those of the headline reading first.
+
+    ``headline`` is the headline reading of the claim's paper; `heading` says which heads a part.
+    """
 
     claim: Claim
     variants: tuple[Variant, ...]
@@ -73,7 +76,7 @@ class Judgement:
 
         A claim of which some parts hold, whatever they are compared with, is reproduced in part.
         """
-        if self.claim.contradiction and self.verdict_under(self.headline) != UNTESTABLE:
+        if self.claim.contradiction and self._headline_verdict != UNTESTABLE:
             return PAPER_INCONSISTENT
         return self._consistent_verdict
 
@@ -82,20 +85,38 @@ class Judgement:
         """The headline verdict, unless it depends on something."""
         dependences = list(filter(None, map(self._dependence, self._parts)))
         if not dependences:
-            return self.verdict_under(self.headline)
+            return self._headline_verdict
         return REPRODUCED_IN_PART if REPRODUCED in self.part_verdicts.values() else dependences[0]
+
+    @property
+    def _headline_verdict(self) -> str:
+        """The verdict of the readings that head the parts."""
+        return verdict_of_parts([self._votes(self.heading(part), part) for part in self._parts])
+
+    def heading(self, part: str = "") -> str:
+        """Return the reading that gives the headline verdict on a part.
+
+        It is the headline reading of the paper, or the default one where that has no runs for it.
+        """
+        return self.headline if self._voting_variants(self.headline, part) else DEFAULT
+
+    @property
+    def headings(self) -> list[str]:
+        """The readings that give the headline verdict, each once."""
+        return list(dict.fromkeys(map(self.heading, self._parts)))
 
     @property
     def decided_by(self) -> str:
         """Protocols whose runs give the headline verdict."""
-        parts = [self.deciding_variant(self.headline, part) for part in self._parts]
+        parts = [self.deciding_variant(self.heading(part), part) for part in self._parts]
         return ", ".join(dict.fromkeys(variant.protocol for variant in parts if variant))
 
     @property
     def part_verdicts(self) -> dict[str, str]:
         """The headline verdict on each part; empty for a claim without parts."""
         return {
-            part: self._dependence(part) or verdict_of_parts([self._votes(self.headline, part)])
+            part: self._dependence(part)
+            or verdict_of_parts([self._votes(self.heading(part), part)])
             for part in self.claim.parts
         }
 
@@ -195,7 +216,7 @@ class Judgement:
     def _is_protocol_dependent(self, part: str) -> bool:
         """True where protocols contradict each other, unless the claim names the one of its own."""
         return not self.claim.protocol and _contradict(
-            self._voting_variants(self.headline, part).values(), part
+            self._voting_variants(self.heading(part), part).values(), part
         )
 
     def _is_reading_dependent(self, part: str) -> bool:
@@ -206,9 +227,9 @@ class Judgement:
         correction for the number of readings, which would hide a contradiction the better the more
         readings are run: two readings contradict each other by chance in less than 5 of 100 cases.
         """
-        headline = self._voting_variants(self.headline, part)
+        headline = self._voting_variants(self.heading(part), part)
         readings = {variant.reading for variant in self.variants if not variant.control}
-        for reading in readings - {self.headline}:
+        for reading in readings - {self.heading(part)}:
             other = self._voting_variants(reading, part)
             shared = next((protocol for protocol in headline if protocol in other), None)
             if shared and _contradict((headline[shared], other[shared]), part):

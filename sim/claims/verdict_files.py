@@ -74,7 +74,7 @@ def as_mapping(judgements: list[Judgement], study: str) -> dict[str, Any]:
                 **judgement.claim.model_dump() | judgement.claim.texts(),
                 "verdict": judgement.verdict,
                 "decided_by": judgement.decided_by,
-                "headline": judgement.headline,
+                "headings": judgement.headings,
                 "protocol_dependent": judgement.protocol_dependent,
                 "reading_dependent": judgement.reading_dependent,
                 "part_verdicts": judgement.part_verdicts,
@@ -104,7 +104,7 @@ def _voting_checks(judgement: Judgement, value: float) -> list[Check]:
     """Return the checks behind the verdict with a given value of the number."""
     voting = []
     for part in judgement.claim.parts or ("",):
-        variant = judgement.deciding_variant(judgement.headline, part)
+        variant = judgement.deciding_variant(judgement.heading(part), part)
         checks = variant.checks_by_number.get(value, ()) if variant else ()
         voting += [check for check in checks if check.has_vote and check.part == part]
     return voting
@@ -122,7 +122,7 @@ def _variant(variant: Variant, judgement: Judgement) -> dict[str, Any]:
         "checks": [
             _check(check)
             for check in variant.checks
-            if variant.reading == judgement.headline or check.has_vote
+            if variant.reading in judgement.headings or check.has_vote
         ],
     }
 

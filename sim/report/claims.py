@@ -138,8 +138,8 @@ def claim_rows(
             ],
             "by_protocol": {
                 variant["protocol"]: variant["verdict"]
-                for variant in claim["variants"]
-                if variant["reading"] == claim["headline"]
+                for variant in reversed(claim["variants"])
+                if variant["reading"] in claim["headings"]
             },
             "depends": [name for name in ("protocol", "reading") if claim[f"{name}_dependent"]],
             "by_number": [
@@ -158,7 +158,7 @@ def _cost(
 ) -> dict[str, float] | None:
     """Return number and core time (s) of the points behind the checks of the headline reading."""
     headline_variants = [
-        variant for variant in claim["variants"] if variant["reading"] == claim["headline"]
+        variant for variant in claim["variants"] if variant["reading"] in claim["headings"]
     ]
     points = {
         point
@@ -175,7 +175,7 @@ def _variant(
 ) -> dict[str, Any]:
     system = claim.get("system") or papers()[claim["paper"]].system
     title = PROTOCOLS[system].get(variant["protocol"], _MODEL).capitalize()
-    is_headline = variant["reading"] == claim["headline"]
+    is_headline = variant["reading"] in claim["headings"]
     reading = "" if variant["reading"] == "default" else f", {variant['reading']}"
     return {
         **variant,

@@ -133,19 +133,19 @@ def _claim_offers(study: Study, results: Results, claim_ids: list[str]) -> Itera
                     # Few samples give no estimate of the factor.
                     needed = check.replicate_factor if check.can_decide else MOST_FACTOR
                     times[point] = max(times.get(point, 1.0), needed)
-            name = judged.claim.id + (f" ({reading})" if reading != judged.headline else "")
+            name = judged.claim.id + (f" ({reading})" if reading not in judged.headings else "")
             yield from _replicate_offer(name, times, study, results)
             yield from _longer_run_offers(name, judged.short_points(reading), first, study, results)
 
 
 def _readings(study: Study, judgement: Judgement) -> list[str]:
-    """Return the headline reading, and the readings under which the study runs every series."""
+    """Return the readings that head the claim, and those that the study runs every series under."""
     system = judgement.claim.system
     texts = (
         reading_label(system, reading, readings_of(system))
         for reading in study.readings.get(system, ())
     )
-    return list(dict.fromkeys([judgement.headline, *texts]))
+    return list(dict.fromkeys([*judgement.headings, *texts]))
 
 
 def _precision_offers(study: Study, results: Results, precision: float) -> Iterator[Offer]:

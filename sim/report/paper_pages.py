@@ -113,7 +113,7 @@ def _number(
     checks = [
         check
         for variant in claim["variants"]
-        if variant["reading"] == claim["headline"] and not variant["control"]
+        if variant["reading"] in claim["headings"] and not variant["control"]
         if variant["protocol"] in claim["decided_by"].split(", ")
         for check in variant["checks"]
         if check["what"] == what

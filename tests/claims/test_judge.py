@@ -208,6 +208,29 @@ def test_a_part_may_depend_on_the_reading(second, verdict):
     assert judgement.verdict_under("other") == REPRODUCED
 
 
+@pytest.mark.parametrize(
+    ("headline", "headings", "verdict"),
+    [
+        ([("a", HOLDS), ("b", HOLDS)], ["late"], REPRODUCED),
+        ([("a", HOLDS), ("b", OPEN)], ["late"], REPRODUCED_IN_PART),
+        # Runs of the default reading decide a part that the headline one has none for.
+        ([("a", HOLDS)], ["late", DEFAULT], REPRODUCED_IN_PART),
+        ([], [DEFAULT], INCONCLUSIVE),
+    ],
+)
+def test_the_default_reading_heads_parts_that_the_headline_one_has_no_runs_for(
+    headline, headings, verdict
+):
+    claim = claims()[0].model_copy(update={"parts": {"a": "one thing", "b": "another"}})
+    variants = [
+        Variant("published", reading, tuple(on_part(part, check) for part, check in checks))
+        for reading, checks in (("late", headline), (DEFAULT, [("a", OPEN), ("b", OPEN)]))
+    ]
+    judgement = Judgement(claim, tuple(variants), "late")
+    assert (judgement.headings, judgement.verdict) == (headings, verdict)
+    assert as_mapping([judgement], "made")["claims"][0]["headings"] == headings
+
+
 def test_a_verdict_is_told_as_a_function_of_a_number_that_is_ours():
     number = Number(bound="margin", what="weak", values=[0.1, 0.15], headline=0.15)
     claim = claims()[0].model_copy(update={"number": number})

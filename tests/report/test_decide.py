@@ -162,7 +162,7 @@ def judged(name: str, short: Sequence[str] = (), **by_reading: list[Check]) -> S
     """Return a judgement on the chute with open checks by reading, in one word."""
     return SimpleNamespace(
         claim=SimpleNamespace(id=name, system="chute"),
-        headline="default",
+        headings=["default"],
         open_checks=lambda reading: by_reading.get(reading.rpartition(" ")[-1], []),
         short_points=lambda reading: short,
     )
