@@ -492,6 +492,11 @@ def _add_result_options(parsers: dict[str, Parser]) -> None:
         metavar="FOLDER",
         help="folder of all published studies (default: results/published)",
     )
+    publish.add_argument(
+        "--crate",
+        action="store_true",
+        help="describe it as an RO-Crate, with the authors and the licence of CITATION.cff",
+    )
 
 
 if __name__ == "__main__":
