@@ -26,7 +26,10 @@ SITE_PAGES = {
 }
 
 #: Targets of links in the repository, and the pages of the site that replace them.
-LINK_TARGETS = SITE_PAGES | {"docs/site/pages.py": "reference/variables.md"}
+LINK_TARGETS = SITE_PAGES | {
+    "docs/site/pages.py": "reference/variables.md",
+    "requirements.lock": "reference/licences.md",
+}
 
 #: Pages generated from the code, and their functions.
 GENERATED_PAGES = {
