@@ -18,10 +18,10 @@ import argparse
 import io
 import logging
 import os
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from pkgutil import resolve_name
-from typing import Any
+from typing import Any, NoReturn
 
 from sim.base.additions import plugin_code_error
 from sim.base.errors import InputError
@@ -33,6 +33,16 @@ SYSTEM_ERROR = 1
 INPUT_ERROR = 2
 INTERRUPTED = 130
 BROKEN_PIPE = 141
+
+#: What the program says where it is called without a command.
+START = """\
+Talus {version}: parameter studies of granular flow
+
+  {program} init my-study.yaml      write a study file to start from
+  {program} points my-study.yaml    list its points and what they cost
+  {program} study my-study.yaml     run it, up to the report in results/
+  {program} -h                      list all commands
+"""
 
 #: Command -> its function and its description. The function is called with the options of the
 #: command. Its result is printed, or is the exit code if it is a number.
@@ -97,7 +107,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # Characters that a terminal cannot show are escaped, instead of an error.
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
-    options = parse(sys.argv[1:] if arguments is None else arguments)
+    words = sys.argv[1:] if arguments is None else arguments
+    if not words:
+        print(START.format(version=__version__, program=program()), end="", file=sys.stderr)
+        return INPUT_ERROR
+    options = parse(words)
     try:
         load_from_environment()
         code = _call(options.pop("function"), options)
@@ -127,18 +141,22 @@ def parse(arguments: Sequence[str]) -> dict[str, Any]:
     """Return the options of a command line, with the command's function as ``function``."""
     words, extra = list(arguments), []
     commands = parser(program())
-    if words and not words[0].startswith("-") and words[0] not in COMMANDS:
-        # Imported here, as every command would wait for the import.
-        from sim.base.messages import did_you_mean
-
-        hint = did_you_mean(words[0], COMMANDS)
-        commands.error(f"{words[0]}: unknown command; {hint}{commands.prog} -h lists them")
+    if words and words[0] not in COMMANDS:
+        is_option, options = words[0].startswith("-"), commands._option_string_actions
+        if not (is_option and any(name.startswith(words[0].split("=")[0]) for name in options)):
+            reason = f"unknown {'option' if is_option else 'command'}"
+            commands.refuse(words[0], reason, [*COMMANDS, *options])
     if words[:1] == ["study"] and "--" in words:
         # argparse would read the following words as its own options.
         place = words.index("--")
         words, extra = words[:place], words[place + 1 :]
-    options = vars(commands.parse_args(words))
-    return options | {"extra": [*options["extra"], *extra]} if "extra" in options else options
+    known, unknown = commands.parse_known_args(words)
+    if unknown:
+        command = commands.subparsers[words[0]]
+        kind = "unknown option" if unknown[0].startswith("-") else "one word too many"
+        command.refuse(unknown[0], kind, command._option_string_actions)
+    given = vars(known)
+    return given | {"extra": [*given["extra"], *extra]} if "extra" in given else given
 
 
 def _call(function: str, options: dict[str, Any]) -> int:
@@ -170,11 +188,32 @@ def warm(study_path: Path | None, processes: int) -> None:
     warm(points, processes)
 
 
-def parser(prog: str) -> argparse.ArgumentParser:
+class Parser(argparse.ArgumentParser):
+    """A parser whose errors are one line.
+
+    Attributes
+    ----------
+    subparsers : dict
+        Parsers of the commands, by name.
+    """
+
+    subparsers: dict[str, "Parser"]
+
+    def error(self, message: str) -> NoReturn:
+        end = " " if message.endswith("?") else "; "
+        self.exit(INPUT_ERROR, f"error: {message}{end}{self.prog} -h tells more\n")
+
+    def refuse(self, word: str, reason: str, known: Collection[str]) -> NoReturn:
+        """End with the error of a word, and a question with known words that are like it."""
+        # Imported here, as every command would wait for the import.
+        from sim.base.messages import question
+
+        self.error(f"{printable(word)}: {reason}{question(word, known)}")
+
+
+def parser(prog: str) -> Parser:
     """Return the parser of all commands, for a program of this name."""
-    parser = argparse.ArgumentParser(
-        prog=prog, description="Granular flow on a chute and on a vibrating belt."
-    )
+    parser = Parser(prog=prog, description="Parameter studies of granular flow.")
     parser.add_argument("--version", action="version", version=f"talus {__version__}")
     parser.add_argument(
         "--print-completion",
@@ -184,7 +223,7 @@ def parser(prog: str) -> argparse.ArgumentParser:
         help="print the script that completes talus in this shell",
     )
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    parsers = {}
+    parser.subparsers = parsers = {}
     for name, (function, text) in COMMANDS.items():
         description = f"{text[0].upper()}{text[1:]}."
         parsers[name] = commands.add_parser(name, help=text, description=description)
@@ -253,7 +292,7 @@ def _add_start_options(init: argparse.ArgumentParser, study: argparse.ArgumentPa
     )
 
 
-def _add_study_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
+def _add_study_options(parsers: dict[str, Parser]) -> None:
     parsers["points"].add_argument("--format", choices=("table", "json"), default="table")
     parsers["status"].add_argument("--format", choices=("text", "json"), default="text")
     parsers["status"].add_argument(
@@ -283,7 +322,7 @@ def _add_study_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
     )
 
 
-def _add_point_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
+def _add_point_options(parsers: dict[str, Parser]) -> None:
     run, batch, info, page, export = (
         parsers[name] for name in ("run", "batch", "info", "page", "export")
     )
@@ -378,7 +417,7 @@ def _add_predict_options(predict: argparse.ArgumentParser) -> None:
     )
 
 
-def _add_result_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
+def _add_result_options(parsers: dict[str, Parser]) -> None:
     dataset, figure, publish = parsers["dataset"], parsers["figure"], parsers["publish"]
     dataset.add_argument(
         "-j", "--processes", type=int, default=1, metavar="N", help="read run files in N processes"
@@ -452,6 +491,11 @@ def _add_result_options(parsers: dict[str, argparse.ArgumentParser]) -> None:
         default=argparse.SUPPRESS,
         metavar="FOLDER",
         help="folder of all published studies (default: results/published)",
+    )
+    publish.add_argument(
+        "--crate",
+        action="store_true",
+        help="describe it as an RO-Crate, with the authors and the licence of CITATION.cff",
     )
 
 

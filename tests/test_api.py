@@ -35,7 +35,7 @@ def test_a_run_is_told_in_full_with_units(run):
     assert run.attrs["status"] == "completed"
     assert run.velocity.units == "m s-1" and run.time.units == "s"
     assert run.sizes["replicate"] == 1 and run.sizes["particle"] == int(run.particles)
-    assert run.attrs["command"].startswith(f"sim.simulate('{run.attrs['system']}', ")
+    assert run.attrs["command"].startswith(f"talus.simulate('{run.attrs['system']}', ")
     for name in run.data_vars:
         assert "long_name" in run[name].attrs, name
 

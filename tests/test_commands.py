@@ -348,18 +348,30 @@ def test_every_command_has_a_function_that_takes_its_options(name):
     signature(resolve_name(options.pop("function"))).bind(**options)
 
 
-def test_no_command_and_wrong_options_are_refused():
-    for command in ([], ["points"], ["run", "x.yaml"]):
-        done = program(*command)
-        assert done.returncode == 2
-        assert "usage: python -m sim" in done.stderr
-        assert "Traceback" not in done.stderr
-
-
-def test_an_unknown_command_is_answered_by_the_one_that_was_meant():
-    done = program("stduy", "x.yaml")
+def test_the_program_alone_says_how_to_start():
+    done = program()
     assert done.returncode == 2
-    assert "stduy: unknown command; did you mean study?" in done.stderr.splitlines()[-1]
+    assert "python -m sim init my-study.yaml" in done.stderr and "-h" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["points"], "the following arguments are required: STUDY.yaml; python -m sim points -h"),
+        (["run", "x.yaml"], "the following arguments are required: -o/--output; "),
+        (["stduy", "x.yaml"], "stduy: unknown command; did you mean study? python -m sim -h"),
+        (["--versoin"], "--versoin: unknown option; did you mean --version? "),
+        (["study", "x.yaml", "--dryrun"], "--dryrun: unknown option; did you mean --dry-run? "),
+        (["points", "x.yaml", "y.yaml"], "y.yaml: one word too many; python -m sim points -h"),
+        (["export", "x.nc", "--to", "vkt"], "argument --to: invalid choice: 'vkt' (choose from "),
+    ],
+)
+def test_a_command_line_that_is_wrong_is_one_line(words, message, capsys):
+    with pytest.raises(SystemExit) as ended:
+        parse(words)
+    (line,) = capsys.readouterr().err.splitlines()
+    assert ended.value.code == 2
+    assert line.startswith(f"error: {message}")
 
 
 def test_a_dry_run_is_handed_to_snakemake():

@@ -60,6 +60,11 @@ def imported(code: str, folder: Path, *places: Path) -> subprocess.CompletedProc
 def test_talus_is_the_package_under_its_own_name(tmp_path):
     code = "import talus, sim; from talus import InputError; print(talus is sim, talus.__version__)"
     assert imported(code, tmp_path, ROOT).stdout.split() == ["True", __version__]
+    # A module is one, whichever name it is imported by, and none is made up.
+    code = "import sim.base.errors as e, talus.base.errors as f; print(e is f, e.__spec__.name)"
+    assert imported(code, tmp_path, ROOT).stdout.split() == ["True", "sim.base.errors"]
+    error = imported("import talus.nothing", tmp_path, ROOT).stderr
+    assert error.splitlines()[-1].startswith("ModuleNotFoundError")
     words = [sys.executable, "-m", "talus", "--version"]
     settings = os.environ | {"PYTHONPATH": str(ROOT)}
     said = subprocess.check_output(words, cwd=tmp_path, env=settings, text=True)
@@ -103,7 +108,7 @@ def test_the_workflow_makes_the_same_alone_and_from_the_root(tmp_path):
 def wheel(tmp_path_factory) -> Path:
     """Build the wheel from a copy of the repository; return it."""
     copy = copy_tree(tmp_path_factory.mktemp("copy"))
-    for name in ("README.md", "LICENSE", "talus.py"):
+    for name in ("README.md", "LICENSE"):
         shutil.copy(ROOT / name, copy)
     build = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation"]
     subprocess.run([*build, "--wheel-dir", copy / "dist", copy], check=True, capture_output=True)

@@ -9,7 +9,7 @@ import xarray as xr
 import yaml
 
 import sim
-from docs.site.pages import commands, variables
+from docs.site.pages import commands, licences, variables
 from sim.__main__ import COMMANDS
 from sim.parameters import SYSTEMS, field_info
 from tests.made.figures import make_built_study
@@ -32,7 +32,7 @@ def settings() -> dict:
 
 def test_every_page_has_its_place(settings):
     named = {page for one in settings["nav"] for held in one.values() for page in listed(held)}
-    made = {f"reference/{name}.md" for name in ("commands", "studies", "variables")}
+    made = {f"reference/{name}.md" for name in ("commands", "licences", "studies", "variables")}
     assert named == PAGES | made | {"index.md", "changelog.md", "contributing.md"}
 
 
@@ -44,6 +44,13 @@ def test_all_commands_are_told_with_their_options():
     text = commands()
     assert re.findall(r"^## (\w+)$", text, re.MULTILINE) == list(COMMANDS)
     assert "usage: talus export" in text and "--replicate N" in text
+
+
+def test_every_package_that_studies_need_has_its_licence():
+    rows = re.findall(r"^\| (\S+) \| (\S+) \| (\S.*) \|$", licences(), re.MULTILINE)[2:]
+    pins = (ROOT / "requirements.lock").read_text().split()
+    assert [f"{name}=={version}" for name, version, _ in rows] == pins
+    assert not [name for name, _, licence in rows if licence == "not stated"]
 
 
 @pytest.fixture(scope="module")
@@ -81,3 +88,7 @@ def test_the_site_builds_without_a_warning_and_needs_nothing_else(tmp_path):
             text = page.read_text(encoding="utf-8")
             loaded = re.findall(r'<(?:script|link|img)\b[^>]*?(?:src|href)="([^"]*)"', text)
             assert not [one for one in loaded if one.startswith(("http:", "https:", "//"))]
+    for paper in ("paper_walton", "paper_gallas"):
+        report = tmp_path / "results" / "published" / paper / "report.html"
+        shown = re.findall(r'(?:href|src)="(figures/[^"]*)"', report.read_text(encoding="utf-8"))
+        assert shown and not [one for one in shown if not (report.parent / one).is_file()]

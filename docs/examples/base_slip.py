@@ -2,10 +2,10 @@
 
 import numpy as np
 
-import sim
+import talus
 
 
-@sim.observable(
+@talus.observable(
     "base_slip",
     system="chute",
     unit="1",

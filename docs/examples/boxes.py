@@ -2,16 +2,16 @@
 
 from matplotlib.figure import Figure
 
-import sim
-from sim.figures.plot import observable_label, parameter_label, replicate_values
-from sim.study.plottable import numbers
+import talus
+from talus.figures.plot import observable_label, parameter_label, replicate_values
+from talus.study.plottable import numbers
 
 
 def notes(data):
     return ["Boxes: quartiles of the replicates, whiskers: all of them."]
 
 
-@sim.plot_kind("boxes", like="distribution", notes=notes)
+@talus.plot_kind("boxes", like="distribution", notes=notes)
 def boxes(data):
     along, shown = data.spec.axes[0], numbers(data.spec.system)[data.spec.options["show"]]
     figure = Figure(figsize=(5.6, 3.9), layout="constrained")

@@ -3,7 +3,7 @@
 from math import cos, radians, sin
 from typing import NamedTuple
 
-import sim
+import talus
 
 
 class Ellipse(NamedTuple):
@@ -22,13 +22,13 @@ def state(motion, angle):
     return sin(angle), cos(angle - motion.lag), cos(angle)
 
 
-sim.motion(
+talus.motion(
     "ellipse",
     description="an ellipse, gone round once in a cycle",
     make=make,
     state=state,
     parameters={
-        "belt_lag": sim.parameter(
+        "belt_lag": talus.parameter(
             90, unit="degree", description="lag of the motion along the base", ge=-180, le=180
         )
     },

@@ -8,7 +8,7 @@ friction limit. β follows from the restitution e (Tsuji, Tanaka and Ishida 1992
 from math import log, pi, sqrt
 from typing import NamedTuple
 
-import sim
+import talus
 
 
 class HertzMindlin(NamedTuple):
@@ -68,7 +68,7 @@ def collision_time(p):
     return 2.87 * (mass**2 / (radius * modulus**2 * speed)) ** 0.2
 
 
-sim.law(
+talus.law(
     "hertz_mindlin",
     description="Hertz and Mindlin for spheres of any sizes, with a damping of Tsuji et al.",
     make=make,
@@ -77,10 +77,10 @@ sim.law(
     remembers=1,
     collision_time=collision_time,
     parameters={
-        "youngs_modulus": sim.parameter(
+        "youngs_modulus": talus.parameter(
             1e6, symbol="E", unit="Pa", description="Young's modulus", gt=0
         ),
-        "poisson_ratio": sim.parameter(
+        "poisson_ratio": talus.parameter(
             0.3, symbol="ν", unit="1", description="Poisson's ratio", ge=0, le=0.5
         ),
     },

@@ -1,12 +1,12 @@
 """A judge: is a steeper flow at least a tenth faster, as this study claims?"""
 
-import sim
-from sim.claims.checks import above
-from sim.claims.place import quotient
-from sim.claims.verdict import Untestable
+import talus
+from talus.claims.checks import above
+from talus.claims.place import quotient
+from talus.claims.verdict import Untestable
 
 
-@sim.judge(
+@talus.judge(
     "steeper_is_faster",
     system="chute",
     title="Steeper flows are faster",

@@ -13,7 +13,7 @@ from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 from pygments.formatters import HtmlFormatter
 
-from docs.site.pages import commands, variables
+from docs.site.pages import commands, licences, variables
 
 ROOT = Path(__file__).parents[2]
 
@@ -26,16 +26,26 @@ SITE_PAGES = {
 }
 
 #: Targets of links in the repository, and the pages of the site that replace them.
-LINK_TARGETS = SITE_PAGES | {"docs/site/pages.py": "reference/variables.md"}
+LINK_TARGETS = SITE_PAGES | {
+    "docs/site/pages.py": "reference/variables.md",
+    "requirements.lock": "reference/licences.md",
+}
 
 #: Pages generated from the code, and their functions.
-GENERATED_PAGES = {"reference/commands.md": commands, "reference/variables.md": variables}
+GENERATED_PAGES = {
+    "reference/commands.md": commands,
+    "reference/licences.md": licences,
+    "reference/variables.md": variables,
+}
 
 #: Style sheet of the colours of code.
 COLOURS = "site/colours.css"
 
 #: Pattern of a link or picture in Markdown: text, target, anchor with its #.
 LINK_PATTERN = re.compile(r"(!?\[(?:[^\[\]]|\[[^\]]*\])*\])\(([^)#\s:]*)(#[^)\s]*)?\)")
+
+#: Pattern of a link or picture in a report, to a file beside it.
+REPORT_LINK_PATTERN = re.compile(r'(?:href|src)="([^"#:]+)"')
 
 #: Suffixes of files that are copied for the pages that show or link them.
 COPIED_SUFFIXES = (".svg", ".png", ".gif", ".webp", ".html")
@@ -52,6 +62,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     )
     pages = [ROOT / source for source in SITE_PAGES] + sorted((ROOT / "docs").glob("*.md"))
     copied = {path for page in pages for path in _linked_files(page) if _is_copied(path)}
+    reports = [path for path in copied if path.suffix == ".html"]
+    copied |= {path for report in reports for path in _files_of_report(report)}
     for path in sorted(copied):
         target = path.relative_to(ROOT).as_posix()
         files.append(File.generated(config, target, abs_src_path=str(path)))
@@ -82,6 +94,12 @@ def _linked_files(page: Path) -> set[Path]:
     """Return the files that a page of the repository links or shows."""
     targets = (match.group(2) for match in LINK_PATTERN.finditer(_text(page)))
     return {(page.parent / target).resolve() for target in targets if target}
+
+
+def _files_of_report(report: Path) -> set[Path]:
+    """Return the files beside a report that it shows or links."""
+    paths = {report.parent / target for target in REPORT_LINK_PATTERN.findall(_text(report))}
+    return {path for path in paths if path.is_file()}
 
 
 def _is_copied(path: Path) -> bool:

@@ -1,8 +1,10 @@
-"""Pages of the site that are generated from the code: commands, and variables of files."""
+"""Pages of the site that are generated: commands, variables of files, licences of packages."""
 
 import argparse
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
+from importlib.metadata import Distribution, distribution
+from pathlib import Path
 
 from sim.__main__ import COMMANDS, parser
 from sim.parameters import SYSTEMS
@@ -10,6 +12,9 @@ from sim.parameters.variables import Variable, observable_variables, variables_o
 
 #: Formatter of help with lines of 90 characters, independent of the terminal.
 HELP = partial(argparse.HelpFormatter, width=90)
+
+#: Packages that studies need, with their versions.
+LOCK = Path(__file__).parents[2] / "requirements.lock"
 
 #: Table of the dimensions of run files.
 DIMENSIONS = """\
@@ -86,6 +91,39 @@ def variables() -> str:
         *_listed("Groups of the systems, besides the profiles", variables_of("group")),
     ]
     return "\n\n".join(parts) + "\n"
+
+
+def licences() -> str:
+    """Return the licences of the packages that studies need, as their metadata states them."""
+    pins = [line.split("==") for line in LOCK.read_text(encoding="utf-8").split()]
+    rows = [(name, version, _licence(distribution(name))) for name, version in pins]
+    return "\n\n".join(
+        (
+            "# Licences",
+            "Talus itself has the BSD 3-clause licence (`LICENSE`). It uses the packages of"
+            " `requirements.lock`, whose metadata state these licences. A report contains the"
+            " explorer's library Vega (BSD 3-clause), which `vl-convert-python` brings.",
+            _table(("package", "version", "licence"), rows),
+        )
+    )
+
+
+def _licence(package: Distribution) -> str:
+    """Return the licence of a package: an SPDX expression, its name, or the head of its text."""
+    known = package.metadata
+    named = known.get("License-Expression") or known.get("License") or ""
+    classifiers = known.get_all("Classifier") or []
+    classes = [one.split(" :: ")[-1] for one in classifiers if one.startswith("License ::")]
+    texts = [
+        file.read_text().strip() for file in package.files or () if "LICEN" in file.name.upper()
+    ]
+    (first, *_) = [*filter(_is_name, [named, ", ".join(classes)]), *texts, "not stated"]
+    return first.splitlines()[0].strip()
+
+
+def _is_name(text: str) -> bool:
+    """Return whether a text is the name of a licence and not the licence."""
+    return 0 < len(text) < 80 and "\n" not in text
 
 
 def _limits() -> dict[str, tuple[str, str]]:

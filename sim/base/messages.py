@@ -15,6 +15,7 @@ from pydantic_core import ErrorDetails, ValidationError
 from sim.base.additions import plain_name
 from sim.base.errors import InputError, in_short, key_path
 from sim.base.synonyms import names_meant
+from sim.base.units import conversion
 
 _UNKNOWN = {"extra_forbidden", "invalid_key"}
 _TAG = "system"
@@ -26,6 +27,8 @@ SHORT = 60
 MOST_NAMES = 12
 
 _QUOTED = re.compile(r"'([^']*)'")
+
+_WITH_UNIT = re.compile(r"([-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)\s*(\D.*)")
 
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+")
 
@@ -78,8 +81,8 @@ def unknown_key(
     if hint:
         return InputError(f"{source}: {path}: unknown key, got {in_short(value)}; {hint}")
     names, key = list(known), path.rpartition(".")[2]
-    question = did_you_mean(key, names)
-    message = f"unknown key, got {in_short(value)}; {question}allowed: {near(key, names)}"
+    hint = did_you_mean(key, names)
+    message = f"unknown key, got {in_short(value)}; {hint}allowed: {near(key, names)}"
     return InputError(f"{source}: {path}: {message}")
 
 
@@ -226,7 +229,15 @@ def _unit(field: FieldInfo, value: Any) -> str:
             float(value)
             return ", without quotes"
     unit = getattr(extra, "scale", "") or getattr(extra, "unit_text", "").strip()
-    return f", in {unit}{', without the unit' * isinstance(value, str)}" if unit else ""
+    without = f", without the unit{_converted(value, unit)}" if isinstance(value, str) else ""
+    return f", in {unit}{without}" if unit else ""
+
+
+def _converted(text: str, unit: str) -> str:
+    """Return what to write for a number with another unit: ``": 0.002"`` for 2 mm in m."""
+    match = _WITH_UNIT.fullmatch(text.strip())
+    factor = conversion(match[2], unit) if match else None
+    return f": {float(match[1]) * factor:.12g}" if match and factor else ""
 
 
 def one_of(name: Any, options: Collection[str]) -> str:
@@ -235,23 +246,35 @@ def one_of(name: Any, options: Collection[str]) -> str:
     Anything but a text is near to no option.
 
     >>> one_of("hertzian", ["drag", "hertz"])
-    'did you mean hertz? one of drag, hertz'
+    'one of drag, hertz; did you mean hertz?'
     """
     word = name if isinstance(name, str) else ""
-    return f"{did_you_mean(word, options)}one of {near(word, options)}"
+    return f"one of {near(word, options)}{question(word, options)}"
 
 
 def near(name: str, options: Collection[str], most: int = MOST_NAMES) -> str:
     """Return options separated by commas: all if they are few, else those most like a name.
+
+    Where none is like it, the first ones stand for all.
 
     >>> near("friction", ["friction", "fraction", "depth"], most=2)
     'friction, fraction and 1 more (talus schema has all)'
     """
     if len(options) <= most:
         return ", ".join(options)
-    similar = difflib.get_close_matches(name, options, n=most, cutoff=0.4)
-    others = f"{len(options) - len(similar)} {'more' if similar else 'names'}"
-    return f"{' and '.join(filter(None, (', '.join(similar), others)))} (talus schema has all)"
+    similar = difflib.get_close_matches(name, options, n=most)
+    named = similar or names_meant(name, options) or list(options)[: most - 2]
+    return f"{', '.join(named)} and {len(options) - len(named)} more (talus schema has all)"
+
+
+def question(name: str, known: Collection[str]) -> str:
+    """Return `did_you_mean` as the end of a sentence on what is allowed.
+
+    >>> question("frction", ["friction", "depth"])
+    '; did you mean friction?'
+    """
+    hint = did_you_mean(name, known).strip()
+    return f"; {hint}" if hint else ""
 
 
 def did_you_mean(name: str, known: Collection[str]) -> str:
@@ -259,8 +282,13 @@ def did_you_mean(name: str, known: Collection[str]) -> str:
 
     It is ``""`` without any.
 
-    >>> did_you_mean("frction", ["friction", "depth"])
+    >>> did_you_mean("frction", ["friction", "friction_cap", "depth"])
     'did you mean friction? '
     """
-    close = names_meant(name, known) or difflib.get_close_matches(name, known, n=3)
+    close = names_meant(name, known)
+    if not close and (similar := difflib.get_close_matches(name, known, n=3)):
+        likeness = [difflib.SequenceMatcher(None, name, one).ratio() for one in similar]
+        close = [
+            one for one, ratio in zip(similar, likeness, strict=True) if ratio > likeness[0] - 0.1
+        ]
     return f"did you mean {' or '.join(close)}? " if close else ""

@@ -1,7 +1,7 @@
 """Plug-ins: a file or folder beside a study, or an installed package, adding to what Talus knows.
 
 A plug-in is Python code, and loading it runs it. Only a study file or a person
-(`sim.load_plugins`, ``TALUS_PLUGINS``) can name plug-ins; results cannot. Each one loaded is
+(`talus.load_plugins`, ``TALUS_PLUGINS``) can name plug-ins; results cannot. Each one loaded is
 reported on standard error. Its additions are identified by the hash of its content.
 """
 

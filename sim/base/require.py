@@ -12,7 +12,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from sim.base.additions import AdditionError
 from sim.base.errors import in_short, key_path
-from sim.base.messages import one_of
+from sim.base.messages import near
 
 _Dataclass = TypeVar("_Dataclass")
 
@@ -92,7 +92,8 @@ def require_function(what: str, function: Any, takes: int, named: Collection[str
 def require_one_of(what: str, value: Any, choices: Collection[str]) -> None:
     """Refuse anything but one of the choices."""
     if not (isinstance(value, str) and value in choices):
-        raise AdditionError(f"{what} is {one_of(value, choices)}: got {in_short(value)}")
+        options = near(str(value), choices)
+        raise AdditionError(f"{what} is one of {options}: got {in_short(value)}")
 
 
 def require_names(what: str, names: Any) -> None:

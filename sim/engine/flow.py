@@ -63,7 +63,7 @@ def simulate(system: str = "chute", *, progress: bool = True, **parameters: Any)
         run_point(point, output, quiet=not progress, record_failure=True)
         run = xr.load_dataset(output, engine="netcdf4")
     arguments = "".join(f", {name}={value!r}" for name, value in parameters.items())
-    command = f"sim.simulate({system!r}{arguments})"
+    command = f"talus.simulate({system!r}{arguments})"
     return run.assign_attrs(command=command, history=f"{run.attrs['created']}: {command}")
 
 

@@ -136,12 +136,12 @@ class Choice:
             if not (is_of_talus() and key in option.compiled_by_hand):
                 require_function(f"{what}: {key}", getattr(option, key), number)
         if not isinstance(parameters, Mapping):
-            allowed = "a mapping of names to what sim.parameter makes"
+            allowed = "a mapping of names to what talus.parameter makes"
             raise AdditionError(f"{what}: parameters is {allowed}: got {in_short(parameters)}")
         for key, one in parameters.items():
             self._require_free(what, key)
             if not isinstance(getattr(one, "json_schema_extra", None), Declaration):
-                allowed = "what sim.parameter makes"
+                allowed = "what talus.parameter makes"
                 raise AdditionError(f"{what}: parameters.{key} is {allowed}: got {in_short(one)}")
         option = replace(option, parameters=dict(parameters), owns=tuple(option.owns))
         add(self.name, name, option, self.usual)

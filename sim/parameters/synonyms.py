@@ -7,7 +7,7 @@ SYNONYMS = {
     "average": "averaging_time duration length",
     "beads": "n_beads n_particles number_of_particles particles",
     "cell": "box domain periodic_length",
-    "colour": "c color hue z",
+    "colour": "c color hue value values z",
     "curves": "by hue line lines plot",
     "damping": "damping_coefficient viscosity",
     "depth": "height layers",

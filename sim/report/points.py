@@ -151,8 +151,8 @@ def _doubtful_lengths(study: Study) -> Iterator[str]:
     for (name, value), count in lengths.items():
         if value > LARGEST_LENGTH:
             yield (
-                f"{name}: {value:g} at {count_text(count, 'point')} is in metres; mm? Then write "
-                f"{value / 1000:g}"
+                f"{name}: {value:g} at {count_text(count, 'point')} is {value:g} m; if you mean "
+                f"{value:g} mm, write {value / 1000:g}"
             )
 
 

@@ -14,6 +14,7 @@ from sim.dataset.results import Results, load_current
 from sim.figures.figure_records import require_unchanged
 from sim.figures.render import derive_texts
 from sim.report.claims import read_claims, require_table
+from sim.report.crate import CITATION, CRATE_FILE, read_citation, require_rocrate, write_crate
 from sim.report.gallery import relative_link
 from sim.report.page import render
 from sim.report.runs import adopted_datasets
@@ -26,23 +27,28 @@ PUBLISHED = Path("results/published")
 #: Result files of a published study besides its figures.
 RESULT_FILES = ("dataset.nc", "claims.json", "claims.csv", "verdicts.csv")
 
-#: Files that are generated: provenance, report, and the checksums of all files.
-GENERATED_FILES = PROVENANCE, REPORT, CHECKSUMS = "provenance.json", "report.html", "SHA256SUMS"
+#: Files that are generated: provenance, report, the checksums of all files, and the crate.
+PROVENANCE, REPORT, CHECKSUMS = "provenance.json", "report.html", "SHA256SUMS"
+GENERATED_FILES = PROVENANCE, REPORT, CHECKSUMS, CRATE_FILE
 
 #: Largest size of all published studies together, bytes.
 MOST_BYTES = 40_000_000
 
 
 def publish(
-    study_path: str | Path, results: str | Path = "results", target: Path = PUBLISHED
+    study_path: str | Path,
+    results: str | Path = "results",
+    target: Path = PUBLISHED,
+    crate: bool = False,
 ) -> Path:
     """Copy report, figures, dataset and verdicts of a study to ``<target>/<study>``.
 
     Still figures are published as SVG only. The study file and the files of its parts are copied,
     too. ``provenance.json`` has versions, hash of the engine's sources, dates and cost, and
     ``SHA256SUMS`` has the checksums of all files, for ``sha256sum --check``. The report links its
-    figures, so that they are stored once. An earlier publication of the study is replaced after
-    everything is copied.
+    figures, so that they are stored once. With ``crate``, ``ro-crate-metadata.json`` describes the
+    folder as an RO-Crate. An earlier publication of the study is replaced after everything is
+    copied.
 
     Returns
     -------
@@ -52,9 +58,12 @@ def publish(
     Raises
     ------
     InputError
-        When a file is missing, damaged or outdated, when something else occupies the target, or
-        when all published studies together would be too large.
+        When a file is missing, damaged or outdated, when something else occupies the target, when
+        all published studies together would be too large, or when a crate lacks authors.
     """
+    if crate:
+        require_rocrate()
+    citation = read_citation(CITATION) if crate else None
     study = load_study(study_path, results)
     folder = Path(results) / study.name
     extra_files = [extra_amounts_file(folder).name] if extra_amounts_file(folder).is_file() else []
@@ -68,9 +77,8 @@ def publish(
     require_intact(study, dataset_results, folder)
     claims = read_claims(folder / "claims.json")
     page = render(study, dataset_results, folder / "figures", claims, relative_link)
-    provenance_text = json.dumps(
-        provenance(dataset_results), indent=1, ensure_ascii=False, allow_nan=False
-    )
+    origin = provenance(dataset_results)
+    provenance_text = json.dumps(origin, indent=1, ensure_ascii=False, allow_nan=False)
     target.mkdir(parents=True, exist_ok=True)
     with temporary_folder(output) as part:
         temporary = part / study.name
@@ -82,6 +90,8 @@ def publish(
             shutil.copyfile(file, temporary / file.name)
         (temporary / PROVENANCE).write_text(provenance_text + "\n", encoding="utf-8")
         (temporary / REPORT).write_text(page, encoding="utf-8")
+        if citation:
+            write_crate(temporary, study.path.name, origin, citation)
         write_checksums(temporary)
         _require_small(temporary, output, target)
         _replace(temporary, output)

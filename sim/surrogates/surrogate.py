@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from sim.base.errors import InputError
-from sim.base.messages import did_you_mean
+from sim.base.messages import one_of
 from sim.base.statistics import MANY, student
 from sim.study.design import Axis
 from sim.surrogates.process import Process, deviations
@@ -183,8 +183,7 @@ class Surrogate:
     def _require_fixed(self, name: str, value: Any) -> None:
         """Refuse a parameter that no point varies, unless its value is that of all points."""
         if name not in self.fixed:
-            hint = did_you_mean(name, [axis.name for axis in self.axes])
-            allowed = hint + "one of " + ", ".join(axis.name for axis in self.axes)
+            allowed = one_of(name, [axis.name for axis in self.axes])
             raise InputError.of_value(self.name, "parameter", name, allowed)
         if np.ndim(value) or value != self.fixed[name]:
             allowed = f"{self.fixed[name]}, as all its points have"

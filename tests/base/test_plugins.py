@@ -142,8 +142,8 @@ LAW = "law('l', make=dict, force=dict, energy=dict, collision_time=dict, "
         ),
         ("motion(2, make=dict, state=dict)", "motion 2: a name has up to 40 letters"),
         ("motion('m', make=1, state=dict)", "motion m: make is a function: got 1"),
-        (MOTION + "parameters={'a': 5})", "parameters.a is what sim.parameter makes: got 5"),
-        (MOTION + "parameters=['a'])", "parameters is a mapping of names to what sim.parameter"),
+        (MOTION + "parameters={'a': 5})", "parameters.a is what talus.parameter makes: got 5"),
+        (MOTION + "parameters=['a'])", "parameters is a mapping of names to what talus.parameter"),
         (
             "law('l', make=dict, force=dict, energy=None, collision_time=dict)",
             "law l: energy is a function: got nothing",

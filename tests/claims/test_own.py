@@ -31,7 +31,7 @@ def _its_claim_alone(monkeypatch):
 def changed_judge(folder: Path, checks: str) -> Path:
     """Write a plug-in whose judge returns ``checks``, an expression of those of the example."""
     text = Path(STEEPER).read_text().replace('"steeper_is_faster"', '"odd"')
-    text = text.replace("import sim\n", "import dataclasses\nimport numpy\nimport sim\n", 1)
+    text = text.replace("import talus\n", "import dataclasses\nimport numpy\nimport talus\n", 1)
     path = folder / "odd.py"
     path.write_text(
         text.replace("    return [above", "    checks = [above") + f"    return {checks}\n"

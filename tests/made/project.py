@@ -10,7 +10,7 @@ from subprocess import CompletedProcess
 
 from tests.made.processes import ROOT, fork
 
-PARTS = ("sim", "workflow", "config", "Snakefile", "profiles", "pyproject.toml")
+PARTS = ("sim", "workflow", "config", "Snakefile", "profiles", "pyproject.toml", "talus.py")
 STUDY = "tiny.yaml"
 
 

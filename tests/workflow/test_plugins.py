@@ -199,7 +199,7 @@ def test_the_paper_is_loaded_beside_those_that_ship(tmp_path):
             "import trends",
             "claims.yaml: judges.py line 3: .*trends",
         ),
-        ("__init__.py", "sim.paper(", "sim.papre(", "plugins.0.*line 5: AttributeError"),
+        ("__init__.py", "talus.paper(", "talus.papre(", "plugins.0.*line 5: AttributeError"),
     ],
 )
 def test_a_mistake_in_the_paper_is_one_line(tmp_path, name, old, new, message):

@@ -1,5 +1,5 @@
 """Silbert et al., Phys. Rev. E 64, 051302 (2001): flows of spheres down a rough plane."""
 
-import sim
+import talus
 
-sim.paper(__name__)
+talus.paper(__name__)

@@ -1,7 +1,7 @@
 """How the claims of claims.yaml are judged."""
 
-from sim.claims.inference import trend
-from sim.claims.verdict import Untestable
+from talus.claims.inference import trend
+from talus.claims.verdict import Untestable
 
 
 def steeper(evidence, *, least):
