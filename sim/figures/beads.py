@@ -19,6 +19,7 @@ from sim.figures.caption import velocity_text
 from sim.figures.data import FigureData
 from sim.figures.style import DOTTED, place_legend
 from sim.parameters import NUMERICAL, BeltParameters, field_info
+from sim.study.plot_contents import in_words
 
 #: Inches per ⟨d⟩ in one panel and in each of two, the room that labels and legend take, and the
 #: width that a legend needs.
@@ -56,17 +57,19 @@ def select(data: FigureData) -> FigureData:
 
 
 def notes(data: FigureData) -> list[str]:
-    """Return a sentence for the caption on each run: its point, regime and mean velocity."""
-    sentences = []
-    for row in data.rows[data.rows["completed"] > 0].to_dict("records"):
-        count = row["completed"]
-        over = f"{count} replicates" if count > 1 else "this replicate"
-        sentences.append(
-            f"{row['protocol'].capitalize()} protocol: first replicate that completed of point "
-            f"{row['point']}, regime {row['regime']}; the mean velocity of {over} is "
-            f"{velocity_text(row)} (95 % interval)."
-        )
-    return sentences
+    """Return a sentence on what is drawn, and one on the point of each run for the details."""
+    rows = data.rows[data.rows["completed"] > 0].to_dict("records")
+    drawn = [
+        f"{velocity_text(row)} ({row['protocol']} protocol, {row['regime']})" for row in rows
+    ]
+    return [
+        f"Drawn is the first replicate that completed; the mean velocity is {in_words(drawn)}.",
+        *(
+            f"{row['protocol'].capitalize()} protocol: point {row['point']}, "
+            f"{row['completed']} replicates."
+            for row in rows
+        ),
+    ]
 
 
 def with_particles(data: FigureData, *names: str) -> list[PointParticles]:

@@ -151,16 +151,16 @@ def notes(data: FigureData) -> list[str]:
     completed = data.rows["completed"]
     several, single = completed[completed > 1], completed[completed == 1]
     sentences = [
+        f"Bands: 95 % interval of the mean over {range_text(several)} replicates (Student)."
+        if len(several)
+        else "",
         "z is measured from the present position of the belt, in slices of ⟨d⟩, up to the last one "
-        f"with {THIN:g} beads per ⟨d⟩² or more."
+        f"with {THIN:g} beads per ⟨d⟩² or more.",
     ]
+    if len(several):
+        sentences.append("Bands may reach beyond the axes.")
     if _profile(data) is VELOCITY:
         sentences.append("A slice that is empty in a replicate has no value.")
-    if len(several):
-        sentences.append(
-            "Bands: Student's 95 % interval of the mean over "
-            f"{range_text(several)} replicates; they may reach beyond the axes."
-        )
     if len(single):
         sentences.append(f"No band: one replicate ({points_text(len(single))}).")
     regimes = data.rows[completed > 0]["regime"].value_counts()

@@ -242,8 +242,8 @@ def notes(data: FigureData) -> list[str]:
     aside = spec.axes and keys and len(shown[keys].drop_duplicates()) > 1
     accelerating = len(along) < 2 and not fits and (shown["regime"] == "accelerating").any()
     return [
-        *([f"{_hint(len(data.rows))}."] if spec.options["scattered"] else []),
         *bar_notes(data, shown, list(shown_quantities.values())),
+        *([f"{_hint(len(data.rows))}."] if spec.options["scattered"] else []),
         *(["Error bars that end in a caret go on beyond the axes."] if is_cut else []),
         *(["Curves are drawn a little aside of each other."] if aside else []),
         *_notes_on_lines([parameter_phrase(spec.system, name) for name in along]),

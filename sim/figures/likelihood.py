@@ -90,6 +90,6 @@ def table(data: FigureData) -> pd.DataFrame:
 def notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on what the probability is."""
     return [
-        "The probability is that of all choices of one completed replicate per point, from this x "
-        "on, which rise from point to point. Bands: 95 %, by the jackknife over replicates."
+        "The probability is that a curve of single runs, one replicate per point drawn at random, "
+        "rises from each point to the next, from this x on. Bands: 95 % (jackknife over replicates)."
     ]

@@ -179,8 +179,8 @@ def notes(data: FigureData) -> list[str]:
     )
     completed = int((data.rows["completed"] > 0).sum())
     return [
-        *([line] if any(has_mean(averaged(part), x) for part in parts) else []),
         *bar_notes(data, rows, quantities),
+        *([line] if any(has_mean(averaged(part), x) for part in parts) else []),
         *(["Error bars that end in a caret go on beyond the axes."] if is_cut else []),
         *missing_value_note(completed - len(rows)),
         *foreign_data_notes(data),

@@ -136,8 +136,9 @@ def table(data: FigureData) -> pd.DataFrame:
 def notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on the lines."""
     return [
-        f"A line per replicate, of at most {MOST_VALUES} means over successive samples. Dotted: "
-        "where averaging begins, in the mean over the replicates of a point.",
+        "A line per replicate. Dotted: where averaging begins.",
+        f"A line has at most {MOST_VALUES} means over successive samples; averaging begins where it "
+        "does in the mean over the replicates of a point.",
         *(_notes_on_logarithms(data) if data.spec.options["log"] else []),
         unsteady_sentence(data.rows),
     ]

@@ -10,6 +10,7 @@ from matplotlib.markers import CARETDOWN, CARETUP
 
 from sim.base.errors import InputError
 from sim.base.statistics import student_half_width
+from sim.figures.caption import parted
 from sim.figures.paper_curves import shown_quantities
 from sim.figures.quantity import quantities
 from sim.figures.style import LONG_DASH
@@ -182,7 +183,7 @@ def test_data_and_caption(name, heading, belt_dataset, chute_dataset):
     data, text = texts(name, belt_dataset if of_belt else chute_dataset)
     assert {heading, "protocol"} < set(data) and data[heading].notna().all()
     assert any("half width of 95 % interval" in column for column in data)
-    assert "Error bars: Student's 95 % interval of the mean over" in text
+    assert "Bars: 95 % interval of the mean over" in text
     assert ("γ = 50g" if of_belt else "μ = 0.4") in text
     assert "Converged protocol" not in text or name == "protocols_1c"
-    assert text.strip().endswith(FIGURES[name].says)
+    assert FIGURES[name].says in parted(text)[0] and FIGURES[name].details in text

@@ -44,7 +44,7 @@ def test_a_caption_explains_no_marker_and_no_bar_that_is_not_drawn(y):
     depth = {"shear_depth": 0.001}
     steady, plot = depth | {"regime": "steady"}, {"x": "friction", "y": y}
     text = caption_of(plot, at_frictions(steady, steady, steady))
-    assert "Error bars: " in text
+    assert "Bars: " in text
     for word in ("caret", "aside", "markers", "interrupted", "only one"):
         assert word not in text
     speeding = depth | {"regime": "accelerating", "acceleration": 2.0}
@@ -71,7 +71,7 @@ def test_a_caption_tells_of_carets_and_of_points_where_they_are():
     unknown = {"shear_depth": np.full(1, np.nan), "acceleration": 2.0}
     known = {"shear_depth": 0.001}
     text = caption_of(plot, at_frictions(known, known, unknown, replicates=1))
-    assert "arker" not in text and "Error bars" not in text
+    assert "arker" not in text and "Bars:" not in text
 
 
 UNKNOWN = {"velocity_error": np.full(3, np.nan)}
