@@ -13,11 +13,12 @@ from matplotlib.figure import Figure
 
 from sim.base.statistics import student_half_width
 from sim.figures.caption import points_text, range_text
-from sim.figures.data import FigureData, parameter_columns, split_curves
+from sim.figures.data import FigureData, parameter_columns, split_curves, varying_parameters
 from sim.figures.family import labels_and_styles
 from sim.figures.style import (
     PALE_LINE,
     canvas,
+    legend_title,
     look_of,
     name_protocols,
     place_legend,
@@ -65,7 +66,8 @@ def draw(data: FigureData) -> Figure:
     labels = data.spec.options.get("labels", {})
     axes.set_xlabel(labels.get("x", "height above the belt z/⟨d⟩"))
     axes.set_ylabel(labels.get("y", profile.heading))
-    place_legend(figure, axes)
+    named = data.spec.options["curves"]
+    place_legend(figure, axes, legend_title("belt", varying_parameters(data.rows, named)))
     return figure
 
 

@@ -66,7 +66,8 @@ def draw_boundaries(
                 zorder=4,
             )
             key = (bar["of"], bar["along"], place)
-            shift = aside + BAR_PITCH * counts[key]
+            # Flat bars need no more room than a marker.
+            shift = (aside if upright else min(aside, 1.5 * BAR_PITCH)) + BAR_PITCH * counts[key]
             move_aside(axes, drawn.get_children(), **{"x" if upright else "y": shift})
             counts[key] += 1
         axes.plot([], [], **style, linewidth=2.2, label=escape_label(label))

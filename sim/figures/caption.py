@@ -28,9 +28,6 @@ _REGIMES = {
 #: Most values of a parameter that a caption lists.
 MOST_VALUES = 12
 
-#: Where the first clause of a caveat ends.
-_FIRST_CLAUSE = re.compile("[,;]")
-
 
 def caption(data: FigureData, notes: Sequence[str]) -> str:
     """Return the caption and, after an empty line, the details, a line each.
@@ -54,7 +51,8 @@ def caption(data: FigureData, notes: Sequence[str]) -> str:
         caveat_sentence(rows),
         failure_sentence(rows),
     )
-    return "\n\n".join((" ".join(filter(None, sentences)), "\n".join(filter(None, details)))).strip()
+    short, lines = " ".join(filter(None, sentences)), "\n".join(filter(None, details))
+    return f"{short}\n\n{lines}".strip()
 
 
 def parted(text: str) -> tuple[str, list[str]]:
@@ -93,8 +91,13 @@ def doubt_sentence(data: FigureData) -> str:
     text = ("The point " if is_one else f"Of {points_text(len(rows))}, ") + in_words(counts)
     if len(caveats):
         mostly = "mostly " if len(caveats) > 1 else ""
-        text += f" ({mostly}{_FIRST_CLAUSE.split(caveats.index[0])[0]})"
+        text += f" ({mostly}{first_clause(caveats.index[0])})"
     return text + "."
+
+
+def first_clause(caveat: str) -> str:
+    """Return what a caveat warns of, without its reasons and cures."""
+    return re.split("[,;]", caveat)[0]
 
 
 def point_notes(data: FigureData) -> list[str]:

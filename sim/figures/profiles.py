@@ -24,7 +24,7 @@ from sim.figures.foreign_data import (
     foreign_data_notes,
     foreign_values,
 )
-from sim.figures.looks import groups, legend, number_of_curves
+from sim.figures.looks import groups, legend
 from sim.figures.plot import (
     Panels,
     completed_rows,
@@ -130,7 +130,7 @@ def draw(data: FigureData) -> Figure:
     elif not spec.options["between"]:
         # Panels share their axes, and set limits do not follow later data.
         shown[0][0].set_ylim(bottom=min([0.0, *foreign_values(data, "y")]))
-    legend(figure, shown, foreign, number_of_curves(data, curve_keys(data)))
+    legend(data, figure, shown, curve_keys(data), foreign)
     return figure
 
 

@@ -29,7 +29,7 @@ def notes(data: FigureData) -> list[str]:
     """Return what the caption says of each flow that is drawn."""
     flows = _flows(data)
     sentences = [
-        f"Pale lines are single replicates; instantaneous ones and (c) are of the first flow ({label})."
+        f"Pale: single replicates; instantaneous profiles and (c): the first flow ({label})."
         for label, _ in flows[:1]
     ]
     for label, row in flows:

@@ -94,6 +94,7 @@ class FigureFile(PlotFile):
     vary: list[str] = Field([], description="parameters, on no axis, that the points must vary")
     labels: dict[Literal["x", "y"], Text] = Field({}, description="labels of the axes")
     levels: list[float] = Field([], description="values to compare with")
+    level: Text = Field("", description="their entry in the legend")
     quantities: list[Measure] = []
     relative: bool = Field(
         False, description="whether velocity and frequency of the belt become shares of its own"
@@ -149,6 +150,7 @@ class FigureFile(PlotFile):
         options: dict[str, Any] = {
             "labels": self.labels,
             "levels": tuple(self.levels),
+            "level": self.level,
             "quantities": tuple(one.model_dump(exclude_unset=True) for one in self.quantities),
             "styles": {
                 style.at: style.model_dump(exclude_unset=True, exclude={"at"})
@@ -207,7 +209,9 @@ def _spec(
 ) -> FigureSpec:
     """Return what the figure at ``key`` of a file is."""
     words = {**words, **figure.words, **figure.where}
-    texts = _fill(figure.model_dump(include={"title", "lead", "says", "details"}), words, source, key)
+    texts = _fill(
+        figure.model_dump(include={"title", "lead", "says", "details"}), words, source, key
+    )
     return FigureSpec(
         name=figure.name,
         kind=figure.kind,

@@ -128,7 +128,7 @@ def test_files_tell_units_replicates_protocols_and_the_paper(chute_dataset, tmp_
         "n = 5",
         "K1 = 100 N/m",
         "Fixed length: mean velocity 0.1 ±",
-        "instantaneous ones and (c) are of the first flow (fixed length).",
+        "instantaneous profiles and (c): the first flow (fixed length).",
         "steady; 3 replicates, 3 steady.",
         "steady; 2 replicates, 2 steady.",
         "The paper: ",
