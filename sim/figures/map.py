@@ -45,7 +45,7 @@ from sim.study.plot_kinds import REGIME
 #: distance of two in a column, as a share of the range.
 _CHUTE_HEIGHT, _MARKER, _APART = 4.6, 4.6, 0.03
 
-CREEPING = f"creeps: V < {CREEP:g} √(gσ)"
+CREEPING = f"creeps: |V| < {CREEP:g} √(gσ)"
 
 #: Marker, colour and whether it is filled, of regimes and creeping flows as in the legend. The
 #: later lie over the earlier where several runs are in one place.
@@ -120,13 +120,13 @@ def _draw_of_paper(data: FigureData, figure: Figure, shown: Panels) -> None:
     draw_boundaries(axes, data.boundaries, plane, aside=aside)
     for axis in data.spec.options["log"]:
         set_log(axes, axis)
-        getattr(axes, f"set_{axis}margin")(0.12)
+        getattr(axes, f"set_{axis}margin")(0.11)
         getattr(axes, f"{axis}axis").set_minor_locator(NullLocator())
     if draw_theory := _THEORIES.get(plane[1]):
         draw_theory(axes, rows)
     label_axes(figure, shown, *given_labels(data))
     kinds = varying_parameters(data.boundaries, [*{*data.spec.curves} - {*plane}])
-    place_legend(figure, axes, legend_title(data.spec.system, [*plane, *kinds]))
+    place_legend(figure, axes, legend_title(data.spec.system, kinds))
 
 
 def creeping(rows: pd.DataFrame) -> pd.Series:
@@ -137,12 +137,14 @@ def creeping(rows: pd.DataFrame) -> pd.Series:
 
 def _draw_least_friction(axes: Axes, rows: pd.DataFrame) -> None:
     for angle in sorted(set(rows["angle"])):
-        axes.axhline(tan(radians(angle)), label=f"μ = tan θ, θ = {angle:g}°", **THEORY)
+        label = f"μ = tan θ, slope θ = {angle:g}°"
+        axes.axhline(tan(radians(angle)), label=label, **THEORY)
 
 
 def _draw_largest_angle(axes: Axes, rows: pd.DataFrame) -> None:
     for friction in sorted(set(rows["friction"])):
-        axes.axhline(degrees(atan(friction)), label=f"tan θ = μ = {friction:g}", **THEORY)
+        label = f"tan θ = μ, friction μ = {friction:g}"
+        axes.axhline(degrees(atan(friction)), label=label, **THEORY)
 
 
 def _draw_lift_off(axes: Axes, rows: pd.DataFrame) -> None:

@@ -16,7 +16,6 @@ from sim.base.plugins import load_plugins
 from sim.figures.caption import parameters_sentence
 from sim.figures.data import figure_data
 from sim.figures.family import _draw_points
-from sim.figures.quantity import Quantity
 from sim.figures.render import derive_texts
 from sim.figures.style import SETTINGS, CurveStyle
 from sim.study.plot_kinds import find_kind
@@ -196,9 +195,9 @@ def test_a_caption_names_choices_that_are_not_usual():
 
 def test_where_no_interval_is_known_there_is_no_bar():
     rows = pd.DataFrame({"depth": [1.0, 2.0], "regime": "steady", "quality": "reliable"})
-    values = Quantity("velocity", "V", pd.Series([1.0, 2.0]), pd.Series([0.1, float("nan")]))
+    values, widths = pd.Series([1.0, 2.0]), {"yerr": pd.Series([0.1, float("nan")])}
     axes = Figure().subplots()
-    _draw_points(axes, rows, values, "depth", CurveStyle("#000000", "-"), False)
+    _draw_points(axes, rows, values, "depth", CurveStyle("#000000", "-"), widths)
     drawn = [bars.lines[2] for bars in axes.containers]
     ends = [part.get_segments() for bars in drawn for part in bars]
     assert [len(segments) for segments in ends] == [1, 0, 0]
