@@ -187,8 +187,9 @@ def faces(rows: pd.DataFrame, colour: Any) -> list[tuple[pd.Series, Any]]:
 def explain_markers(axes: Axes, rows: pd.DataFrame) -> None:
     """Add legend entries of pale and of open markers where points have them."""
     _, (is_pale, pale), (is_open, face) = faces(rows[rows["completed"] > 0], "#666666")
+    labels = axes.get_legend_handles_labels()[1]
     for mask, colour, label in ((is_pale, pale, PALE_MEANS), (is_open, face, OPEN_MEANS)):
-        if mask.any():
+        if mask.any() and label not in labels:
             look: dict[str, Any] = {"color": "#666666", "markerfacecolor": colour, "label": label}
             axes.plot([], [], "o", **look)
 

@@ -29,8 +29,8 @@ _BROAD_ASPECT = 1.8
 _RANGES_SHOWN = 3
 
 
-#: Kinds whose colours mean numbers or regimes: a dark page shows them as they are.
-_COLOURED = ("map", "surface", "scatter", "pairs", "parallel", "posterior", "row")
+#: Kinds with pictures of shaded spheres, which a dark page shows as they are, but darker.
+_SHADED = ("row",)
 
 #: Heading of the plots that the study file itself defines.
 OWN_GROUP = "Plots of the study"
@@ -92,7 +92,7 @@ def figure_entry(spec: FigureSpec, folder: Path, address: Address) -> dict[str, 
         "title": spec.title,
         "paper": spec.paper,
         "own": not spec.paper,
-        "inverts": not spec.animated and spec.kind not in _COLOURED,
+        "inverts": not spec.animated and spec.kind not in _SHADED,
         "caption": caption,
         "details": details,
         "data": address(files[".csv"]),
