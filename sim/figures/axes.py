@@ -28,10 +28,26 @@ _MARGIN = 0.6
 def set_log(axes: Axes, axis: str) -> None:
     """Make the axis ``"x"`` or ``"y"`` logarithmic, with plain numbers at its ticks."""
     getattr(axes, f"set_{axis}scale")("log")
-    ticks = axes.xaxis if axis == "x" else axes.yaxis
-    ticks.set_major_locator(_Steps())
-    ticks.set_major_formatter("{x:g}")
-    ticks.set_minor_formatter(NullFormatter())
+    set_plain_ticks(axes.xaxis if axis == "x" else axes.yaxis)
+
+
+def set_plain_ticks(axis: Axis) -> None:
+    """Put plain numbers at the ticks of a logarithmic axis, powers of ten where they are long."""
+    axis.set_major_locator(_Steps())
+    axis.set_major_formatter(lambda value, _: _plain(value))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def _plain(value: float) -> str:
+    """Write the number at a tick.
+
+    >>> _plain(0.5), _plain(1e-5), _plain(2e6)
+    ('0.5', '$10^{-5}$', '$2×10^{6}$')
+    """
+    mantissa, exponent, power = f"{value:g}".partition("e")
+    if not exponent:
+        return mantissa
+    return f"${'' if mantissa == '1' else mantissa + '×'}10^{{{int(power)}}}$"
 
 
 class _Steps(LogLocator):

@@ -15,15 +15,14 @@ from matplotlib.patches import Circle
 from matplotlib.ticker import MultipleLocator
 
 from sim.base.errors import InputError
-from sim.figures.caption import velocity_text
+from sim.figures.caption import first_clause, velocity_text
 from sim.figures.data import FigureData
 from sim.figures.style import DOTTED, place_legend
 from sim.parameters import NUMERICAL, BeltParameters, field_info
+from sim.study.plot_contents import in_words
 
-#: Inches per ⟨d⟩ in one panel and in each of two, the room that labels and legend take, and the
-#: width that a legend needs.
-_SCALES = {1: 0.25, 2: 0.19}
-_LABELS, _ABOVE, _NARROWEST = 0.75, 1.0, 4.6
+#: Inches per ⟨d⟩, the room that labels and legend take, and the width that a legend needs.
+_SCALE, _LABELS, _ABOVE, _NARROWEST = 0.25, 0.75, 0.9, 4.6
 
 #: Room (⟨d⟩) above the beads for the scale of the velocities.
 _SCALE_ROOM = 2.0
@@ -56,17 +55,17 @@ def select(data: FigureData) -> FigureData:
 
 
 def notes(data: FigureData) -> list[str]:
-    """Return a sentence for the caption on each run: its point, regime and mean velocity."""
-    sentences = []
-    for row in data.rows[data.rows["completed"] > 0].to_dict("records"):
-        count = row["completed"]
-        over = f"{count} replicates" if count > 1 else "this replicate"
-        sentences.append(
-            f"{row['protocol'].capitalize()} protocol: first replicate that completed of point "
-            f"{row['point']}, regime {row['regime']}; the mean velocity of {over} is "
-            f"{velocity_text(row)} (95 % interval)."
-        )
-    return sentences
+    """Return a sentence on what is drawn, and one on the point of each run for the details."""
+    rows = data.rows[data.rows["completed"] > 0].to_dict("records")
+    drawn = [f"{velocity_text(row)} ({row['protocol']} protocol, {row['regime']})" for row in rows]
+    return [
+        f"Drawn is the first replicate that completed; the mean velocity is {in_words(drawn)}.",
+        *(
+            f"{row['protocol'].capitalize()} protocol: point {row['point']}, "
+            f"{row['completed']} replicates."
+            for row in rows
+        ),
+    ]
 
 
 def with_particles(data: FigureData, *names: str) -> list[PointParticles]:
@@ -88,26 +87,29 @@ def with_particles(data: FigureData, *names: str) -> list[PointParticles]:
 
 
 def cells(points: Sequence[PointParticles], top: float) -> tuple[Figure, list[Axes]]:
-    """Return axes in ⟨d⟩ to scale, one per point, of a period of the belt up to ``top`` (⟨d⟩)."""
+    """Return axes in ⟨d⟩ to scale, one below the other, of a period of the belt up to ``top``.
+
+    Titles name the caveat of a point: an unstable time step makes other paths.
+    """
     if not points:
         figure = Figure(figsize=(5.6, 3.9), layout="constrained")
         figure.subplots().set_axis_off()
         return figure, []
     low, high = -max(row["amplitude"] for row, _ in points) - 0.7, min(top, TALLEST)
-    widths = [row["width"] for row, _ in points]
-    scale = _SCALES[len(points)]
-    wide = max(_NARROWEST, sum(widths) * scale + _LABELS * len(points))
-    figure = Figure(figsize=(wide, (high - low) * scale + _ABOVE), layout="compressed")
-    panels = figure.subplots(1, len(points), squeeze=False, sharey=True, width_ratios=widths)[0]
+    number, width = len(points), max(row["width"] for row, _ in points)
+    size = max(_NARROWEST, width * _SCALE + _LABELS), number * ((high - low) * _SCALE + _ABOVE)
+    figure = Figure(figsize=size, layout="compressed")
+    panels = figure.subplots(number, squeeze=False, sharex=True)[:, 0]
     for axes, (row, _) in zip(panels, points, strict=True):
         axes.set(xlim=(0, row["width"]), ylim=(low, high), aspect="equal")
         axes.grid(visible=False)
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_locator(MultipleLocator(5))
-        axes.set_xlabel("position along the belt x/⟨d⟩")
-        if len(points) > 1:
-            axes.set_title(f"{row['protocol']}, {row['steps_per_cycle']:g} steps a cycle", size=9)
-    panels[0].set_ylabel("height z/⟨d⟩")
+        axes.set_ylabel("height z/⟨d⟩")
+        steps = f"{row['protocol']} protocol, {row['steps_per_cycle']:g} steps a cycle"
+        lines = [steps] * (number > 1) + [first_clause(row["caveat"])] * bool(row["caveat"])
+        axes.set_title("\n".join(lines), size=8.5)
+    panels[-1].set_xlabel("position along the belt x/⟨d⟩")
     return figure, list(panels)
 
 

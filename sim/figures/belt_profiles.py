@@ -13,11 +13,12 @@ from matplotlib.figure import Figure
 
 from sim.base.statistics import student_half_width
 from sim.figures.caption import points_text, range_text
-from sim.figures.data import FigureData, parameter_columns, split_curves
+from sim.figures.data import FigureData, parameter_columns, split_curves, varying_parameters
 from sim.figures.family import labels_and_styles
 from sim.figures.style import (
     PALE_LINE,
     canvas,
+    legend_title,
     look_of,
     name_protocols,
     place_legend,
@@ -65,7 +66,8 @@ def draw(data: FigureData) -> Figure:
     labels = data.spec.options.get("labels", {})
     axes.set_xlabel(labels.get("x", "height above the belt z/⟨d⟩"))
     axes.set_ylabel(labels.get("y", profile.heading))
-    place_legend(figure, axes)
+    named = data.spec.options["curves"]
+    place_legend(figure, axes, legend_title("belt", varying_parameters(data.rows, named)))
     return figure
 
 
@@ -151,16 +153,16 @@ def notes(data: FigureData) -> list[str]:
     completed = data.rows["completed"]
     several, single = completed[completed > 1], completed[completed == 1]
     sentences = [
+        f"Bands: 95 % interval of the mean over {range_text(several)} replicates (Student)."
+        if len(several)
+        else "",
         "z is measured from the present position of the belt, in slices of ⟨d⟩, up to the last one "
-        f"with {THIN:g} beads per ⟨d⟩² or more."
+        f"with {THIN:g} beads per ⟨d⟩² or more.",
     ]
+    if len(several):
+        sentences.append("Bands may reach beyond the axes.")
     if _profile(data) is VELOCITY:
         sentences.append("A slice that is empty in a replicate has no value.")
-    if len(several):
-        sentences.append(
-            "Bands: Student's 95 % interval of the mean over "
-            f"{range_text(several)} replicates; they may reach beyond the axes."
-        )
     if len(single):
         sentences.append(f"No band: one replicate ({points_text(len(single))}).")
     regimes = data.rows[completed > 0]["regime"].value_counts()

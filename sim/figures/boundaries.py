@@ -66,7 +66,8 @@ def draw_boundaries(
                 zorder=4,
             )
             key = (bar["of"], bar["along"], place)
-            shift = aside + BAR_PITCH * counts[key]
+            # Flat bars need no more room than a marker.
+            shift = (aside if upright else min(aside, 1.5 * BAR_PITCH)) + BAR_PITCH * counts[key]
             move_aside(axes, drawn.get_children(), **{"x" if upright else "y": shift})
             counts[key] += 1
         axes.plot([], [], **style, linewidth=2.2, label=escape_label(label))
@@ -100,11 +101,11 @@ def _settings_suffix(system: str, names: dict[str, Any]) -> str:
     return "".join(f", {setting(system, name, value)}" for name, value in names.items())
 
 
-def boundary_sentence(boundaries: pd.DataFrame, plane: Sequence[str]) -> str:
-    """Write what the bars are, and which boundaries have no interval or exceed the tolerance."""
+def boundary_sentences(boundaries: pd.DataFrame, plane: Sequence[str]) -> list[str]:
+    """Return what the bars are; and which boundaries have no interval or exceed the tolerance."""
     in_plane = boundaries[boundaries["along"].isin(plane)]
     if in_plane.empty:
-        return ""
+        return [""]
     notes = {
         "wide": "wider than asked for, as undecided or contradictory points lie in between",
         "none": "not within the range searched",
@@ -118,13 +119,12 @@ def boundary_sentence(boundaries: pd.DataFrame, plane: Sequence[str]) -> str:
         if len(rows):
             parts.append(f"{len(rows)} {text}" + (f" ({missing})" if missing else ""))
     kinds = "; ".join(f"{label} ({len(bars)})" for label, _, bars in _kinds(boundaries, plane))
-    return (
-        f"Bars: intervals that hold a boundary, of {len(in_plane)} looked for"
-        + (": " if parts else "")
-        + "; ".join(parts)
-        + "."
-        + (f" Shown: {kinds}." if kinds else "")
-    )
+    found = int(in_plane["low"].notna().sum())
+    return [
+        f"Bars: intervals that hold a boundary, {found} of {len(in_plane)} looked for.",
+        f"Boundaries: {'; '.join(parts)}." if parts else "",
+        f"Boundaries shown: {kinds}." if kinds else "",
+    ]
 
 
 def _missing_names(rows: pd.DataFrame, boundaries: pd.DataFrame) -> list[str]:
@@ -139,5 +139,5 @@ def _missing_names(rows: pd.DataFrame, boundaries: pd.DataFrame) -> list[str]:
 
 
 def boundary_notes(data: FigureData) -> list[str]:
-    """Return the sentence of the caption on the boundaries in the plane of a figure."""
-    return [boundary_sentence(data.boundaries, data.spec.axes)]
+    """Return the notes on the boundaries in the plane of a figure."""
+    return boundary_sentences(data.boundaries, data.spec.axes)

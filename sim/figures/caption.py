@@ -1,5 +1,6 @@
-"""The caption of a figure, and its sentences on parameters, intervals, regimes and gaps."""
+"""Caption and details of a figure: sentences on parameters, intervals, regimes and gaps."""
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from math import isfinite
@@ -12,7 +13,8 @@ from sim.figures.quantity import Quantity, quantities
 from sim.figures.style import is_undecided
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import quantity, setting
-from sim.study.plot_contents import name_in_words
+from sim.study.plot_contents import in_words, name_in_words
+from sim.study.plot_kinds import REGIME
 
 #: How captions name the regimes that are not steady.
 _REGIMES = {
@@ -28,28 +30,81 @@ MOST_VALUES = 12
 
 
 def caption(data: FigureData, notes: Sequence[str]) -> str:
-    """Return the caption: title, parameters, protocol, notes of the kind, caveats, failures.
+    """Return the caption and, after an empty line, the details, a line each.
 
-    It ends with what the paper says about the figure.
+    The caption has what is shown, what the paper says of it, what bars or marks are, and what is in
+    doubt. The first of the ``notes`` of a kind belongs to it, the others to the details.
     """
     rows, spec = data.rows, data.spec
+    first, *others = notes or [""]
     sentences = (
         f"{spec.paper}. {spec.lead}" if spec.paper else spec.lead,
+        spec.says,
+        first,
+        doubt_sentence(data),
+    )
+    details = (
+        spec.details,
         parameters_sentence(rows, spec.system, spec.named),
         protocol_sentence(rows, spec.system),
-        *notes,
+        *others,
         caveat_sentence(rows),
         failure_sentence(rows),
-        spec.says,
     )
-    return " ".join(sentence for sentence in sentences if sentence)
+    short, lines = " ".join(filter(None, sentences)), "\n".join(filter(None, details))
+    return f"{short}\n\n{lines}".strip()
+
+
+def parted(text: str) -> tuple[str, list[str]]:
+    """Return the caption in a file of it, and the details.
+
+    >>> parted("Velocity. Bars: 95 %.\\n\\nParameters: e = 0.9.\\nCaveat.\\n")
+    ('Velocity. Bars: 95 %.', ['Parameters: e = 0.9.', 'Caveat.'])
+    """
+    short, _, details = text.strip().partition("\n\n")
+    return short, details.splitlines()
+
+
+def doubt_sentence(data: FigureData) -> str:
+    """Count the points that are not shown to be steady, carry a caveat or failed; name the caveat.
+
+    Maps of regimes and pictures of particles show or say themselves what flows are not steady.
+    """
+    rows, spec = data.rows, data.spec
+    shown = rows[rows["completed"] > 0]
+    is_told = spec.particles or spec.options.get("show") == REGIME
+    unsteady = 0 if is_told else int(((shown["regime"] != "steady") | is_undecided(shown)).sum())
+    caveats = rows["caveat"][rows["caveat"] != ""].value_counts()
+    reasons = [
+        (unsteady, "is", "are", " not shown to be steady"),
+        (len(rows) - len(shown), "failed", "failed", ""),
+        (caveats.sum(), "carries", "carry", " a caveat"),
+    ]
+    is_one = len(rows) == 1
+    counts = [
+        f"{'' if is_one else f'{count} '}{verb if count == 1 else verbs}{what}"
+        for count, verb, verbs, what in reasons
+        if count
+    ]
+    if not counts:
+        return ""
+    text = ("The point " if is_one else f"Of {points_text(len(rows))}, ") + in_words(counts)
+    if len(caveats):
+        mostly = "mostly " if len(caveats) > 1 else ""
+        text += f" ({mostly}{first_clause(caveats.index[0])})"
+    return text + "."
+
+
+def first_clause(caveat: str) -> str:
+    """Return what a caveat warns of, without its reasons and cures."""
+    return re.split("[,;]", caveat)[0]
 
 
 def point_notes(data: FigureData) -> list[str]:
     """Return the sentences of a caption on error bars and markers of measures or velocities."""
     if "quantities" in data.spec.options:
         return quantity_notes(data, quantities(data))
-    return [interval_sentence(data.rows), regime_sentence(data.rows)]
+    return [*interval_sentences(data.rows), regime_sentence(data.rows)]
 
 
 def bar_notes(data: FigureData, rows: pd.DataFrame, quantities: Sequence[Quantity]) -> list[str]:
@@ -67,7 +122,7 @@ def bar_notes(data: FigureData, rows: pd.DataFrame, quantities: Sequence[Quantit
         if quantity.half_width[rows.index].isna().any()
     ]
     sentences = [f"No bar of the {name} where only one replicate is known." for name in without_bar]
-    return [interval_sentence(rows), *sentences, regime_sentence(rows)]
+    return [*interval_sentences(rows), *sentences, regime_sentence(rows)]
 
 
 def _of_rows(quantity: Quantity, rows: pd.DataFrame) -> Quantity:
@@ -82,11 +137,11 @@ def quantity_notes(data: FigureData, quantities: Sequence[Quantity]) -> list[str
     """
     is_known = pd.concat([measure.value.notna() for measure in quantities], axis=1)
     has_bar = pd.concat([measure.half_width.notna() for measure in quantities], axis=1) & is_known
-    sentence = "Error bars: Student's 95 % interval of the mean over replicates"
+    sentence = "Bars: 95 % interval of the mean over replicates (Student)"
     if has_bar.sum().sum() < is_known.sum().sum():
         sentence += ", none where only one"
-    drawn = [f"{sentence}."] if has_bar.any().any() else []
-    return [*drawn, regime_sentence(data.rows[is_known.any(axis=1)])]
+    drawn = f"{sentence}." if has_bar.any().any() else ""
+    return [drawn, regime_sentence(data.rows[is_known.any(axis=1)])]
 
 
 def velocity_text(row: Mapping[str, Any]) -> str:
@@ -130,33 +185,38 @@ def protocol_sentence(rows: pd.DataFrame, system: str) -> str:
     limited = int(converged["stopped"].str.contains("limit").sum())
     return (
         f"Converged protocol ({points_text(len(converged))}): runs go on until the mean is known "
-        f"to {precisions} % and no drift is left, {limit} at most, which stopped runs of {limited} "
-        "of these points before that; averaged is what the transient leaves."
+        f"to {precisions} % without a drift, at most {limit}. {points_text(limited).capitalize()} "
+        "reached that limit first. Averages leave out the transient."
     )
 
 
-def interval_sentence(rows: pd.DataFrame) -> str:
-    """Write what the error bars of velocities are, and for how many replicates or points."""
+def interval_sentences(rows: pd.DataFrame) -> list[str]:
+    """Return what the bars of velocities are, and for the details what those of one run leave out.
+
+    The first is empty where no point has completed.
+    """
     shown = rows[rows["completed"] > 0]
     between_replicates = shown[shown["interval"] == "replicates"]
     within_run = shown[shown["interval"] == "within run"]
     parts = []
     if len(between_replicates):
         numbers = range_text(between_replicates["completed"])
-        parts.append(f"Student's 95 % interval of the mean over {numbers} replicates")
+        parts.append(f"of the mean over {numbers} replicates (Student)")
     if len(within_run):
         for_points = (
             f" for the {points_text(len(within_run))} with one replicate"
             if len(between_replicates)
             else ""
         )
-        parts.append(
-            f"95 % interval within the run, its correlations counted{for_points}, which leaves out "
-            "how much one initial state differs from another"
-        )
+        parts.append(f"within the run{for_points}")
     if not parts:
-        return ""
-    return "Error bars: " + ", ".join(parts) + "."
+        return [""]
+    bars = f"Bars: 95 % interval {', '.join(parts)}."
+    within = (
+        "The interval within a run counts its correlations, and leaves out how much one initial "
+        "state differs from another."
+    )
+    return [bars, within] if len(within_run) else [bars]
 
 
 def regime_sentence(rows: pd.DataFrame, *, has_bars: bool = True) -> str:

@@ -23,7 +23,7 @@ from sim.figures.foreign_data import (
     foreign_values,
     set_run_ticks,
 )
-from sim.figures.looks import legend, number_of_curves, shared_look
+from sim.figures.looks import legend, shared_look
 from sim.figures.plot import (
     Panels,
     curve_keys,
@@ -38,7 +38,7 @@ from sim.figures.plot import (
     write_no_data,
 )
 from sim.figures.quantity import Quantity, quantity_table
-from sim.figures.style import CurveStyle, Look
+from sim.figures.style import CurveStyle, Look, is_undecided
 from sim.figures.variables import is_number
 from sim.parameters import SYSTEMS
 from sim.study.plot_contents import SCATTER_HINT, parameter_phrase
@@ -63,7 +63,7 @@ def select(data: FigureData) -> FigureData:
 
 
 def draw(data: FigureData) -> Figure:
-    """Draw the curves; lines are interrupted at flows that accelerate."""
+    """Draw the curves."""
     if data.spec.paper:
         return paper_curves.draw(data)
     spec, quantities = data.spec, _drawable_quantities(data)
@@ -83,7 +83,7 @@ def draw(data: FigureData) -> Figure:
         else observable_label(data, by_name[spec.options["second"]])
     )
     label_axes(figure, shown, x, observable_label(data, by_name[spec.options["show"]]))
-    legend(figure, shown, foreign, number_of_curves(data, _keys(data)))
+    legend(data, figure, shown, _keys(data), foreign)
     if spec.options["scattered"]:
         figure.suptitle(_hint(len(data.rows)), fontsize=9)
     return figure
@@ -100,9 +100,7 @@ def _draw_curves(
         points = points.assign(**{_OBSERVED_X: quantities["x"].value})
         options = {"spread": quantities["x"].half_width}
     along = data.spec.axes[0] if data.spec.axes else _OBSERVED_X
-    accelerating = points["regime"] == "accelerating"
-    options |= {"look": _look(data), "unjoined": accelerating}
-    draw_family(axes, points, quantities["y"], along, _keys(data), (), **options)
+    draw_family(axes, points, quantities["y"], along, _keys(data), (), look=_look(data), **options)
     draw_fits(axes, _fits(data, rows, quantities), _look(data))
 
 
@@ -240,14 +238,16 @@ def notes(data: FigureData) -> list[str]:
     is_loose = (spec.axes and not spec.options["scattered"]) or fits
     along = [] if is_loose else _parameters_along(data)
     aside = spec.axes and keys and len(shown[keys].drop_duplicates()) > 1
-    accelerating = len(along) < 2 and not fits and (shown["regime"] == "accelerating").any()
+    # Of what is neither steady nor too short to tell.
+    has_open = ((shown["regime"] != "steady") & ~is_undecided(shown)).any()
+    interrupted = len(along) < 2 and not fits and has_open
     return [
-        *([f"{_hint(len(data.rows))}."] if spec.options["scattered"] else []),
         *bar_notes(data, shown, list(shown_quantities.values())),
+        *([f"{_hint(len(data.rows))}."] if spec.options["scattered"] else []),
         *(["Error bars that end in a caret go on beyond the axes."] if is_cut else []),
         *(["Curves are drawn a little aside of each other."] if aside else []),
         *_notes_on_lines([parameter_phrase(spec.system, name) for name in along]),
-        *(["Lines are interrupted at flows that accelerate."] if accelerating else []),
+        *(["Lines are interrupted at open markers."] if interrupted else []),
         *fit_notes(data, fits),
         *missing_value_note(len(completed) - with_values),
         *nonpositive_note(omitted, "points" if omitted > 1 else "point"),

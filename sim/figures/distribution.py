@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from sim.figures.axes import set_log
 from sim.figures.caption import unsteady_sentence
 from sim.figures.data import FigureData
-from sim.figures.looks import legend, number_of_curves, shared_look
+from sim.figures.looks import legend, shared_look
 from sim.figures.plot import (
     above_zero,
     curve_keys,
@@ -55,7 +55,7 @@ def draw(data: FigureData) -> Figure:
         figure, shown, parameter_label(spec.system, along), observable_label(data, observable)
     )
     write_no_data(shown, observable.name)
-    legend(figure, shown, None, number_of_curves(data, curve_keys(data)))
+    legend(data, figure, shown, curve_keys(data))
     return figure
 
 

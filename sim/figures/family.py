@@ -1,28 +1,33 @@
 """Curves of a quantity for sets of parameters, with intervals, regimes and protocols."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import compress, product
 from typing import Any
 
 import pandas as pd
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.colors import to_rgb
 
 from sim.figures.data import split_curves
 from sim.figures.quantity import Quantity
 from sim.figures.style import (
     MARKERS,
-    PALE,
     PALE_LINE,
     PALE_MARKER_SIZE,
+    RING,
+    RING_MEANS,
     CurveStyle,
     Look,
     cycle_style,
+    explain_markers,
+    faces,
     is_undecided,
     move_aside,
     name_protocols,
 )
+
+#: Most points of a line that have bars, which would touch; more have a band, and smaller markers.
+MOST_BARS, CROWDED_MARKER_SIZE = 20, 2.8
 
 
 def draw_family(
@@ -58,7 +63,7 @@ def draw_family(
     look : callable
         Returns style and legend entry from the values that name a curve, without its protocol.
     unjoined : pandas.Series, optional
-        True in rows where lines are interrupted.
+        True in further rows where lines are interrupted.
     pitch : float
         Shift of each curve to the right of the previous one, in points of print. It separates
         points that coincide.
@@ -67,6 +72,7 @@ def draw_family(
     """
     if rows.empty:
         return
+    explain_markers(axes, rows)
     curves = split_curves(rows, along, keys, parameters)
     curves.sort(key=lambda curve: curve[1]["protocol"].iloc[0] != "published")
     labels, styles = labels_and_styles([names for names, _ in curves], look)
@@ -80,6 +86,8 @@ def draw_family(
         }
         draw_curve(axes, curve, quantity, along, styles[label], label, unjoined=unjoined, **options)
         drawn_labels.add(label)
+    if any(one.get_markersize() == RING["markersize"] for one in axes.get_lines()):
+        axes.plot([], [], label=RING_MEANS, **RING)
     if len(drawn_labels) < len(curves):
         name_protocols(axes, str(curves[0][1]["system"].iloc[0]))
 
@@ -117,7 +125,7 @@ def draw_curve(
     shift: float = 0,
     spread: pd.Series | None = None,
 ) -> None:
-    """Draw a quantity against a parameter, with 95 % intervals.
+    """Draw a quantity against a parameter, with 95 % intervals; lines join filled and pale markers.
 
     Parameters
     ----------
@@ -136,7 +144,7 @@ def draw_curve(
     label : str
         Its entry in the legend.
     unjoined : pandas.Series, optional
-        True in rows where the line is interrupted.
+        True in further rows where the line is interrupted.
     pale : bool
         Draw the curve pale, without an entry: another curve of the same style has the entry.
     shift : float
@@ -148,12 +156,27 @@ def draw_curve(
     if completed.empty:
         return
     artists: list[Artist] = []
+    value, half = quantity.value[completed.index], quantity.half_width[completed.index]
+    size = None
     if style.dashes != "none":
-        line = quantity.value[completed.index]
+        is_joined = (completed["regime"] == "steady") | is_undecided(completed)
         if unjoined is not None:
-            line = line.mask(unjoined[completed.index])
+            is_joined &= ~unjoined[completed.index]
+        line = value.where(is_joined)
         artists += _draw_line(axes, completed[along], line, style, pale)
-    artists += _draw_points(axes, completed, quantity, along, style, pale, spread)
+        if len(completed) > MOST_BARS:
+            size = CROWDED_MARKER_SIZE
+            band, is_banded = _draw_band(axes, completed[along], line, half, style)
+            half = half.mask(is_banded)
+            artists.append(band)
+    elif pale:
+        size = PALE_MARKER_SIZE
+    widths = {"yerr": half} | ({} if spread is None else {"xerr": spread[completed.index]})
+    alpha = PALE_LINE["alpha"] if pale else None
+    artists += _draw_points(axes, completed, value, along, style, widths, size=size, alpha=alpha)
+    is_single = value.notna() & quantity.half_width[completed.index].isna()
+    if is_single.any() and quantity.half_width.notna().any():
+        artists += axes.plot(completed[along][is_single], value[is_single], **RING)
     move_aside(axes, artists, x=shift)
     if not pale:
         _add_entry(axes, style, label)
@@ -167,6 +190,17 @@ def _draw_line(
     return axes.plot(x, y, color=style.colour, linestyle=style.dashes, **pale_look)
 
 
+def _draw_band(
+    axes: Axes, x: pd.Series, y: pd.Series, half: pd.Series, style: CurveStyle
+) -> tuple[Artist, pd.Series]:
+    """Draw a band of intervals where ``y`` and its neighbour are joined; return where that is."""
+    is_known = y.notna() & half.notna()
+    has_neighbour = is_known.shift(fill_value=False) | is_known.shift(-1, fill_value=False)
+    where = is_known & has_neighbour
+    look: dict[str, Any] = {"color": style.colour, "alpha": 0.2, "linewidth": 0, "zorder": 1.5}
+    return axes.fill_between(x, y - half, y + half, where=where, **look), where
+
+
 def _add_entry(axes: Axes, style: CurveStyle, label: str) -> None:
     """Add an entry to the legend without drawing a curve."""
     axes.plot([], [], color=style.colour, linestyle=style.dashes, marker=style.marker, label=label)
@@ -175,40 +209,40 @@ def _add_entry(axes: Axes, style: CurveStyle, label: str) -> None:
 def _draw_points(
     axes: Axes,
     rows: pd.DataFrame,
-    quantity: Quantity,
+    value: pd.Series,
     along: str,
     style: CurveStyle,
-    pale: bool,
-    spread: pd.Series | None = None,
+    widths: Mapping[str, pd.Series],
+    *,
+    size: float | None = None,
+    alpha: float | None = None,
 ) -> list[Artist]:
-    """Draw the markers of a curve, filled, pale or open, with their error bars; return them."""
+    """Draw the markers of a curve, filled, pale or open, over their error bars; return them.
+
+    ``widths`` are the half widths of the bars by the direction, ``yerr`` and ``xerr``.
+    """
     artists: list[Artist] = []
-    is_unjoined = pale and style.dashes == "none"
-    is_open = is_undecided(rows)
-    steady = (rows["regime"] == "steady") & ~is_open
-    faces = (
-        (steady, style.colour),
-        (is_open, (*to_rgb(style.colour), PALE)),
-        (~(steady | is_open), "white"),
-    )
-    widths = {"yerr": quantity.half_width} | ({} if spread is None else {"xerr": spread})
-    has_width = pd.DataFrame({name: width[rows.index].notna() for name, width in widths.items()})
+    has_width = pd.DataFrame({name: width.notna() for name, width in widths.items()})
     # Points without an interval get no bar, instead of one of zero length.
-    for (chosen, face), *has_widths in product(faces, *[(True, False)] * len(widths)):
+    choices = product(faces(rows, style.colour), *[(True, False)] * len(widths))
+    for (chosen, face), *has_widths in choices:
         part = rows[chosen & (has_width == has_widths).all(axis=1)]
         bars = axes.errorbar(
             part[along],
-            quantity.value[part.index],
+            value[part.index],
             **{name: widths[name][part.index] for name in compress(widths, has_widths)},
             linestyle="none",
             color=style.colour,
             marker=style.marker,
             markerfacecolor=face,
-            markersize=PALE_MARKER_SIZE if is_unjoined else None,
+            markersize=size,
             markeredgewidth=1.0,
             elinewidth=0.9,
-            alpha=PALE_LINE["alpha"] if pale else None,
+            alpha=alpha,
             zorder=3,
         )
+        for part_of_bar in (*bars.lines[1], *bars.lines[2]):
+            # Below the markers of all curves.
+            part_of_bar.set_zorder(2.6)
         artists += bars.get_children()
     return artists

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from sim.base.statistics import MANY, share_of_rises, student
 from sim.figures.data import FigureData, split_curves
-from sim.figures.looks import legend, number_of_curves, shared_look
+from sim.figures.looks import legend, shared_look
 from sim.figures.plot import (
     curve_keys,
     label_axes,
@@ -47,7 +47,7 @@ def draw(data: FigureData) -> Figure:
     along = parameter_label(spec.system, spec.axes[0])
     label_axes(figure, shown, along, wrap_label("probability to rise from here on"))
     write_no_data(shown, name)
-    legend(figure, shown, None, number_of_curves(data, curve_keys(data)))
+    legend(data, figure, shown, curve_keys(data))
     return figure
 
 
@@ -90,6 +90,6 @@ def table(data: FigureData) -> pd.DataFrame:
 def notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on what the probability is."""
     return [
-        "The probability is that of all choices of one completed replicate per point, from this x "
-        "on, which rise from point to point. Bands: 95 %, by the jackknife over replicates."
+        "The probability is that a curve of single runs, one replicate per point drawn at random, "
+        "rises from each point to the next from this x on. Bands: 95 % (jackknife)."
     ]

@@ -10,7 +10,15 @@ from matplotlib.lines import Line2D
 
 from sim.figures.data import FigureData
 from sim.figures.plot import Panels, curve_keys
-from sim.figures.style import CurveStyle, Look, cycle_style, legend_above, settings
+from sim.figures.style import (
+    MEANINGS,
+    CurveStyle,
+    Look,
+    cycle_style,
+    legend_above,
+    legend_title,
+    settings,
+)
 from sim.figures.variables import Colours, Variable, is_number, parameter
 
 #: Most entries of a legend, beside those of foreign data.
@@ -56,37 +64,45 @@ def _keys(named: Sequence[str]) -> list[str]:
 
 
 def legend(
+    data: FigureData,
     figure: Figure,
     shown: Panels,
+    named: Sequence[str] = (),
     foreign: Mapping[str, Any] | None = None,
-    number: Variable | None = None,
 ) -> None:
     """Put one legend above all panels, with each label once; none where no curve has a label.
 
     Parameters
     ----------
+    data : FigureData
+        The data of the figure.
     figure : matplotlib.figure.Figure
         The figure; it grows where the legend has more than a few lines.
     shown : list
-        Its panels. Of more curves than `MOST_ENTRIES`, the legend only gives their number.
+        Its panels. Of more curves than `MOST_ENTRIES`, the legend only gives their number, or a
+        colour bar shows the number that tells them apart.
+    named : sequence of str
+        Parameters that identify curves; the title says what their symbols mean.
     foreign : mapping, optional
         Entries of foreign data, by label, which may equal those of curves.
-    number : Variable, optional
-        What a colour bar shows in place of entries, see `number_of_curves`.
     """
     entries: dict[str, Any] = {}
     for axes, _ in shown:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
     entries.pop("", None)
-    if number is not None:
+    marks = [(label, entries.pop(label)) for label in MEANINGS if label in entries]
+    if (number := number_of_curves(data, named)) is not None:
         Colours(number).explain(figure, [axes for axes, _ in shown])
         entries = {}
     if len(entries) > MOST_ENTRIES:
         entries = {f"{len(entries):,} curves, which the data names": Line2D([], [], linestyle="")}
-    handles = [*entries.values(), *(foreign or {}).values()]
-    if labels := [*entries, *(foreign or {})]:
-        legend_above(figure, handles, labels)
+    pairs = [*entries.items(), *marks, *(foreign or {}).items()]
+    if pairs:
+        varied = [name for name in _keys(named) if data.rows[name].nunique() > 1]
+        title = legend_title(data.spec.system, varied) if entries else ""
+        labels, handles = zip(*pairs, strict=True)
+        legend_above(figure, handles, labels, title)
 
 
 def groups(

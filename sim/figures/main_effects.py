@@ -96,8 +96,8 @@ def notes(data: FigureData) -> list[str]:
     missing = int((data.rows["completed"] > 0).sum()) - len(rows)
     kind = "mean of the logarithm" if y.log else "mean"
     return [
-        f"Markers: {kind} over {GROUPS}, with its 95 % interval (Student); all other parameters "
-        "are averaged over. Grey dots: the points.",
+        f"Markers: {kind} over {GROUPS}, with its 95 % interval (Student); grey dots: the points.",
+        "All other parameters are averaged over.",
         unsteady_sentence(averaged(rows)),
         *missing_value_note(len(rows) - len(averaged(rows)), "a steady mean, as they accelerate"),
         *missing_value_note(missing),

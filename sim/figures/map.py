@@ -15,8 +15,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
 from sim.figures.axes import set_log
-from sim.figures.boundaries import BAR_PITCH, boundary_notes, draw_boundaries
-from sim.figures.data import FigureData, velocity_table
+from sim.figures.boundaries import boundary_notes, draw_boundaries
+from sim.figures.data import FigureData, varying_parameters, velocity_table
 from sim.figures.foreign_data import (
     append_foreign_data,
     draw_foreign_data,
@@ -36,13 +36,14 @@ from sim.figures.plot import (
     width_of,
 )
 from sim.figures.quantity import quantity_table
-from sim.figures.style import THEORY, place_legend
+from sim.figures.style import THEORY, legend_title, move_aside, place_legend
 from sim.figures.value_map import draw_values, value_notes
 from sim.study.figure_spec import CREEP
 from sim.study.plot_kinds import REGIME
 
-#: Height of a paper's map of the chute, inches.
-_CHUTE_HEIGHT = 4.3
+#: Height of a paper's map of the chute, inches; size of its markers, points of print, and least
+#: distance of two in a column, as a share of the range.
+_CHUTE_HEIGHT, _MARKER, _APART = 4.6, 4.6, 0.03
 
 CREEPING = f"creeps: |V| < {CREEP:g} √(gσ)"
 
@@ -74,21 +75,36 @@ def draw(data: FigureData) -> Figure:
     foreign = draw_foreign_data(data, shown)
     _set_axes(data, shown)
     label_axes(figure, shown, *(parameter_label(spec.system, name) for name in spec.axes))
-    legend(figure, shown, foreign)
+    legend(data, figure, shown, foreign=foreign)
     return figure
 
 
 def _draw_regimes(
     axes: Axes, rows: pd.DataFrame, regimes: pd.Series, plane: Sequence[str], size: float = 6.0
 ) -> None:
-    """Draw a marker (points of print) of its regime for each point."""
+    """Draw a marker (points of print) of its regime for each point, in its lane if it has one."""
     x, y = plane
     for regime, (marker, colour, filled) in MARKS.items():
-        part = rows[regimes == regime]
         face = colour if filled else "white"
         look: dict[str, Any] = {"color": colour, "markerfacecolor": face, "markersize": size}
-        if len(part):
-            axes.plot(part[x], part[y], marker, label=regime, zorder=3, **look)
+        label = regime
+        for lane, part in rows[regimes == regime].groupby(rows.get("lane", 0 * rows[x])):
+            drawn = axes.plot(part[x], part[y], marker, label=label, zorder=3, **look)
+            move_aside(axes, drawn, x=(-1) ** lane * ((lane + 1) // 2) * (size + 1.5))
+            label = ""
+
+
+def _lanes(rows: pd.DataFrame, plane: Sequence[str]) -> pd.Series:
+    """Return by how many markers each point stands aside, so that it covers none below it."""
+    x, y = plane
+    apart, lanes = _APART * np.ptp(rows[y]), pd.Series(0, rows.index)
+    for _, column in rows.groupby(x):
+        highest: list[float] = []
+        for index, value in column[y].sort_values().items():
+            free = (lane for lane, last in enumerate(highest) if value - last >= apart)
+            lanes[index] = lane = next(free, len(highest))
+            highest[lane : lane + 1] = [value]
+    return lanes
 
 
 def _draw_of_paper(data: FigureData, figure: Figure, shown: Panels) -> None:
@@ -97,17 +113,20 @@ def _draw_of_paper(data: FigureData, figure: Figure, shown: Panels) -> None:
     if data.spec.system == "chute":
         figure.set_figheight(_CHUTE_HEIGHT)
         regimes = rows["regime"].mask(creeping(rows), CREEPING)
-        _draw_regimes(axes, rows, regimes, plane, size=4.6)
-    aside = 1.5 * BAR_PITCH if data.spec.system == "chute" else 0
+        rows = rows.assign(lane=_lanes(rows, plane))
+        _draw_regimes(axes, rows, regimes, plane, size=_MARKER)
+    # Beside all markers.
+    aside = _MARKER * (rows["lane"].max() / 2 + 2) if data.spec.system == "chute" else 0
     draw_boundaries(axes, data.boundaries, plane, aside=aside)
     for axis in data.spec.options["log"]:
         set_log(axes, axis)
-        getattr(axes, f"set_{axis}margin")(0.09)
+        getattr(axes, f"set_{axis}margin")(0.11)
         getattr(axes, f"{axis}axis").set_minor_locator(NullLocator())
     if draw_theory := _THEORIES.get(plane[1]):
         draw_theory(axes, rows)
     label_axes(figure, shown, *given_labels(data))
-    place_legend(figure, axes)
+    kinds = varying_parameters(data.boundaries, [*{*data.spec.curves} - {*plane}])
+    place_legend(figure, axes, legend_title(data.spec.system, kinds))
 
 
 def creeping(rows: pd.DataFrame) -> pd.Series:
@@ -118,12 +137,14 @@ def creeping(rows: pd.DataFrame) -> pd.Series:
 
 def _draw_least_friction(axes: Axes, rows: pd.DataFrame) -> None:
     for angle in sorted(set(rows["angle"])):
-        axes.axhline(tan(radians(angle)), label=f"μ = tan θ, θ = {angle:g}°", **THEORY)
+        label = f"μ = tan θ, slope θ = {angle:g}°"
+        axes.axhline(tan(radians(angle)), label=label, **THEORY)
 
 
 def _draw_largest_angle(axes: Axes, rows: pd.DataFrame) -> None:
     for friction in sorted(set(rows["friction"])):
-        axes.axhline(degrees(atan(friction)), label=f"tan θ = μ = {friction:g}", **THEORY)
+        label = f"tan θ = μ, friction μ = {friction:g}"
+        axes.axhline(degrees(atan(friction)), label=label, **THEORY)
 
 
 def _draw_lift_off(axes: Axes, rows: pd.DataFrame) -> None:

@@ -44,6 +44,10 @@ def draw(data: FigureData) -> Figure:
         _label(axes, x, y, is_lowest=down == number - 1, is_first=across == 0)
     beside = [axes for axes in grid.flat if axes.get_visible()]
     Colours(shade).explain(figure, beside, shrink=0.5, aspect=30, anchor=(0.0, 1.0))
+    if number > 1:
+        handles, labels = grid[1, 0].get_legend_handles_labels()
+        # Where no panel is.
+        figure.legend(handles, labels, loc="upper center", bbox_to_anchor=(0.6, 0.97))
     figure.align_labels()
     return figure
 

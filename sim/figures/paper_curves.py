@@ -1,25 +1,25 @@
 """Curves of papers' figures: the velocity of flows, or measures of them, against a parameter.
 
 Options of a figure: those of `sim.figures.style.look_of`; ``quantities``, the measures (of the
-velocity, none); ``labels`` of the axes; ``levels`` to compare with; ``log``; ``panels``; and
-``relative``, whether velocity and frequency of the belt become shares of the belt's own.
+velocity, none); ``labels`` of the axes; ``levels`` to compare with and ``level``, their entry in
+the legend; ``log``; ``panels``; and ``relative``, whether velocity and frequency of the belt become
+shares of the belt's own.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from sim.figures.axes import mark_cut_bars, set_ticks
-from sim.figures.data import FigureData
+from sim.figures.axes import mark_cut_bars, set_log, set_plain_ticks, set_ticks
+from sim.figures.data import FigureData, varying_parameters
 from sim.figures.family import draw_family
 from sim.figures.plot import given_labels, label_axes, panels
 from sim.figures.quantity import Quantity, point_table, quantities, quantity_table
-from sim.figures.style import LEVEL, look_of, place_legend
+from sim.figures.style import LEVEL, PATTERNS, legend_title, look_of, place_legend
 from sim.measures.belt import speed_along_x
 from sim.parameters import SYSTEMS
 from sim.study.figure_spec import WIDEST_INTERVAL, FigureSpec
@@ -27,14 +27,11 @@ from sim.study.figure_spec import WIDEST_INTERVAL, FigureSpec
 #: Largest acceleration of the belt that is drawn (g): well within the flow.
 _LARGEST = 3.0
 
-#: Room above the highest flow that does not accelerate, and above the markers at the edge.
-_HEADROOM, _EDGE = 1.05, 1.02
-
-#: Width of a range of velocities above the axes, as a share of them.
-_TEXT_WIDTH = 0.13
+#: Room beyond the values on a logarithmic axis, as a factor.
+_BEYOND = 1.4
 
 #: Points of print between two curves of the chute.
-_PITCH = 2.4
+_PITCH = 3.2
 
 #: Depths of the paper's figures, named on the axis wherever they are.
 _OF_PAPER = (0.5, 1.24, 2.5, 5, 10, 20, 40)
@@ -80,14 +77,11 @@ def draw(data: FigureData) -> Figure:
     spec, shown = data.spec, shown_quantities(data)
     figure, each = panels(data)
     for axes, rows in each:
-        if spec.system == "belt":
-            _draw_belt(axes, rows, shown, spec)
-        elif "quantities" in spec.options or "y" in spec.options["log"]:
-            _draw_measures(axes, rows, shown, spec)
-        else:
-            _draw_velocities(axes, rows, shown[0], spec)
+        (_draw_belt if spec.system == "belt" else _draw_chute)(axes, rows, shown, spec)
     label_axes(figure, each, *given_labels(data))
-    place_legend(figure, each[0][0])
+    names = [name for name in SYSTEMS[spec.system].model_fields if name not in spec.axes]
+    named = varying_parameters(data.rows, names)
+    place_legend(figure, each[0][0], legend_title(spec.system, named))
     return figure
 
 
@@ -104,7 +98,8 @@ def _draw_families(
     names = [name for name in SYSTEMS[spec.system].model_fields if name != spec.axes[0]]
     is_named = "styles" in spec.options or "entry" in spec.options
     keys = [name for name in spec.curves if is_named or rows[name].nunique() > 1]
-    for quantity, measure in zip(shown, spec.options.get("quantities", ({},)), strict=True):
+    measures = spec.options.get("quantities", ({},))
+    for quantity, measure in zip(shown, measures, strict=True):
         draw_family(
             axes,
             quantity.rows_with_value(rows),
@@ -116,11 +111,18 @@ def _draw_families(
             unjoined=unjoined(quantity),
             pitch=pitch,
         )
+    for measure in measures:
+        # Dashes alone tell the measures of a curve apart.
+        if "dashes" in measure and "colour" not in measure:
+            look = {"color": "#666666", "linestyle": PATTERNS[measure["dashes"]]}
+            axes.plot([], [], label=measure["entry"], **look)
 
 
 def _draw_levels(axes: Axes, spec: FigureSpec) -> None:
     for level in spec.options.get("levels", ()):
         axes.axhline(level, **LEVEL)
+    if "level" in spec.options:
+        axes.plot([], [], label=spec.options["level"], **LEVEL)
 
 
 def _draw_belt(axes: Axes, rows: pd.DataFrame, shown: Sequence[Quantity], spec: FigureSpec) -> None:
@@ -143,47 +145,45 @@ def _draw_belt(axes: Axes, rows: pd.DataFrame, shown: Sequence[Quantity], spec: 
         set_ticks(axes, along, _LENGTH)
 
 
-def _draw_measures(
+def _draw_chute(
     axes: Axes, rows: pd.DataFrame, shown: Sequence[Quantity], spec: FigureSpec
 ) -> None:
-    """Draw measures; curves of one stand aside of each other, those of several do not."""
+    """Draw velocities, with natural units, too, or measures.
+
+    Curves of one quantity stand aside of each other, those of several do not.
+    """
     pitch = _PITCH if len(shown) == 1 else 0
-    _draw_families(axes, rows, shown, spec, partial(_unjoined, rows), pitch)
+    _draw_families(axes, rows, shown, spec, _disagreeing, pitch)
     _draw_levels(axes, spec)
     _set_x_axis(axes, rows, spec)
+    # The axis ends where intervals over two replicates may go on.
+    values = pd.concat([quantity.value for quantity in shown])
     if "y" in spec.options["log"]:
-        axes.set_yscale("log")
+        set_log(axes, "y")
+        axes.set_ylim(values.min() / _BEYOND, values.max() * _BEYOND)
     else:
-        # The axis ends where intervals over two replicates may go on.
-        highest = max(quantity.value.max() for quantity in shown)
+        highest = values.max()
         axes.set_ylim(0, min(axes.get_ylim()[1], 1.5 * highest) if highest > 0 else 1)
     mark_cut_bars(axes)
+    if shown[0].name == "velocity":
+        _add_natural_units(axes, rows)
 
 
-def _draw_velocities(axes: Axes, rows: pd.DataFrame, velocity: Quantity, spec: FigureSpec) -> None:
-    """Draw velocities, with natural units, too; flows beyond the scale are markers at its top."""
-    apart = _unjoined(rows, velocity)
-    ceiling = _ceiling(rows, apart)
-    above = rows["velocity"] > ceiling
-    value, half_width = velocity.value.clip(upper=ceiling), velocity.half_width.mask(above)
-    clipped = replace(velocity, value=value, half_width=half_width)
-    _draw_families(axes, rows, [clipped], spec, lambda _: apart | above, _PITCH)
-    _set_x_axis(axes, rows, spec)
-    axes.set_ylim(0, _EDGE * ceiling if above.any() else ceiling)
-    mark_cut_bars(axes)
-    _name_off_scale(axes, rows[above], spec.axes[0])
+def _add_natural_units(axes: Axes, rows: pd.DataFrame) -> None:
+    """Add an axis at the right with the velocity in units of √(gσ)."""
     unit = float(np.sqrt(rows["gravity"] * rows["diameter"]).iloc[0])
     right = axes.secondary_yaxis(
         "right", functions=(lambda v: np.divide(v, unit), lambda v: np.multiply(v, unit))
     )
-    right.set_ylabel("V / √(gσ)")
+    if axes.get_yscale() == "log":
+        set_plain_ticks(right.yaxis)
+    right.set_ylabel("V/√(gσ)")
     axes.spines["right"].set_visible(True)
 
 
-def _unjoined(rows: pd.DataFrame, quantity: Quantity) -> pd.Series:
-    """Return which flows no line joins: those that accelerate, and means of different flows."""
-    unknown = quantity.half_width > WIDEST_INTERVAL * quantity.value.abs()
-    return (rows["regime"] == "accelerating") | unknown
+def _disagreeing(quantity: Quantity) -> pd.Series:
+    """Return which points no line joins, as their replicates are of different flows."""
+    return quantity.half_width > WIDEST_INTERVAL * quantity.value.abs()
 
 
 def _set_x_axis(axes: Axes, rows: pd.DataFrame, spec: FigureSpec) -> None:
@@ -197,34 +197,3 @@ def _set_x_axis(axes: Axes, rows: pd.DataFrame, spec: FigureSpec) -> None:
     axes.autoscale_view()
     first = _OF_PAPER if spec.axes[0] == "depth" else ()
     set_ticks(axes, rows[spec.axes[0]], _LENGTH, first=first)
-
-
-def _ceiling(rows: pd.DataFrame, apart: pd.Series) -> float:
-    """Return the top of the vertical axis: the flows that do not accelerate fill it."""
-    bounded = rows[~apart]
-    bounded = bounded[bounded["completed"] > 0]
-    if bounded.empty:
-        bounded = rows[rows["completed"] > 0]
-    top = (bounded["velocity"] + bounded["half_width"].fillna(0)).max()
-    return _HEADROOM * top if top > 0 else 1.0
-
-
-def _name_off_scale(axes: Axes, rows: pd.DataFrame, along: str) -> None:
-    """Write above the axes, where nothing strikes it, which velocities are off the scale."""
-    to_axes, lines = axes.transData + axes.transAxes.inverted(), list[float]()
-    for value, above in rows.groupby(along):
-        place = float(to_axes.transform((value, 0.0))[0])
-        free = (line for line, last in enumerate(lines) if place - last >= _TEXT_WIDTH)
-        line = next(free, len(lines))
-        lines[line : line + 1] = [place]
-        low, high = (f"{edge:.2g}" for edge in (above["velocity"].min(), above["velocity"].max()))
-        axes.annotate(
-            "↑ " + (low if low == high else f"{low} … {high}"),
-            (value, 1),
-            xycoords=axes.get_xaxis_transform(),
-            xytext=(0, 2 + 9 * line),
-            textcoords="offset points",
-            ha="center",
-            fontsize=7.5,
-            color="#444444",
-        )

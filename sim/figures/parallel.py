@@ -10,19 +10,20 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from sim.figures.caption import unsteady_sentence
 from sim.figures.data import FigureData
 from sim.figures.plot import missing_value_note, observed_quantity
 from sim.figures.quantity import quantity_table
-from sim.figures.style import is_undecided
+from sim.figures.style import OPEN_MEANS, PALE_MEANS, is_undecided, legend_above
 from sim.figures.variables import Colours, Variable, known_rows, observable, parameters
 
 #: Width of the figure, and of each axis and least of all, inches.
 _HEIGHT, _PER_AXIS, _LEAST = 3.9, 1.15, 5.6
 
-#: Room above and below the axes, relative to their length, and opacity of pale lines.
-_BEYOND, _PALE = 0.07, 0.5
+#: Room above and below the axes, relative to their length; opacity of pale lines; dashes.
+_BEYOND, _PALE, _DASHES = 0.07, 0.5, (0, (4, 2))
 
 
 def draw(data: FigureData) -> Figure:
@@ -40,7 +41,7 @@ def draw(data: FigureData) -> Figure:
     steady = (rows["regime"] == "steady").to_numpy() | is_pale
     colours = Colours(shade).of(shade.values[rows.index])
     colours[is_pale, 3] = _PALE
-    dashes = ["-" if one else (0, (4, 2)) for one in steady]
+    dashes = ["-" if one else _DASHES for one in steady]
     axes.add_collection(LineCollection(lines, colors=colours, linestyles=dashes, linewidths=1.2))
     for place, variable in enumerate(variables):
         _draw_axis(axes, place, variable, rows)
@@ -52,6 +53,14 @@ def draw(data: FigureData) -> Figure:
     axes.grid(visible=False)
     axes.spines[["left", "bottom"]].set_visible(False)
     Colours(shade).explain(figure, [axes])
+    entries = ((is_pale, PALE_MEANS, "-", _PALE), (~steady, OPEN_MEANS, _DASHES, 1.0))
+    marks: list[Any] = [
+        Line2D([], [], color="#444444", linestyle=dash, alpha=alpha, label=label)
+        for mask, label, dash, alpha in entries
+        if mask.any()
+    ]
+    if marks:
+        legend_above(figure, marks, [mark.get_label() for mark in marks])
     return figure
 
 

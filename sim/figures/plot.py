@@ -30,7 +30,7 @@ from sim.study.plot_contents import name_in_words, parameter_phrase
 from sim.study.plottable import Observable, numbers
 
 #: Size (inches) of a plot with one panel, size of each of several, and the most panels in a row.
-SINGLE_SIZE, PANEL_SIZE, MOST_COLUMNS = (5.6, 3.9), (3.1, 2.7), 3
+SINGLE_SIZE, PANEL_SIZE, MOST_COLUMNS = (5.6, 3.9), (2.8, 2.6), 3
 
 #: Pairs of the axes of a panel and the points (rows) that it shows.
 Panels = list[tuple[Axes, pd.DataFrame]]

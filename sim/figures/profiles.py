@@ -24,7 +24,7 @@ from sim.figures.foreign_data import (
     foreign_data_notes,
     foreign_values,
 )
-from sim.figures.looks import groups, legend, number_of_curves
+from sim.figures.looks import groups, legend
 from sim.figures.plot import (
     Panels,
     completed_rows,
@@ -130,7 +130,7 @@ def draw(data: FigureData) -> Figure:
     elif not spec.options["between"]:
         # Panels share their axes, and set limits do not follow later data.
         shown[0][0].set_ylim(bottom=min([0.0, *foreign_values(data, "y")]))
-    legend(figure, shown, foreign, number_of_curves(data, curve_keys(data)))
+    legend(data, figure, shown, curve_keys(data), foreign)
     return figure
 
 
@@ -229,16 +229,16 @@ def notes(data: FigureData) -> list[str]:
 def _notes_on_lines(data: FigureData, drawn: list[pd.DataFrame]) -> list[str]:
     many, few = _has_many_and_few(data)
     pale = f"of fewer than {MIN_REPLICATES}, each is a pale line"
-    means_of = "Bands: Student's 95 % interval of the mean" if many else "Lines are means"
+    means_of = "Bands: 95 % interval of the mean (Student)" if many else "Lines are means"
     text = f"{means_of} over replicates{f'; {pale}' if few else ''}."
-    return [_extent_sentence(data, "Lines"), *([text] if many or few else [])]
+    return [text if many or few else "", _extent_sentence(data, "Lines")]
 
 
 def _notes_on_slices(data: FigureData, drawn: list[pd.DataFrame]) -> list[str]:
     many, few = _has_many_and_few(data)
-    bars = ["Bars: Student's 95 % interval of the mean over replicates"] if many else []
+    bars = ["bars: 95 % interval of the mean over replicates (Student)"] if many else []
     pale = [f"of fewer than {MIN_REPLICATES} replicates, each is a pale marker"] if few else []
-    text = "; ".join([*bars, *pale])
+    text = "; ".join(["A marker per slice of the height, the mean over replicates", *bars, *pale])
     every, log = pd.concat(drawn or [pd.DataFrame()]), data.spec.options["log"]
     is_cut = many and any(
         has_cut_bars(
@@ -247,9 +247,8 @@ def _notes_on_slices(data: FigureData, drawn: list[pd.DataFrame]) -> list[str]:
         for axis in "xy"
     )
     return [
-        "A marker per slice of the height, the mean over the replicates.",
+        f"{text}.",
         _extent_sentence(data, "Slices"),
-        *([f"{text[0].upper()}{text[1:]}."] if text else []),
         *(["Bars that end in a caret go on beyond the axes."] if is_cut else []),
     ]
 

@@ -29,7 +29,7 @@ def notes(data: FigureData) -> list[str]:
     """Return what the caption says of each flow that is drawn."""
     flows = _flows(data)
     sentences = [
-        f"The instantaneous profiles and the configuration are those of the first flow, {label}."
+        f"Pale: single replicates; instantaneous profiles and (c): the first flow ({label})."
         for label, _ in flows[:1]
     ]
     for label, row in flows:
@@ -125,7 +125,7 @@ def _draw_averages(axes: Axes, values: pd.DataFrame, name: str, colour: str, suf
     """Draw the time averages of the replicates and their mean; its suffix names one of several."""
     for each in _replicates(values, name):
         axes.plot(values[each], values["z"], color=colour, **_REPLICATE)
-    label, z = escape_label(f"cumulative average{suffix}"), values["z"]
+    label, z = escape_label(f"average{suffix}"), values["z"]
     axes.plot(values[name], z, color=colour, linestyle=DOTTED, linewidth=1.8, label=label)
 
 

@@ -31,8 +31,9 @@ from sim.figures.plot import (
     write_no_data,
 )
 from sim.figures.quantity import quantity_table
-from sim.figures.style import COLOURS, PALE, is_undecided
+from sim.figures.style import COLOURS, PALE, explain_markers, is_undecided
 from sim.figures.variables import Colours, Variable, colour, known_rows, observable, parameter
+from sim.study.plot_kinds import REGIME
 from sim.study.plottable import numbers
 
 #: Fewest points of a panel that have a running mean.
@@ -66,7 +67,7 @@ def draw(data: FigureData) -> Figure:
                 limit_axis(axes, axis, pd.concat([known, foreign_values(data, axis)]))
         mark_cut_bars(axes)
     label_axes(figure, shown, x.label, y.label)
-    legend(figure, shown, foreign)
+    legend(data, figure, shown, foreign=foreign)
     return figure
 
 
@@ -133,6 +134,8 @@ def draw_points(
     faces = colours.copy()
     faces[is_pale, 3] = PALE
     faces[is_open] = to_rgba("white")
+    if shade is None or shade.name != REGIME:
+        explain_markers(axes, rows)
     axes.scatter(
         x.values[rows.index],
         y.values[rows.index],
@@ -179,8 +182,8 @@ def notes(data: FigureData) -> list[str]:
     )
     completed = int((data.rows["completed"] > 0).sum())
     return [
-        *([line] if any(has_mean(averaged(part), x) for part in parts) else []),
         *bar_notes(data, rows, quantities),
+        *([line] if any(has_mean(averaged(part), x) for part in parts) else []),
         *(["Error bars that end in a caret go on beyond the axes."] if is_cut else []),
         *missing_value_note(completed - len(rows)),
         *foreign_data_notes(data),

@@ -10,12 +10,14 @@ from typing import Any
 import pandas as pd
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.transforms import offset_copy
 
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import PROTOCOLS, setting
 from sim.study.figure_spec import FigureSpec
+from sim.study.plot_contents import name_in_words, parameter_phrase
 
 #: Okabe and Ito's colours, told apart by colour-blind readers, darkest first.
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
@@ -61,8 +63,18 @@ SETTINGS: dict[Any, Any] = {
 }
 
 
-#: Opacity of the pale markers.
+#: Opacity of what is pale.
 PALE = 0.3
+
+#: Legend entries of markers that are pale, open or have a ring.
+MEANINGS = "may be steady (short run)", "not steady", "one replicate"
+PALE_MEANS, OPEN_MEANS, RING_MEANS = MEANINGS
+
+#: Look of the ring around a point of one replicate where others have bars.
+RING: dict[str, Any] = {
+    **{"marker": "o", "markersize": 8.5, "markerfacecolor": "none", "markeredgewidth": 0.8},
+    **{"linestyle": "none", "color": "#666666", "zorder": 3.2},
+}
 
 #: Style of a line of the converged protocol beside the published one.
 PALE_LINE: dict[str, Any] = {"linewidth": 3.4, "alpha": 0.4, "zorder": 1.9}
@@ -73,6 +85,9 @@ PALE_MARKER_SIZE = 7.0
 
 #: A letter, or a difference, with a subscript.
 _SUBSCRIPT = re.compile(r"(?<![\w$])(Δ?[^\W\d_])_([^\W_]+)(?![\w$])")
+
+#: A value in a unit that looks as if it stood in brackets.
+_IN_BRACKETS = re.compile(r"^(\S+) = (\S+) (⟨\w⟩)$")
 
 #: Style of a level with which values are compared.
 LEVEL: dict[str, Any] = {"color": "#888888", "linestyle": ":", "linewidth": 0.9, "zorder": 1}
@@ -124,23 +139,59 @@ def canvas(width: float = 5.6, height: float = 3.9) -> tuple[Figure, Axes]:
     return figure, figure.subplots()
 
 
-def place_legend(figure: Figure, axes: Axes) -> None:
+def place_legend(figure: Figure, axes: Axes, title: str = "") -> None:
     """Put the legend above the axes: entries with lines first, then those with markers only."""
-    # Their type is any artist, but all entries are lines or markers.
-    entries: list[tuple[Any, Any]] = list(zip(*axes.get_legend_handles_labels(), strict=True))
-    entries.sort(key=lambda entry: entry[0].get_linestyle() == "None")
-    legend_above(figure, [handle for handle, _ in entries], [label for _, label in entries])
+    # Their type is any artist, but all entries are lines or markers. Of one label the first counts.
+    handles, labels = axes.get_legend_handles_labels()
+    entries: dict[Any, Any] = dict(zip(labels[::-1], handles[::-1], strict=True))
+    labels = sorted(
+        dict.fromkeys(labels),
+        key=lambda label: (label in MEANINGS, entries[label].get_linestyle() == "None"),
+    )
+    legend_above(figure, [entries[label] for label in labels], labels, title)
 
 
-def legend_above(figure: Figure, handles: Sequence[Any], labels: Sequence[str]) -> None:
+def legend_above(
+    figure: Figure, handles: Sequence[Any], labels: Sequence[str], title: str = ""
+) -> None:
     """Put a legend above all axes in up to four columns; further rows make the figure higher."""
     wrapped = [textwrap.fill(label, ENTRY_WIDTH, break_long_words=False) for label in labels]
     lines = [line for label in wrapped for line in label.splitlines()]
     room = CHARACTERS_PER_INCH * figure.get_figwidth()
     columns = max(1, min(4, int(room / (max(map(len, lines), default=0) + 6))))
-    extra_rows = max(0, math.ceil(len(lines) / columns) - FREE_ROWS)
+    extra_rows = max(0, math.ceil(len(lines) / columns) + bool(title) - FREE_ROWS)
     figure.set_figheight(figure.get_figheight() + ROW_HEIGHT * extra_rows)
-    figure.legend(handles, wrapped, loc="outside upper center", ncols=columns)
+    look: dict[str, Any] = {"title": title or None, "title_fontsize": 8.5, "ncols": columns}
+    figure.legend(handles, wrapped, loc="outside upper center", **look)
+
+
+def legend_title(system: str, names: Iterable[str]) -> str:
+    """Return what the symbols of entries mean: ``restitution e, friction μ``."""
+    declared = field_info(SYSTEMS[system])
+    return ", ".join(
+        with_subscript(parameter_phrase(system, name), declared[name].symbol)
+        for name in dict.fromkeys(names)
+        if declared[name].symbol
+    )
+
+
+def faces(rows: pd.DataFrame, colour: Any) -> list[tuple[pd.Series, Any]]:
+    """Return masks of points and the face of their markers: steady, perhaps steady, and others."""
+    is_pale = is_undecided(rows)
+    steady = (rows["regime"] == "steady") & ~is_pale
+    # Opaque, so that no bar shows through.
+    pale = tuple(1 - PALE * (1 - part) for part in to_rgb(colour))
+    return [(steady, colour), (is_pale, pale), (~(steady | is_pale), "white")]
+
+
+def explain_markers(axes: Axes, rows: pd.DataFrame) -> None:
+    """Add legend entries of pale and of open markers where points have them."""
+    _, (is_pale, pale), (is_open, face) = faces(rows[rows["completed"] > 0], "#666666")
+    labels = axes.get_legend_handles_labels()[1]
+    for mask, colour, label in ((is_pale, pale, PALE_MEANS), (is_open, face, OPEN_MEANS)):
+        if mask.any() and label not in labels:
+            look: dict[str, Any] = {"color": "#666666", "markerfacecolor": colour, "label": label}
+            axes.plot([], [], "o", **look)
 
 
 def is_undecided(rows: pd.DataFrame) -> pd.Series:
@@ -201,7 +252,7 @@ def look_of(
         Parameters that name a curve. The legend entry ends with the settings of all other
         parameters that distinguish curves.
     measure : mapping, optional
-        One of several measures: its ``entry`` follows the settings, and it has a style of its own,
+        One of several measures: it has a style of its own, and its ``entry`` follows the settings;
         or ``dashes`` alone instead of those of the curve.
     """
     styles, own = spec.options.get("styles", {}), measure or {}
@@ -223,15 +274,27 @@ def look_of(
             else settings(spec.system, named.items())
         )
         rest = settings(spec.system, (item for item in names.items() if item[0] not in named))
-        return style, ", ".join(filter(None, (entry, rest, own.get("entry"))))
+        measured = own.get("entry") if "colour" in own else ""
+        return style, ", ".join(filter(None, (entry, rest, measured)))
 
     return look
 
 
 def settings(system: str, values: Iterable[tuple[str, object]]) -> str:
-    """Write values of parameters for a legend: ``e = 0.85, K1 = 100 N/m``."""
+    """Write values of parameters for a legend: ``e = 0.85, K1 = 100 N/m``.
+
+    >>> settings("belt", [("frequency", 20.0), ("amplitude", 1.5), ("damping_mass", "own")])
+    'f = 20 Hz, $A_{z}$/⟨d⟩ = 1.5, damping mass: own'
+    """
     declared = field_info(SYSTEMS[system])
     return ", ".join(
-        with_subscript(escape_label(setting(system, name, value)), declared[name].symbol)
+        with_subscript(escape_label(_setting(system, name, value)), declared[name].symbol)
         for name, value in values
     )
+
+
+def _setting(system: str, name: str, value: object) -> str:
+    """Write a value of a parameter: words of choices, and a number over its unit in brackets."""
+    if isinstance(value, str) and value:
+        return setting(system, name, value).replace(f"{name} ", f"{name_in_words(name)}: ", 1)
+    return _IN_BRACKETS.sub(r"\1/\3 = \2", setting(system, name, value))

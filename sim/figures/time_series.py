@@ -18,7 +18,7 @@ from sim.dataset.run_file import RunFile
 from sim.figures.axes import set_log
 from sim.figures.caption import unsteady_sentence
 from sim.figures.data import FigureData
-from sim.figures.looks import groups, legend, number_of_curves
+from sim.figures.looks import groups, legend
 from sim.figures.plot import (
     above_zero,
     curve_keys,
@@ -66,7 +66,7 @@ def draw(data: FigureData) -> Figure:
         observable_label(data, replicate_values),
     )
     write_no_data(shown, replicate_values.name)
-    legend(figure, shown, None, number_of_curves(data, curve_keys(data)))
+    legend(data, figure, shown, curve_keys(data))
     return figure
 
 
@@ -136,8 +136,9 @@ def table(data: FigureData) -> pd.DataFrame:
 def notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on the lines."""
     return [
-        f"A line per replicate, of at most {MOST_VALUES} means over successive samples. Dotted: "
-        "where averaging begins, in the mean over the replicates of a point.",
+        "A line per replicate. Dotted: where averaging begins.",
+        f"A line has at most {MOST_VALUES} means over successive samples; the dotted line is at "
+        "the mean over the replicates of a point.",
         *(_notes_on_logarithms(data) if data.spec.options["log"] else []),
         unsteady_sentence(data.rows),
     ]

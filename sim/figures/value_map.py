@@ -19,9 +19,9 @@ from scipy.spatial import Delaunay, QhullError
 
 from sim.figures.caption import regime_sentence, unsteady_sentence
 from sim.figures.data import FigureData, varying_parameters
-from sim.figures.plot import Panels, missing_value_note
+from sim.figures.plot import PANEL_SIZE, SINGLE_SIZE, Panels, missing_value_note
 from sim.figures.scatter import draw_points
-from sim.figures.style import is_undecided
+from sim.figures.style import OPEN_MEANS, PALE_MEANS, is_undecided
 from sim.figures.variables import SHADES, Colours, Variable, known_rows, observable, parameter
 from sim.parameters import SYSTEMS
 from sim.study.plot_contents import in_words, parameter_phrase
@@ -39,11 +39,12 @@ _ALONE, _BETWEEN = 60.0, 16.0
 #: How often triangles are halved where an axis is logarithmic.
 _DIVISIONS = 3
 
-#: Hatches of flows that are not steady, and of runs too short to tell.
+#: Hatches of flows that are not steady, and of runs too short to tell, with their entries.
 _DENSE, _WIDE = "////", "/"
+_HATCHES = {_DENSE: OPEN_MEANS, _WIDE: PALE_MEANS}
 
-#: Digits of the largest value in a cell, and most decimals of all.
-_DIGITS, _DECIMALS = 3, 5
+#: Digits of the largest value in a cell, most decimals of all, and width of a character, inches.
+_DIGITS, _DECIMALS, _CHARACTER = 3, 5, 0.075
 
 
 def draw_values(data: FigureData, figure: Figure, shown: Panels) -> None:
@@ -137,6 +138,8 @@ def _draw_cells(axes: Axes, data: FigureData, rows: pd.DataFrame, shade: Variabl
             _hatch(axes, cell, marks[down, across], _ink(value, norm))
     if values.size <= MOST_WRITTEN:
         _write_values(axes, columns, lines, values, norm)
+        axes.set_xlim(edges[0][0], edges[0][-1])
+        _turn_wide_texts(axes, data, edges[0])
     elif norm.vmin != norm.vmax:
         known = np.ma.masked_invalid(values)
         _label_lines(axes, axes.contour(columns, lines, known, _levels(norm), **_LINE))
@@ -170,6 +173,17 @@ def _write_values(
             )
 
 
+def _turn_wide_texts(axes: Axes, data: FigureData, edges: np.ndarray) -> None:
+    """Turn the values of cells for which they are too wide; ``edges`` are those of the columns."""
+    places = np.log(edges) if "x" in data.spec.options["log"] else edges
+    length = SINGLE_SIZE[0] - 1.5 if not data.spec.options["panels"] else PANEL_SIZE[0] - 0.5
+    widths = length * np.diff(places) / np.ptp(places)
+    for text in axes.texts:
+        column = int(np.searchsorted(edges, text.get_position()[0])) - 1
+        if len(text.get_text()) * _CHARACTER > widths[column]:
+            text.set_rotation(90)
+
+
 def _label_lines(axes: Axes, lines: ContourSet) -> None:
     """Write the values of contour lines on them."""
     for text in axes.clabel(lines, fontsize=7.5, fmt=lambda level: f"{level:.3g}") or ():
@@ -177,10 +191,15 @@ def _label_lines(axes: Axes, lines: ContourSet) -> None:
 
 
 def _hatch(axes: Axes, patch: Patch, hatch: str, colour: tuple[float, float, float]) -> None:
-    """Add a patch that is a hatch alone."""
+    """Add a patch that is a hatch alone, and an entry of the legend for the hatch."""
     patch.set(fill=False, linewidth=0, hatch=hatch, edgecolor=(*colour, 0.55), zorder=1.5)
     patch.set_hatch_linewidth(0.6)
     axes.add_patch(patch)
+    look: dict[str, Any] = {"fill": False, "hatch": 2 * hatch, "edgecolor": "#666666"}
+    # Outside the axes, whose limits it does not change.
+    entry = Rectangle((-1, -1), 0, 0, transform=axes.transAxes, label=_HATCHES[hatch], **look)
+    if entry.get_label() not in axes.get_legend_handles_labels()[1]:
+        axes.add_artist(entry)
 
 
 def _levels(norm: Normalize) -> np.ndarray:

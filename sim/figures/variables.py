@@ -33,8 +33,8 @@ _WIDE = 8.0
 #: of ten alone.
 _FEW, _DECADES = 4, 30
 
-#: Colours of numbers; the palest are left out, as points and lines lie on white.
-SHADES = ListedColormap(VIRIDIS(np.linspace(0, 0.93, 256)))
+#: Colours of numbers; the palest are left out, as points lie on white, or on black once inverted.
+SHADES = ListedColormap(VIRIDIS(np.linspace(0, 0.87, 256)))
 
 #: Colours of regimes.
 REGIME_COLOURS = {

@@ -9,6 +9,7 @@ from xml.etree import ElementTree
 import pandas as pd
 
 from sim.base.seals import checked_read
+from sim.figures.caption import parted
 from sim.study.figure_spec import FigureSpec
 from sim.study.papers import papers
 
@@ -28,8 +29,8 @@ _BROAD_ASPECT = 1.8
 _RANGES_SHOWN = 3
 
 
-#: Kinds whose colours mean numbers or regimes: a dark page shows them as they are.
-_COLOURED = ("map", "surface", "scatter", "pairs", "parallel", "posterior", "row")
+#: Kinds with pictures of shaded spheres, which a dark page shows as they are, but darker.
+_SHADED = ("row",)
 
 #: Heading of the plots that the study file itself defines.
 OWN_GROUP = "Plots of the study"
@@ -76,14 +77,14 @@ def figure_entries(
 
 
 def figure_entry(spec: FigureSpec, folder: Path, address: Address) -> dict[str, Any]:
-    """Return title, caption and addresses of the files of one figure.
+    """Return title, caption, details and addresses of the files of one figure.
 
     The ``picture`` of an animation is its first frame, and ``animation`` is its address.
     """
     name = spec.name
     files = {suffix: folder / f"{name}{suffix}" for suffix in (*_MEDIA, ".caption.txt")}
     with checked_read(files[".caption.txt"], "caption", replaceable=True):
-        caption = files[".caption.txt"].read_text(encoding="utf-8").strip()
+        caption, details = parted(files[".caption.txt"].read_text(encoding="utf-8"))
     with checked_read(files[".csv"], _KINDS[".csv"], replaceable=True):
         data_text = describe_ranges(pd.read_csv(files[".csv"]))
     entry = {
@@ -91,8 +92,9 @@ def figure_entry(spec: FigureSpec, folder: Path, address: Address) -> dict[str, 
         "title": spec.title,
         "paper": spec.paper,
         "own": not spec.paper,
-        "inverts": not spec.animated and spec.kind not in _COLOURED,
+        "inverts": not spec.animated and spec.kind not in _SHADED,
         "caption": caption,
+        "details": details,
         "data": address(files[".csv"]),
     }
     if spec.animated:

@@ -30,7 +30,7 @@ from sim.study.plottable import find_observable, require_parameter
 #: Keys of the figures of all kinds.
 KEYS_OF_ALL = (
     *("name", "kind", "system", "about", "title"),
-    *("where", "words", "lead", "named", "says"),
+    *("where", "words", "lead", "named", "says", "details"),
 )
 
 #: Limits that words in braces can name, as they are written there.
@@ -84,7 +84,7 @@ class Measure(_Look):
 
 
 class FigureFile(PlotFile):
-    """A figure of a paper. Words in braces in ``title``, ``lead`` and ``says`` are filled in."""
+    """A figure of a paper. Words in braces in its texts are filled in."""
 
     kind: Annotated[str, AfterValidator(_require_kind)] = Field(
         "curves", description="kind of plot, see `sim.figures.kinds`"
@@ -94,6 +94,7 @@ class FigureFile(PlotFile):
     vary: list[str] = Field([], description="parameters, on no axis, that the points must vary")
     labels: dict[Literal["x", "y"], Text] = Field({}, description="labels of the axes")
     levels: list[float] = Field([], description="values to compare with")
+    level: Text = Field("", description="their entry in the legend")
     quantities: list[Measure] = []
     relative: bool = Field(
         False, description="whether velocity and frequency of the belt become shares of its own"
@@ -105,9 +106,10 @@ class FigureFile(PlotFile):
     words: dict[str, Text] = Field(
         {}, description="texts for the braces, besides those of the file"
     )
-    lead: Text = Field(description="first sentences of the caption: what is drawn")
-    named: list[str] = Field(description="parameters whose values the caption gives")
-    says: Text = Field(description="last sentences of the caption: what the paper says")
+    lead: Text = Field(description="first sentence of the caption: what is drawn")
+    named: list[str] = Field(description="parameters whose values the details give")
+    says: Text = Field(description="sentence of the caption: what the paper says")
+    details: Text = Field("", description="first sentences of the details: definitions, methods")
 
     @model_validator(mode="after")
     def _require_keys_of_figures(self) -> Self:
@@ -148,6 +150,7 @@ class FigureFile(PlotFile):
         options: dict[str, Any] = {
             "labels": self.labels,
             "levels": tuple(self.levels),
+            "level": self.level,
             "quantities": tuple(one.model_dump(exclude_unset=True) for one in self.quantities),
             "styles": {
                 style.at: style.model_dump(exclude_unset=True, exclude={"at"})
@@ -206,7 +209,9 @@ def _spec(
 ) -> FigureSpec:
     """Return what the figure at ``key`` of a file is."""
     words = {**words, **figure.words, **figure.where}
-    texts = _fill(figure.model_dump(include={"title", "lead", "says"}), words, source, key)
+    texts = _fill(
+        figure.model_dump(include={"title", "lead", "says", "details"}), words, source, key
+    )
     return FigureSpec(
         name=figure.name,
         kind=figure.kind,
@@ -219,6 +224,7 @@ def _spec(
         lead=texts["lead"],
         named=tuple(figure.named),
         says=texts["says"],
+        details=texts["details"],
         options=figure.options,
     )
 

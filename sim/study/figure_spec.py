@@ -48,11 +48,13 @@ class FigureSpec:
         Values that parameters of a point must have to be drawn, or tuples of values of which each
         must have one; others of a series that feeds the figure are left out.
     lead : str
-        First sentences of the caption: what is drawn.
+        First sentence of the caption: what is drawn.
     named : tuple of str
-        Parameters whose values the caption gives.
+        Parameters whose values the details give.
     says : str
-        Last sentences of the caption: what the paper says that the figure shows.
+        Sentence of the caption: what the paper says that the figure shows.
+    details : str
+        First sentences of the details: definitions and methods.
     series : tuple of str
         Series whose points feed it, where the study says so itself; those of the catalogue are fed
         by the series that name them.
@@ -72,6 +74,7 @@ class FigureSpec:
     lead: str = ""
     named: tuple[str, ...] = ()
     says: str = ""
+    details: str = ""
     series: tuple[str, ...] = ()
     options: Mapping[str, Any] = field(default_factory=dict)
 

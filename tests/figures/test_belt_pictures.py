@@ -101,8 +101,9 @@ def test_data_and_caption(name, belt_dataset):
         f"d_o = {where['obstacle']} ⟨d⟩",
         f"γ_s = {where['shear_damping']}g",
         "t_tr = 45 cycles",
-        "Published protocol: first replicate that completed of point belt-",
-        f"regime {regime}; the mean velocity of 3 replicates is ",
+        "Published protocol: point belt-",
+        f"(published protocol, {regime})",
+        ", 3 replicates.",
         "The paper: ",
     ):
         assert part in text

@@ -44,11 +44,11 @@ def test_instantaneous_profiles_are_solid_and_averages_dotted(results, name):
     for axes, mean in zip(figure.axes[:2], (None, 0.5), strict=True):
         found = lines(axes)
         assert dashes(found["instantaneous"]) == "-"
-        assert dashes(found["cumulative average"]) == (0, DOTTED[1])
-        ratio = found["instantaneous"].get_xdata() / found["cumulative average"].get_xdata()
+        assert dashes(found["average"]) == (0, DOTTED[1])
+        ratio = found["instantaneous"].get_xdata() / found["average"].get_xdata()
         assert ratio == pytest.approx(1.5 * (1 + SPREAD[0]), rel=2 * ROUNDING)
         if mean:
-            assert found["cumulative average"].get_xdata() == pytest.approx(mean, rel=ROUNDING)
+            assert found["average"].get_xdata() == pytest.approx(mean, rel=ROUNDING)
 
 
 def test_flows_of_two_stiffnesses_are_told_apart(results):
@@ -62,7 +62,7 @@ def test_flows_of_two_stiffnesses_are_told_apart(results):
 def test_heights_are_in_diameters_and_velocities_in_two_units(results):
     figure, _ = drawn("walton_1_4", results)
     velocity = figure.axes[0]
-    line = lines(velocity)["cumulative average"]
+    line = lines(velocity)["average"]
     assert line.get_xdata() == pytest.approx(0.1 * line.get_ydata(), rel=ROUNDING)
     assert line.get_ydata().max() == pytest.approx(np.pi / 3 * 10, abs=0.25)
     (top,) = velocity.child_axes
@@ -77,7 +77,7 @@ def test_every_replicate_is_a_pale_line_within_the_panel_and_there_is_no_band(re
         pale = [
             line for line in axes.get_lines() if line.get_alpha() == PALE and line.get_xdata().size
         ]
-        average = lines(axes)["cumulative average"].get_xdata()
+        average = lines(axes)["average"].get_xdata()
         ratios = np.array([line.get_xdata() for line in pale]) / average
         assert ratios == pytest.approx(
             np.outer(1 + SPREAD, np.ones(len(average))), rel=2 * ROUNDING
@@ -92,8 +92,8 @@ def test_the_converged_protocol_lies_beside_the_published_one(results):
     labels = [line.get_label() for line in figure.axes[0].get_lines()]
     assert [label for label in labels if not label.startswith("_")] == [
         "instantaneous",
-        "cumulative average, fixed length",
-        "cumulative average, converged",
+        "average, fixed length",
+        "average, converged",
         "each replicate",
     ]
 
@@ -128,7 +128,7 @@ def test_files_tell_units_replicates_protocols_and_the_paper(chute_dataset, tmp_
         "n = 5",
         "K1 = 100 N/m",
         "Fixed length: mean velocity 0.1 ±",
-        "profiles and the configuration are those of the first flow, fixed length.",
+        "instantaneous profiles and (c): the first flow (fixed length).",
         "steady; 3 replicates, 3 steady.",
         "steady; 2 replicates, 2 steady.",
         "The paper: ",

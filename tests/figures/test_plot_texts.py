@@ -16,7 +16,6 @@ from sim.base.plugins import load_plugins
 from sim.figures.caption import parameters_sentence
 from sim.figures.data import figure_data
 from sim.figures.family import _draw_points
-from sim.figures.quantity import Quantity
 from sim.figures.render import derive_texts
 from sim.figures.style import SETTINGS, CurveStyle
 from sim.study.plot_kinds import find_kind
@@ -44,7 +43,7 @@ def test_a_caption_explains_no_marker_and_no_bar_that_is_not_drawn(y):
     depth = {"shear_depth": 0.001}
     steady, plot = depth | {"regime": "steady"}, {"x": "friction", "y": y}
     text = caption_of(plot, at_frictions(steady, steady, steady))
-    assert "Error bars: " in text
+    assert "Bars: " in text
     for word in ("caret", "aside", "markers", "interrupted", "only one"):
         assert word not in text
     speeding = depth | {"regime": "accelerating", "acceleration": 2.0}
@@ -71,7 +70,7 @@ def test_a_caption_tells_of_carets_and_of_points_where_they_are():
     unknown = {"shear_depth": np.full(1, np.nan), "acceleration": 2.0}
     known = {"shear_depth": 0.001}
     text = caption_of(plot, at_frictions(known, known, unknown, replicates=1))
-    assert "arker" not in text and "Error bars" not in text
+    assert "arker" not in text and "Bars:" not in text
 
 
 UNKNOWN = {"velocity_error": np.full(3, np.nan)}
@@ -196,9 +195,9 @@ def test_a_caption_names_choices_that_are_not_usual():
 
 def test_where_no_interval_is_known_there_is_no_bar():
     rows = pd.DataFrame({"depth": [1.0, 2.0], "regime": "steady", "quality": "reliable"})
-    values = Quantity("velocity", "V", pd.Series([1.0, 2.0]), pd.Series([0.1, float("nan")]))
+    values, widths = pd.Series([1.0, 2.0]), {"yerr": pd.Series([0.1, float("nan")])}
     axes = Figure().subplots()
-    _draw_points(axes, rows, values, "depth", CurveStyle("#000000", "-"), False)
+    _draw_points(axes, rows, values, "depth", CurveStyle("#000000", "-"), widths)
     drawn = [bars.lines[2] for bars in axes.containers]
     ends = [part.get_segments() for bars in drawn for part in bars]
     assert [len(segments) for segments in ends] == [1, 0, 0]

@@ -221,7 +221,7 @@ def test_profiles_against_each_other_have_a_marker_with_bars_in_every_slice():
     assert heat.iloc[0] == pytest.approx(1.1 * 4.875) and heat.iloc[12] == pytest.approx(1.875)
     half = rows.filter(regex="^half width .* packing").iloc[0, 0]
     assert half == pytest.approx(student_half_width(np.array([1, 1.1, 1.2]) * 4.875 / 10))
-    assert "Bars: Student" in (text := " ".join(find_kind(data.spec.kind).notes(data)))
+    assert "bars: 95 %" in (text := " ".join(find_kind(data.spec.kind).notes(data)))
     assert "pale" not in text
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from sim.figures.boundaries import BOUNDARIES, boundary_sentence
+from sim.figures.boundaries import BOUNDARIES, boundary_sentences
 from sim.figures.map import MARKS, creeping
 from sim.study.catalogue import FIGURES
 from tests.figures import drawing
@@ -144,13 +144,15 @@ def test_lines_of_theory(dataset_path):
 def test_the_caption_says_what_was_not_found(dataset_path):
     _, _, found = drawn("regimes_angle", dataset_path)
     verdicts = found.assign(verdict=["found", "wide", "none", "none"])
-    assert boundary_sentence(verdicts, ("depth", "angle")) == (
-        "Bars: intervals that hold a boundary, of 4 looked for: 1 wider than asked for, as "
-        "undecided or contradictory points lie in between; 2 not within the range searched. "
-        "Shown: limit of acceleration (2); limit of arrest (2)."
-    )
+    assert boundary_sentences(verdicts, ("depth", "angle")) == [
+        "Bars: intervals that hold a boundary, 4 of 4 looked for.",
+        "Boundaries: 1 wider than asked for, as undecided or contradictory points lie in between; "
+        "2 not within the range searched.",
+        "Boundaries shown: limit of acceleration (2); limit of arrest (2).",
+    ]
     verdicts.loc[verdicts["verdict"] == "none", ["low", "high"]] = np.nan
-    said = boundary_sentence(verdicts, ("depth", "angle"))
+    bars, said, shown = boundary_sentences(verdicts, ("depth", "angle"))
     missing = verdicts[verdicts["verdict"] == "none"]
     named = "; ".join(f"limit of arrest, n = {depth:g}" for depth in missing["depth"])
-    assert f"2 not within the range searched ({named}). Shown: limit of acceleration (2)." in said
+    assert "2 of 4 looked for" in bars and shown == "Boundaries shown: limit of acceleration (2)."
+    assert f"2 not within the range searched ({named})." in said

@@ -13,6 +13,7 @@ from sim.base.errors import InputError
 from sim.base.seals import DamagedError, parse_sealed_json, to_sealed_json
 from sim.dataset.build import build as build_dataset
 from sim.dataset.results import load_results
+from sim.figures.caption import parted
 from sim.figures.several import draw_figures
 from sim.report.claims import read_claims
 from sim.report.gallery import (
@@ -103,7 +104,8 @@ def test_every_figure_is_inside_once_with_alternative_text_and_data(page, made):
     for name in DRAWN:
         assert content(images[f"picture-{name}"]["src"]) == (folder / f"{name}.svg").read_bytes()
         assert content(data[f"{name}.csv"]) == (folder / f"{name}.csv").read_bytes()
-        assert (folder / f"{name}.caption.txt").read_text().strip() in page.text
+        caption, details = parted((folder / f"{name}.caption.txt").read_text())
+        assert caption in page.text and details and all(line in page.text for line in details)
 
 
 def content(uri: str) -> bytes:

@@ -75,7 +75,7 @@ def test_captions_say_how_much_of_the_cell_pictures_show():
     assert rows
     for spec in rows:
         shows_half = spec.where["depth"] <= LARGEST_PORTION
-        assert ("the half of the periodic cell near the viewer" in spec.lead) is shows_half
+        assert ("the half of the periodic cell near the viewer" in spec.details) is shows_half
 
 
 ENTRY = """\
