@@ -1,4 +1,4 @@
-"""Calls on files fail, stop half way or end with the process: nothing whole is lost or set aside."""
+"""Calls on files fail, stop half way, or end the process: nothing whole is lost or set aside."""
 
 import json
 import os

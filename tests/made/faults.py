@@ -1,7 +1,7 @@
 """Commands in forks of one process, in which a chosen call on a file goes wrong.
 
-``python -m tests.made.faults`` is that process, with the library of ``faults.c`` preloaded. It reads
-a line of JSON for each command, and answers with one.
+``python -m tests.made.faults`` is that process, with the library of ``faults.c`` preloaded. It
+reads a line of JSON for each command, and answers with one.
 """
 
 import ctypes
@@ -26,7 +26,7 @@ LIBRARY = "libfaults.so"
 
 
 class Calls(IntFlag):
-    """Kinds of calls on files, as in ``faults.c``; names and folders are opened and written, too."""
+    """Kinds of calls on files, as in ``faults.c``; those that change names and folders write."""
 
     OPEN, READ, WRITE, STATUS = 1, 2, 4, 8
 
@@ -129,7 +129,7 @@ def _become(order: dict[str, Any], names: Sequence[Path]) -> None:
     for number, path in zip((1, 2, 0), names, strict=True):
         flags = os.O_RDONLY if not number else os.O_WRONLY | os.O_CREAT | os.O_TRUNC
         os.dup2(os.open(path, flags), number)
-    sys.stdin = open(0, closefd=False)
+    sys.stdin = os.fdopen(0, closefd=False)
     code = 70
     try:
         os.chdir(order["folder"])
