@@ -127,8 +127,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # The reader of the pipe is gone; the interpreter's last flush must not fail on it.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return BROKEN_PIPE
-    except OSError as error:
-        print(f"error: {error}", file=sys.stderr)
+    except (OSError, MemoryError) as error:
+        print(f"error: {error or 'out of memory'}", file=sys.stderr)
         return SYSTEM_ERROR
     except Exception as error:
         if input_error := plugin_code_error(error):

@@ -61,7 +61,7 @@ def temporary_folder(path: Path) -> Iterator[Path]:
     can have put a link in the place of what is written. Folders that killed processes have left
     for the same ``path`` are removed first.
 
-    Raises ``OSError`` that says so where writing has failed on a full disk.
+    Raises ``OSError`` where a library cannot write; it says so where the disk is full.
     """
     try:
         remove_leftovers(path)
@@ -74,6 +74,8 @@ def temporary_folder(path: Path) -> Iterator[Path]:
         # Of a full disk, libraries say "HDF error" or "permission denied".
         if number := _shortage(Path(name)):
             raise OSError(number, os.strerror(number), str(path)) from error
+        if isinstance(error, RuntimeError) and "NetCDF" in str(error):
+            raise OSError(errno.EIO, f"cannot be written ({error})", str(path)) from error
         raise
     finally:
         shutil.rmtree(name, ignore_errors=True)

@@ -166,9 +166,9 @@ class _SourceCode(NamedTuple):
 def _find(name: str, folder: Path, error_of: Callable[[str], InputError]) -> _SourceCode:
     """Return the code of a plug-in by its name; ``error_of`` turns a reason into an error."""
     path = (folder / name).absolute()
-    entries = entry_points(group=GROUP)
     if name.endswith(FILE):
         return _beside_study(path, path, (path,), error_of)
+    entries = entry_points(group=GROUP)
     if name not in entries.names:
         if (path / _INIT).is_file():
             contents = (one for one in sorted(path.rglob("*")) if one.is_file())
@@ -179,13 +179,17 @@ def _find(name: str, folder: Path, error_of: Callable[[str], InputError]) -> _So
 
         installed = near(name, sorted(entries.names)) or "none"
         raise error_of(f"installed: {installed}")
-    module = entries[name].module
-    spec = find_spec(module.partition(".")[0])
-    if spec is None or spec.origin is None:
-        raise error_of(f"no module {module}")
-    file = Path(spec.origin)
-    files = file.parent.rglob(f"*{FILE}") if spec.submodule_search_locations else [file]
-    code = _hash((path.name, path.read_bytes()) for path in sorted(files))
+    module = entries[name].value
+    try:
+        module = entries[name].module
+        spec = find_spec(module.partition(".")[0])
+        if spec is None or spec.origin is None:
+            raise error_of(f"no module {module}")
+        file = Path(spec.origin)
+        files = file.parent.rglob(f"*{FILE}") if spec.submodule_search_locations else [file]
+        code = _hash((path.name, read_regular(path)) for path in sorted(files))
+    except (OSError, ValueError, AttributeError) as error:
+        raise error_of(f"{module}: {error}") from None
     return _SourceCode(Plugin(name, name, code), file, module)
 
 

@@ -4,6 +4,7 @@ The end of a sealed file may hold a summary, a line of JSON, which is read witho
 It follows the end that the file declares, and the seal follows it. JSON has its checksum as a key.
 """
 
+import errno
 import hashlib
 import json
 import os
@@ -78,8 +79,10 @@ def checked_read(path: Path, kind: str, replaceable: bool, sealed: bool = False)
             "the points of a study"
         )
     try:
-        if not path.is_file():
-            raise ValueError("no file, or a link to none")
+        try:
+            open_regular(path).close()
+        except FileNotFoundError:
+            raise ValueError("no file, or a link to none") from None
         if sealed and is_damaged(path):
             raise ValueError("its checksum is wrong or missing")
         yield
@@ -88,6 +91,10 @@ def checked_read(path: Path, kind: str, replaceable: bool, sealed: bool = False)
     except UNREADABLE as error:
         if is_of_system(error):
             raise
+        if sealed and isinstance(error, (OSError, RuntimeError)) and not is_damaged(path):
+            # Of an error of the system, the library says "HDF error".
+            reason = f"cannot be read, though its checksum is right ({error})"
+            raise OSError(errno.EIO, reason, str(path)) from None
         message = f"{path}: damaged or not a {kind} ({error})"
         if replaceable:
             aside = set_aside(path).name
@@ -169,10 +176,10 @@ def read_summary(path: Path) -> dict[str, Any] | None:
             return None
         try:
             length = int(words[1])
-            file.seek(end - length)
+            file.seek(max(0, end - length))
             text = file.read(length)
             return json.loads(text) if ending.startswith(_END % (length, crc32(text))) else None
-        except (ValueError, OSError):
+        except (ValueError, OverflowError):
             return None
 
 

@@ -103,7 +103,7 @@ def build(
     blocks += gather({key: point for key, point in study.points.items() if key not in first})
     with atomic_write(output) as temporary:
         for group, dataset in _groups(blocks, study, sides):
-            _write(temporary, group, dataset, output)
+            _write(temporary, group, dataset)
         seal(temporary)
         if not finished:
             keep_dataset(temporary, folder)
@@ -208,18 +208,14 @@ def _groups(
         yield GROUP, tabulate(study, sides_of_boundaries).to_xarray()
 
 
-def _write(temporary: Path, group: str | None, dataset: xr.Dataset, output: Path) -> None:
-    """Write a group to ``temporary``, which becomes ``output``; the root must be written first."""
+def _write(path: Path, group: str | None, dataset: xr.Dataset) -> None:
+    """Write a group to a file; the root must be written first."""
     encoding = {name: _encoding(dataset[name], group) for name in dataset.data_vars}
     # CF allows only numbers as coordinates, so labels are stored as letters in two dimensions.
     labels = (name for name in ("point", "run") if name in dataset.coords)
     encoding |= {name: COMPRESSION | {"dtype": "S1"} for name in labels}
     mode: Literal["a", "w"] = "a" if group else "w"
-    try:
-        dataset.to_netcdf(temporary, mode=mode, group=group, engine="netcdf4", encoding=encoding)
-    except RuntimeError as error:
-        # NetCDF raises this when the disk is full.
-        raise OSError(f"{output}: cannot be written: {error}") from None
+    dataset.to_netcdf(path, mode=mode, group=group, engine="netcdf4", encoding=encoding)
 
 
 def _encoding(values: xr.DataArray, group: str | None) -> dict[str, Any]:

@@ -2,7 +2,9 @@
 
 import os
 import signal
+import sys
 import threading
+import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
@@ -28,8 +30,12 @@ BATCH = 40
 #: and halve the time of reading.
 MIN_FILES = 40
 
-#: Seconds within which a dask scheduler answers.
-SCHEDULER_TIMEOUT = 10
+#: Seconds within which a dask scheduler answers, for which a cluster may be without any worker, and
+#: between two looks at it.
+SCHEDULER_TIMEOUT, WORKER_TIMEOUT, POLL = 10, 120, 0.2
+
+#: The option that names a cluster, for messages.
+_KEY = "--dask-scheduler"
 
 _READ_LOCK = threading.Lock()
 
@@ -115,20 +121,14 @@ def _batches(files: Sequence[File], processes: int, scheduler: str | None) -> It
     size = max(1, min(BATCH, -(-len(files) // max(1, processes))))
     parts = [files[first : first + size] for first in range(0, len(files), size)]
     if files and scheduler is not None:
-        with _dask_cluster(scheduler) as options:
-            absolute = [[(file[0].absolute(), file[1], file[2]) for file in part] for part in parts]
-            return _compute(absolute, options)
+        absolute = [[(file[0].absolute(), file[1], file[2]) for file in part] for part in parts]
+        return _read_by_cluster(absolute, scheduler)
     if processes > 1 and len(files) >= MIN_FILES:
         with _process_pool(min(processes, len(parts))) as options:
-            return _compute(parts, options)
+            import dask
+
+            return dask.compute(*map(dask.delayed(read_batch, pure=False), parts), **options)
     return map(read_batch, parts)
-
-
-def _compute(parts: Sequence[Sequence[File]], options: Mapping[str, Any]) -> Sequence[Batch]:
-    """Read batches of files with dask, whose scheduler ``options`` select."""
-    import dask
-
-    return dask.compute(*(dask.delayed(read_batch, pure=False)(part) for part in parts), **options)
 
 
 def read_batch(files: Sequence[File]) -> Batch:
@@ -151,27 +151,54 @@ def _process_pool(count: int) -> Iterator[dict[str, Any]]:
         yield {"scheduler": "processes", "pool": pool, "chunksize": 1}
 
 
-@contextmanager
-def _dask_cluster(address: str) -> Iterator[dict[str, Any]]:
-    """Yield options for dask with the cluster of the user."""
-    key = "--dask-scheduler"
+def _read_by_cluster(parts: Sequence[Sequence[File]], address: str) -> Sequence[Batch]:
+    """Read batches of files by the cluster of the user.
+
+    Raises `InputError` where its scheduler does not answer, or where it has no worker for long.
+    """
     try:
-        from distributed import Client
+        from distributed import Client, KilledWorker
+        from distributed.client import FutureCancelledError
         from distributed.comm import get_address_host_port
     except ImportError:
-        raise InputError(f"{key}: needs the package distributed: pip install distributed") from None
+        problem = "needs the package distributed: pip install distributed"
+        raise InputError(f"{_KEY}: {problem}") from None
     try:
         get_address_host_port(address, strict=True)
-        client = Client(address, timeout=SCHEDULER_TIMEOUT, set_as_default=False)
-    except (OSError, ValueError) as error:
+        with Client(address, timeout=SCHEDULER_TIMEOUT, set_as_default=False) as client:
+            _require_worker(client, address)
+            client.run(load, places(), Path(), "plugins")
+            hashes = client.run(reader_hash, on_error="return").values()
+            if others := {str(value) for value in hashes} - {reader_hash()}:
+                raise InputError(f"{_KEY}: its workers have not this program: {others.pop()}")
+            futures = client.map(read_batch, parts, pure=False)
+            while any(not future.done() for future in futures):
+                _require_worker(client, address)
+                time.sleep(POLL)
+            failures = [future.exception() for future in futures if future.status == "error"]
+            batches = [] if failures else client.gather(futures)
+    except (OSError, ValueError, FutureCancelledError, MemoryError) as error:
+        # Another program at the address may announce an answer that no memory holds.
         allowed = f"the address of a dask scheduler that answers ({error})"
-        raise InputError.of_value(key, "", address, allowed) from None
-    with client:
-        client.run(load, places(), Path(), "plugins")
-        hashes = client.run(reader_hash, on_error="return").values()
-        if others := {str(value) for value in hashes} - {reader_hash()}:
-            raise InputError(f"{key}: its workers have not this program: {others.pop()}")
-        yield {"scheduler": client}
+        raise InputError.of_value(_KEY, "", address, allowed) from None
+    if failures and isinstance(failures[0], KilledWorker):
+        raise InputError(f"{_KEY}: {address}: its workers end while they read run files")
+    if failures:
+        raise failures[0]
+    return batches
+
+
+def _require_worker(client: Any, address: str) -> None:
+    """Wait until a cluster has a worker; raise `InputError` where it has none for long."""
+    start, is_told = time.monotonic(), False
+    while not client.scheduler_info()["workers"]:
+        if not is_told:
+            print(f"{_KEY}: {address} has no worker; waiting for one", file=sys.stderr)
+            is_told = True
+        if time.monotonic() - start > WORKER_TIMEOUT:
+            allowed = f"a cluster with a worker (none for {WORKER_TIMEOUT} s)"
+            raise InputError.of_value(_KEY, "", address, allowed)
+        time.sleep(POLL)
 
 
 def _follow_parent() -> None:

@@ -119,7 +119,7 @@ def _run_with_log(parameters: Parameters, runs: Path, logs: Path) -> int:
     except SystemExit:
         print(f"{name}: terminated; the next start continues it", file=sys.stderr)
         raise
-    except (_ImpossiblePoint, InputError) as error:
+    except (_ImpossiblePoint, InputError, OSError) as error:
         log.error("error: %s", error)
         print(f"error: {error}", file=sys.stderr)
         return SYSTEM_ERROR

@@ -9,9 +9,16 @@ from typing import Any, NamedTuple
 import netCDF4
 import numpy as np
 
+from sim.base.errors import InputError
 from sim.base.files import atomic_write
-from sim.base.seals import append_summary, is_damaged, seal
-from sim.engine.stored_run import is_run_of, read_attributes, stage_amounts, stage_groups
+from sim.base.seals import append_summary, seal
+from sim.engine.stored_run import (
+    is_run_of,
+    open_run_file,
+    read_attributes,
+    stage_amounts,
+    stage_groups,
+)
 from sim.engine.systems.recorder import Record
 from sim.parameters import Parameters, amounts, canonical_values, field_info, in_si
 from sim.parameters.variables import SCALARS, Variable, variables_of
@@ -67,22 +74,18 @@ def write(
         Global attributes.
     """
     with atomic_write(path) as temporary:
-        try:
-            with netCDF4.Dataset(temporary, "w") as file:
-                file.setncatts(attributes)
-                groups = [_GroupWriter(file)]
-                _write_parameters(groups[0], stages[0].parameters)
-                _write_stage(groups[0], stages[0], layout)
-                _write_trajectory(groups[0], stages[0], layout)
-                for number, stage in enumerate(stages[1:], start=1):
-                    groups.append(_GroupWriter(file.createGroup(f"shorter_{number}")))
-                    _write_amounts(groups[-1], stage.parameters)
-                    _write_stage(groups[-1], stage, layout)
-                for group in groups:
-                    group.fill()
-        except RuntimeError as error:
-            # The library raises this error for a full disk.
-            raise OSError(f"{path}: cannot be written: {error}") from None
+        with netCDF4.Dataset(temporary, "w") as file:
+            file.setncatts(attributes)
+            groups = [_GroupWriter(file)]
+            _write_parameters(groups[0], stages[0].parameters)
+            _write_stage(groups[0], stages[0], layout)
+            _write_trajectory(groups[0], stages[0], layout)
+            for number, stage in enumerate(stages[1:], start=1):
+                groups.append(_GroupWriter(file.createGroup(f"shorter_{number}")))
+                _write_amounts(groups[-1], stage.parameters)
+                _write_stage(groups[-1], stage, layout)
+            for group in groups:
+                group.fill()
         append_summary(temporary, _summary(attributes, stages))
         seal(temporary)
 
@@ -287,16 +290,14 @@ def _write_records(file: _GroupWriter, records: list[Record], layout: Layout) ->
 def read_stages(path: Path, parameters: Parameters) -> list[Stage]:
     """Return the runs in a run file of the same point and numerics, the longest first.
 
-    The list is empty where there is no such file, or where it is damaged.
+    The list is empty where there is no such file, or where it is damaged. Raises ``OSError`` where
+    the system does not give its bytes.
     """
-    with suppress(OSError, LookupError, ValueError):
-        if not is_damaged(path):
-            with netCDF4.Dataset(path) as file:
-                file.set_auto_mask(False)
-                if is_run_of(read_attributes(file), parameters):
-                    lengths = stage_amounts(file, amounts(parameters))
-                    stages = zip(stage_groups(file), lengths, strict=True)
-                    return [_read_stage(group, parameters, length) for group, length in stages]
+    with suppress(InputError), open_run_file(path) as file:
+        if is_run_of(read_attributes(file), parameters):
+            lengths = stage_amounts(file, amounts(parameters))
+            stages = zip(stage_groups(file), lengths, strict=True)
+            return [_read_stage(group, parameters, length) for group, length in stages]
     return []
 
 

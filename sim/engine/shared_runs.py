@@ -201,15 +201,16 @@ def _from_same_end(
 def _best(paths: Iterable[Path], own: Path, point: Parameters) -> SharedRun | None:
     """Return the best of the run files of a point in other studies, if any is better than none."""
     wanted, held = amounts(point), read_stage_amounts(own, point)
+    here = sum(stored_samples(own, point)) if paths else 0
     best: tuple[tuple[bool, bool], Stages, Path] | None = None
     for path in paths:
-        # A forged file has other keys or other kinds of values.
-        with suppress(LookupError, TypeError, AttributeError):
+        # A forged file has other keys or other kinds of values, and some are not ours to read.
+        with suppress(LookupError, TypeError, AttributeError, OSError):
             stages = read_stage_amounts(path, point)
             if not stages or not all(_holds(stages, stage) for stage in held):
                 continue
             is_enough = find_stage(stages, wanted) is not None
-            if not is_enough and not _saves_time(path, stages, own, held, point):
+            if not is_enough and not _saves_time(path, stages, here, held, point):
                 continue
             rank = is_enough, _holds(stages, wanted)
             if best is None or (rank, not covers(best[1][0], stages[0])) > (best[0], False):
@@ -226,8 +227,11 @@ def _length(stage: Mapping[str, float]) -> dict[str, float]:
     return {name: value for name, value in stage.items() if name != "replicates"}
 
 
-def _saves_time(path: Path, stages: Stages, own: Path, held: Stages, point: Parameters) -> bool:
-    """True where a run that is too small has more than there is here, and nothing unwanted."""
-    here, there = sum(stored_samples(own, point)), sum(stored_samples(path, point))
+def _saves_time(path: Path, stages: Stages, here: int, held: Stages, point: Parameters) -> bool:
+    """True where a run that is too small has more than there is here, and nothing unwanted.
+
+    ``here`` counts the samples in the states here.
+    """
+    there = sum(stored_samples(path, point))
     is_larger = there > here or not held or not covers(held[0], stages[0])
     return covers(amounts(point), stages[0]) and there >= here and is_larger

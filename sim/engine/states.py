@@ -264,10 +264,11 @@ class States:
 def stored_samples(output: Path, parameters: Parameters) -> list[int]:
     """Return the samples in the states of a point's replicates beside its run file.
 
-    It is empty where no state can be used.
+    It is empty where no state can be used. Raises ``OSError`` where the system does not give the
+    bytes of the file.
     """
-    if state_file(output).is_file() and not state_file(output).is_symlink():
-        with suppress(InputError, OSError):
+    if not state_file(output).is_symlink():
+        with suppress(InputError):
             states = States(output, parameters, is_own=False)
             return [states.samples(n) for n in range(parameters.replicates) if n in states]
     return []

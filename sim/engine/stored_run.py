@@ -8,7 +8,7 @@ from typing import Any
 import netCDF4
 
 from sim.base.errors import InputError
-from sim.base.seals import checked_read, is_damaged, read_summary
+from sim.base.seals import checked_read, read_summary
 from sim.engine.identity import NUMERICS, numerics_of
 from sim.parameters import (
     SYSTEMS,
@@ -20,20 +20,21 @@ from sim.parameters import (
     with_larger_amounts,
 )
 
+#: What such a file is called in messages.
+_KIND = "run file"
+
 
 def current_status(path: Path, parameters: Parameters) -> str:
     """Return the status of a run file if it is current, else an empty text.
 
     A file is current if it is undamaged, belongs to the same point and numerics, and has at least
     the amounts of the point: a run would write the same numbers again. Other versions of libraries
-    may round differently, but do not make a file old.
+    may round differently, but do not make a file old. Raises ``OSError`` where the system does not
+    give the bytes of the file.
     """
-    with suppress(OSError, LookupError, ValueError):
-        if not is_damaged(path):
-            with netCDF4.Dataset(path) as file:
-                is_ours = is_run_of(read_attributes(file), parameters)
-                if is_ours and find_group(file, amounts(parameters)):
-                    return file.status
+    with suppress(InputError), open_run_file(path) as file:
+        if is_run_of(read_attributes(file), parameters) and find_group(file, amounts(parameters)):
+            return str(file.getncattr("status"))
     return ""
 
 
@@ -71,8 +72,11 @@ def planned_amounts(path: Path, parameters: Parameters) -> dict[str, float]:
 
 
 def read_stage_amounts(path: Path, parameters: Parameters) -> list[dict[str, float]]:
-    """Return the amounts of each stage of a run file of a point; empty for other numerics."""
-    with suppress(OSError, LookupError, ValueError):
+    """Return the amounts of each stage of a run file of a point; empty for other numerics.
+
+    Raises ``OSError`` where the system does not give the bytes of the file.
+    """
+    with suppress(InputError), checked_read(path, _KIND, replaceable=False):
         if summary := read_summary(path):
             return summary["held"] if is_run_of(summary["attributes"], parameters) else []
         with netCDF4.Dataset(path) as file:
@@ -91,7 +95,7 @@ def read_origin_samples(path: Path) -> list[int]:
 
     Empty for a run that starts as in the paper, and where there is no run file.
     """
-    with suppress(OSError, ValueError), netCDF4.Dataset(path) as file:
+    with suppress(InputError), open_run_file(path) as file:
         return [int(number) for number in getattr(file, "origin", "").split()]
     return []
 
@@ -102,7 +106,7 @@ def open_run_file(path: Path, replaceable: bool = False) -> Iterator[netCDF4.Dat
 
     Errors and ``replaceable`` are those of `sim.base.seals.checked_read`.
     """
-    with checked_read(path, "run file", replaceable, sealed=True), netCDF4.Dataset(path) as file:
+    with checked_read(path, _KIND, replaceable, sealed=True), netCDF4.Dataset(path) as file:
         file.set_auto_mask(False)
         yield file
 

@@ -41,7 +41,7 @@ def read_records(folder: Path) -> dict[str, FigureRecord]:
     """Return the record of each figure drawn in a folder; empty where none can be read."""
     try:
         return _RECORDS.validate_json(read_regular(folder / RECORD_FILE))
-    except (OSError, ValidationError):
+    except (FileNotFoundError, ValidationError):
         return {}
 
 

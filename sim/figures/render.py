@@ -3,11 +3,12 @@
 import re
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
+import pandas as pd
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
@@ -36,6 +37,10 @@ _LONG_NUMBER = re.compile(r"(?<!scale\()(?<![\w.#])(-?\d+\.\d\d)\d{2,}(?![\w.])"
 
 #: Most passes of the layout.
 PASSES = 6
+
+#: Largest number that is drawn: axes cannot hold all that a computer can.
+LARGEST = 1e100
+_TOO_LARGE = f"a number of its data is beyond {LARGEST:g}"
 
 
 @dataclass(frozen=True)
@@ -99,7 +104,7 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
     results = load_results(dataset_path)
     require_known_options(results.dataset, dataset_path)
     try:
-        data, kind = _data_and_kind(spec, results)
+        data, kind, table = _contents(spec, results)
     except KeyError as error:
         raise InputError(f"{dataset_path}: not the dataset of a study: {error}") from None
     if data.rows.empty:
@@ -119,7 +124,7 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
             other.write_text(svg, encoding="utf-8")
         figure.savefig(still, format="png", dpi=POSTER if spec.animated else None)
         _save_small(still, spec.title)
-        for file, content in zip((csv, text), _texts(data, kind), strict=True):
+        for file, content in zip((csv, text), _texts(data, kind, table), strict=True):
             file.write_text(content, encoding="utf-8")
     return files
 
@@ -136,7 +141,7 @@ def with_short_numbers(svg: str) -> str:
 def draw(spec: FigureSpec, results: Results) -> Figure:
     """Return the picture of a study's plot, without writing a file."""
     with mpl.rc_context(SETTINGS):
-        return _draw(*_data_and_kind(spec, results))[1]
+        return _draw(*_contents(spec, results)[:2])[1]
 
 
 def _draw(data: FigureData, kind: PlotKind) -> tuple[Figure | Animation, Figure]:
@@ -167,19 +172,33 @@ def settle(figure: Figure) -> None:
 
 def derive_texts(spec: FigureSpec, results: Results) -> tuple[str, str]:
     """Return the data (CSV) and the caption of a figure as texts, without drawing it."""
-    return _texts(*_data_and_kind(spec, results))
+    return _texts(*_contents(spec, results))
 
 
-def _data_and_kind(spec: FigureSpec, results: Results) -> tuple[FigureData, PlotKind]:
-    """Return the selected data of a figure, and its kind."""
+def _contents(spec: FigureSpec, results: Results) -> tuple[FigureData, PlotKind, pd.DataFrame]:
+    """Return the selected data of a figure, its kind, and the plotted data.
+
+    Where these have a number beyond `LARGEST`, the kind draws and tells that alone.
+    """
     data, kind = figure_data(results, spec), find_kind(spec.kind)
-    return data if data.rows.empty else kind.select(data), kind
+    if data.rows.empty:
+        return data, kind, data.rows
+    data = kind.select(data)
+    table = kind.table(data)
+    if (table.select_dtypes("number").abs() > LARGEST).any(axis=None):
+        kind = replace(kind, draw=_draw_nothing, notes=lambda data: [f"Not drawn: {_TOO_LARGE}."])
+    return data, kind, table
 
 
-def _texts(data: FigureData, kind: PlotKind) -> tuple[str, str]:
+def _draw_nothing(data: FigureData) -> Figure | Animation:
+    animation = message_animation(f"not drawn: {_TOO_LARGE}")
+    return animation if data.spec.animated else animation.figure
+
+
+def _texts(data: FigureData, kind: PlotKind, table: pd.DataFrame) -> tuple[str, str]:
     """Return the plotted data as CSV, and the caption."""
-    table = kind.table(data).to_csv(index=False, float_format="%.10g")
-    return table, caption(data, kind.notes(data)) + "\n"
+    csv = table.to_csv(index=False, float_format="%.10g")
+    return csv, caption(data, kind.notes(data)) + "\n"
 
 
 def _save_small(picture: Path, title: str) -> None:

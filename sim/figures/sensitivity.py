@@ -18,6 +18,7 @@ from sim.figures.plot import SINGLE_SIZE, wrap_label
 from sim.figures.quantity import label_with_unit, unit_of
 from sim.figures.style import COLOURS, LEVEL, cycle_style, escape_label, legend_above
 from sim.study.plot_contents import parameter_phrase
+from sim.surrogates.tables import load
 
 #: Height of the room of a parameter, and of a picture without any, inches.
 _ROW, _FRAME = 0.42, 1.3
@@ -153,10 +154,7 @@ def _table(data: FigureData) -> pd.DataFrame:
     """Return the table of indices of a figure."""
     if data.results.runs is None:
         raise InputError(f"{data.spec.name}: drawn in the results of a study alone")
-    path = data.results.runs.parent / data.spec.options["answer"]
-    if not path.is_file():
-        raise InputError(f"{path}: no such sensitivity; rerun the study to make it")
-    return pd.read_csv(path, keep_default_na=False, na_values=[""], dtype={"other": str})
+    return load(data.results.runs.parent / data.spec.options["answer"])
 
 
 def _of(table: pd.DataFrame, index: str) -> pd.DataFrame:

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import netCDF4
 
+from sim.dataset.caveats import caveat_of_run
+from sim.dataset.run_file import summary_of
 from sim.engine.stored_run import open_run_file, parameters_of
 from sim.parameters import Parameters, as_yaml, complete_values, field_info
 from sim.parameters.variables import SCALARS
@@ -39,14 +41,17 @@ def describe(path: str | Path, as_point: bool = False) -> str:
     path = Path(path)
     with open_run_file(path) as file:
         parameters = parameters_of(file, path)
-        return as_yaml(parameters).rstrip() if as_point else _summary(file, parameters)
+        caveat = caveat_of_run(summary_of(path), parameters)
+        return as_yaml(parameters).rstrip() if as_point else _summary(file, parameters, caveat)
 
 
-def _summary(file: netCDF4.Dataset, parameters: Parameters) -> str:
+def _summary(file: netCDF4.Dataset, parameters: Parameters, caveat: str) -> str:
     sizes = ", ".join(f"{name} {len(dimension)}" for name, dimension in file.dimensions.items())
     head = [file.getncattr("point_id"), f"status: {file.getncattr('status')}"]
     if file.getncattr("reason"):
         head.append(f"reason: {file.getncattr('reason')}")
+    if caveat:
+        head.append(f"caveat: {caveat}")
     sections = [
         [*head, f"particles: {parameters.particles:,}", f"dimensions: {sizes}"],
         ["parameters", *_indent(_parameter_lines(parameters))],

@@ -16,8 +16,8 @@ import numpy as np
 from sim.base.errors import InputError
 from sim.base.files import atomic_write, read_regular, require_writable
 from sim.base.seals import read_seal
-from sim.dataset.caveats import LEDGER_SCALARS
-from sim.dataset.run_file import RunFile
+from sim.dataset.caveats import LEDGER_SCALARS, caveat_of_run
+from sim.dataset.run_file import RunFile, summary_of
 from sim.engine.stored_run import open_run_file, parameters_of
 from sim.measures.balance import missing_energy
 from sim.parameters import Parameters, as_yaml, complete_values, default_of, field_info
@@ -80,7 +80,8 @@ def _write(path: Path, folder: Path, report: str, code: str) -> None:
         if code and _begins_with(output, mark.encode()):
             return
         parameters = parameters_of(file, path)
-        page = _page(RunFile(file), parameters, _log_end(path), report)
+        caveat = caveat_of_run(summary_of(path), parameters)
+        page = _page(RunFile(file), parameters, caveat, _log_end(path), report)
     with atomic_write(output) as temporary:
         temporary.write_text(mark + page, encoding="utf-8")
 
@@ -102,7 +103,7 @@ def _log_end(path: Path) -> str:
     return "\n".join(lines[-LOG_LINES:])
 
 
-def _page(run: RunFile, parameters: Parameters, log: str, report: str) -> str:
+def _page(run: RunFile, parameters: Parameters, caveat: str, log: str, report: str) -> str:
     # This import takes a second, which is saved where all pages are up to date.
     from sim.figures.run import animation, pictures
 
@@ -118,7 +119,7 @@ def _page(run: RunFile, parameters: Parameters, log: str, report: str) -> str:
         unusual=unusual_parameters(parameters),
         status=attributes["status"],
         reason=attributes["reason"],
-        caveat=attributes.get("caveat", ""),
+        caveat=caveat,
         particles=parameters.particles,
         replicates=_replicates(run, parameters),
         pictures=images,

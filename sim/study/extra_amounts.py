@@ -40,7 +40,9 @@ def read_extra_amounts(folder: Path) -> ExtraAmounts:
     A damaged file is renamed. Raises ``InputError`` if it cannot be read.
     """
     path = extra_amounts_file(folder)
-    if not path.exists():
+    try:
+        path.lstat()
+    except FileNotFoundError:
         return ExtraAmounts()
     with checked_read(path, "list of what was bought", replaceable=True):
         document = parse_sealed_json(path.read_text(encoding="utf-8"))

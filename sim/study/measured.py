@@ -4,11 +4,13 @@ import csv
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from io import TextIOWrapper
 from math import isfinite
 from pathlib import Path
 from typing import Any
 
 from sim.base.errors import InputError
+from sim.base.files import open_regular
 from sim.base.messages import question
 from sim.base.units import conversion
 
@@ -121,11 +123,10 @@ def read_measured(path: Path) -> MeasuredTable:
     InputError
         If the file is missing, empty, larger than allowed or no table, with file and line.
     """
-    if not path.is_file():
-        # Opening a device may have an effect, and reading a pipe may never end.
-        raise InputError(f"{path}: no such file")
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
+        if path.resolve().parent != path.parent.resolve():
+            raise InputError(f"{path}: a link to elsewhere; allowed: {ALLOWED_FILE}")
+        with TextIOWrapper(open_regular(path), encoding="utf-8-sig", newline="") as file:
             reader = csv.reader(file, strict=True, skipinitialspace=True)
             rows = []
             for row in reader:
@@ -134,8 +135,11 @@ def read_measured(path: Path) -> MeasuredTable:
                     rows.append((reader.line_num, texts))
                 if len(rows) > MAX_ROWS + 1:
                     raise InputError(f"{path}: more than {MAX_ROWS:,} rows")
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror or error}") from None
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
+    except (OSError, RuntimeError) as error:
+        # Links in a circle raise RuntimeError.
+        raise InputError(f"{path}: {getattr(error, 'strerror', None) or error}") from None
     except UnicodeDecodeError:
         raise InputError(f"{path}: not a text file (UTF-8 expected)") from None
     except csv.Error as error:

@@ -42,6 +42,8 @@ def load(path: Path) -> dict[str, xr.Dataset]:
         for name in names:
             with xr.open_dataset(path, group=name, engine="netcdf4") as group:
                 groups[name] = group.load()
+        # A file from elsewhere may lack what this reads.
+        outcome_sentences(groups)
         return groups
 
 

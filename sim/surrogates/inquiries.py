@@ -5,12 +5,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from sim.base.files import atomic_write
 from sim.dataset.results import Results
 from sim.parameters import point_id
 from sim.study.calibration import CalibrationSpec
 from sim.study.sensitivity import SensitivitySpec
-from sim.surrogates import calibration
+from sim.surrogates import calibration, tables
 from sim.surrogates.indices import (
     morris_indices_of_runs,
     sobol_indices,
@@ -27,10 +26,7 @@ def answer_sensitivity(spec: SensitivitySpec, dataset: Results, folder: Path) ->
         table = sobol_indices(load(folder / spec.of.file))
     else:
         table = _indices_of_runs(spec, dataset)
-    path = folder / spec.file
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with atomic_write(path) as temporary:
-        table.to_csv(temporary, index=False, float_format="%.10g")
+    tables.save(table, folder / spec.file)
 
 
 def _indices_of_runs(spec: SensitivitySpec, dataset: Results) -> pd.DataFrame:

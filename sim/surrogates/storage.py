@@ -70,7 +70,9 @@ def load(path: Path) -> Surrogate:
             stored = file.load()
         if stored.attrs.get("format") != FORMAT:
             raise ValueError(f"its format is not {FORMAT}")
-        return _surrogate(stored, json.loads(stored.attrs["about"]))
+        surrogate = _surrogate(stored, json.loads(stored.attrs["about"]))
+        _require_numbers(surrogate)
+        return surrogate
 
 
 def _surrogate(stored: xr.Dataset, about: dict[str, Any]) -> Surrogate:
@@ -105,6 +107,15 @@ def _surrogate(stored: xr.Dataset, about: dict[str, Any]) -> Surrogate:
         process=process,
         regimes=regimes,
     )
+
+
+def _require_numbers(surrogate: Surrogate) -> None:
+    """Raise an error of a library, or ``ValueError``, where a surrogate cannot predict."""
+    place = surrogate.process.x[:1]
+    answers = *surrogate.process.predict(place), surrogate.regimes.probability(place)
+    about = surrogate.error, surrogate.hours, surrogate.coverage, *surrogate.bounds.ravel()
+    if not all(np.isfinite(one).all() for one in (*answers, about)):
+        raise ValueError("its numbers give no prediction")
 
 
 def _pair(values: list[float] | None) -> tuple[float, float] | None:

@@ -88,9 +88,8 @@ def test_a_full_disk_is_called_one_whatever_the_library_says(error, tmp_path, mo
         raise OSError(errno.ENOSPC, "No space left on device")
 
     path = tmp_path / "made.nc"
-    with pytest.raises(type(error)) as caught, atomic_write(path):
+    with pytest.raises(OSError, match=r"denied|cannot be written"), atomic_write(path):
         raise error
-    assert caught.value is error
     monkeypatch.setattr("os.posix_fallocate", allocate)
     with pytest.raises(OSError, match=f"No space left on device: '{path}'"), atomic_write(path):
         raise error

@@ -162,6 +162,20 @@ def test_a_kind_draws_its_picture_data_and_caption(wanted, state, found, tmp_pat
         assert [path.read_bytes() for path in again] == [path.read_bytes() for path in files]
 
 
+@pytest.mark.parametrize("value", [1e308, pytest.param(np.inf, marks=pytest.mark.long)])
+@pytest.mark.parametrize("wanted", FORMS)
+def test_a_number_that_no_axis_holds_is_told(wanted, value, found, tmp_path):
+    spec, dataset = found(wanted)
+    copy = tmp_path / "huge.nc"
+    shutil.copy(dataset, copy)
+    with edit_file(copy) as file:
+        for name in ("velocity", "velocity_half_width", "acceleration"):
+            file[name][:] = np.where(np.isfinite(file[name][:]), value, np.nan)
+    *_, table, caption = render(spec, copy, tmp_path)
+    is_huge = (pd.read_csv(table).select_dtypes("number").abs() > 1e100).any(axis=None)
+    assert ("Not drawn: a number of its data is beyond 1e+100." in caption.read_text()) == is_huge
+
+
 def test_every_kind_is_drawn():
     # Kinds of answers have no keys of plots; tests/figures/test_surrogates.py and test_answers.py
     # draw them.

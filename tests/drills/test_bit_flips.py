@@ -1,21 +1,25 @@
 """One bit of a stored file changes: what is read is refused or as it was, never another number."""
 
+import json
 import random
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
+import xarray as xr
 
 from sim.base.errors import InputError
 from sim.dataset.gather import read_run
 from sim.dataset.results import load_results
+from sim.dataset.rounds import read_round
 from sim.engine.replicate import stored_replicate
 from sim.engine.run import run_point
 from sim.engine.states import States
 from sim.figures.figure_records import RECORD_FILE, require_unchanged
-from sim.parameters import point_id
+from sim.parameters import canonical_values, point_id
 from sim.report.claims import read_claims, require_table
 from sim.study.extra_amounts import (
     ExtraAmounts,
@@ -24,9 +28,11 @@ from sim.study.extra_amounts import (
     write_extra_amounts,
 )
 from sim.study.load import load_study
+from sim.surrogates import calibration, storage, tables
 from tests.engine_motion.points import belt_point
 from tests.made.figures import make_figures
 from tests.made.report import write_claims
+from tests.made.surrogates import made_surrogate
 
 POINT = belt_point(beads=12, width=5, transient=1, average=2)
 
@@ -63,6 +69,12 @@ def dataset_values(path: Path) -> Any:
     return plain(scalars | profiles)
 
 
+def surrogate_values(path: Path) -> Any:
+    surrogate = storage.load(path)
+    numbers = (surrogate.process.theta, surrogate.regimes.theta, surrogate.process.y)
+    return plain({str(number): values for number, values in enumerate(numbers)})
+
+
 Read = Callable[[], Any]
 
 
@@ -77,6 +89,14 @@ def stored(tmp_path) -> dict[Path, Read]:
     write_extra_amounts(made, ExtraAmounts({next(iter(study.points)): {"replicates": 4.0}}, 0.5))
     run = tmp_path / f"{point_id(POINT)}.nc"
     assert run_point(POINT, run, quiet=True) == 0
+    storage.save(made_surrogate(), made / "surrogates" / "speed.nc")
+    indices = pd.DataFrame({"parameter": ["friction"], "index": ["total"], "value": [0.25]})
+    tables.save(indices, made / "sensitivity" / "matters.csv")
+    groups = {"observed_data": xr.Dataset(attrs={"outcome": "no fit", "probability": 0.001})}
+    calibration.save("beads", groups, made / "calibration" / "beads.nc")
+    (made / "rounds").mkdir()
+    points = {point_id(POINT): canonical_values(POINT)}
+    (made / "rounds" / "1.json").write_text(json.dumps(points))
     drawn = {path: lambda: require_unchanged(specs, figures) for path in figures.iterdir()}
     return drawn | {
         run: lambda: run_values(run),
@@ -85,10 +105,24 @@ def stored(tmp_path) -> dict[Path, Read]:
         made / "claims.json": lambda: read_claims(made / "claims.json"),
         made / "claims.csv": lambda: require_table(made),
         extra_amounts_file(made): lambda: read_extra_amounts(made),
+        made / "surrogates" / "speed.nc": lambda: surrogate_values(
+            made / "surrogates" / "speed.nc"
+        ),
+        made / "sensitivity" / "matters.csv": lambda: plain(
+            tables.load(made / "sensitivity" / "matters.csv").to_dict("list")
+        ),
+        made / "calibration" / "beads.nc": lambda: {
+            name: group.attrs
+            for name, group in calibration.load(made / "calibration" / "beads.nc").items()
+        },
+        made / "rounds" / "1.json": lambda: {
+            key: canonical_values(point)
+            for key, point in read_round(made / "rounds" / "1.json").items()
+        },
     }
 
 
-@pytest.mark.parametrize("flips", [30, pytest.param(500, marks=pytest.mark.long)])
+@pytest.mark.parametrize("flips", [30, pytest.param(1000, marks=pytest.mark.long)])
 def test_no_flipped_bit_is_served_as_a_number(stored, flips, capsys):
     chance, refused = random.Random(flips), 0
     before = {path: (path.read_bytes(), read()) for path, read in stored.items()}

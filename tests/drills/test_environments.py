@@ -121,6 +121,6 @@ def test_points_and_studies_of_all_kinds(capsys):
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout[-5000:]
     number = sum(map(int, PASSED.findall(done.stdout)))
-    assert number >= 10_000
+    assert number >= 20_000
     with capsys.disabled():
         print(f"\n{number} points and studies made up: each read, or refused in one line")

@@ -1,0 +1,223 @@
+"""Calls on files fail, stop half way, or end the process: nothing whole is lost or set aside."""
+
+import json
+import os
+import random
+import shutil
+from collections.abc import Iterator
+from errno import EACCES, EDQUOT, EIO, EMFILE, ENOMEM, ENOSPC, ESTALE
+from pathlib import Path
+from signal import SIGKILL
+from typing import NamedTuple
+
+import pytest
+
+from sim.parameters import canonical_values, point_id
+from sim.study.load import load_study
+from tests.golden import contents
+from tests.made.faults import Calls, Commands, Fault, Outcome, What, faulty_commands
+
+SEED = int(os.environ.get("TALUS_DRILL_SEED", "1"))
+
+STUDY = """\
+study: faulty
+defaults:
+  belt: {beads: 10, width: 5, steps_per_cycle: 1000, transient: 1, average: 3}
+series:
+  - name: wide
+    system: belt
+    design: {kind: sobol, points: 5, over: {frequency: [30, 60]}}
+  - name: few
+    system: belt
+    base: {replicates: 2}
+    grid: {frequency: [20, 60]}
+    figures: [gallas_1a]
+surrogate:
+  - name: speed
+    series: wide
+    observable: velocity
+    regimes: [steady, accelerating, arrested, mixed, undetermined]
+decide: {precision: 0.01, budget: 1}
+"""
+
+#: Commands of a study, in their order, each with words and what it writes below the folder.
+RESULTS = "results/faulty"
+DATASET = f"{RESULTS}/dataset.nc"
+STEPS = {
+    "batch": ["batch", RESULTS],
+    "grow": ["batch", RESULTS],
+    "dataset": ["dataset", "faulty.yaml"],
+    "dataset again": ["dataset", "faulty.yaml"],
+    "finished": ["dataset", "faulty.yaml", "--finished", "finished.nc"],
+    "questions": ["questions", "faulty.yaml"],
+    "claims": ["claims", "faulty.yaml"],
+    "figure": [
+        *("figure", "gallas_1a", "speed-frequency", "speed-agreement", DATASET),
+        *("--study", "faulty.yaml", "-o", f"{RESULTS}/figures", "--code", "made"),
+    ],
+    "report": ["report", "faulty.yaml"],
+    "publish": ["publish", "faulty.yaml", "--to", "published"],
+    "publish again": ["publish", "faulty.yaml", "--to", "published"],
+    "adopt": ["adopt", "faulty.yaml", "finished.nc"],
+    "decide": ["decide", "faulty.yaml"],
+    "status": ["status", "faulty.yaml"],
+    "points": ["points", "faulty.yaml"],
+    "predict": ["predict", "faulty.yaml", "--at", "frequency=40"],
+    "compare": ["compare", RESULTS, RESULTS],
+    "orphans": ["orphans", "faulty.yaml"],
+    "info": ["info"],
+    "page": ["page", "-o", "pages"],
+    "export": ["export", "-o", "beads.extxyz"],
+}
+
+
+class Step(NamedTuple):
+    """A command, and the folders before and after it in peace."""
+
+    words: list[str]
+    stdin: str
+    before: Path
+    after: Path
+    outcome: Outcome
+
+
+class Study:
+    """A study in a folder, and what each command makes of it after those before it."""
+
+    def __init__(self, commands: Commands, kept: Path):
+        self.commands, self.tree, self._kept = commands, commands.folder, kept
+        self.tree.mkdir()
+        (self.tree / "faulty.yaml").write_text(STUDY)
+        self._steps: dict[str, Step] = {}
+        self._points = [
+            point.parameters for point in load_study(self.tree / "faulty.yaml").points.values()
+        ]
+
+    def step(self, name: str) -> Step:
+        """Return a step, with those before it done."""
+        for one in list(STEPS)[: list(STEPS).index(name) + 1]:
+            if one not in self._steps:
+                self._steps[one] = self._do(one)
+        return self._steps[name]
+
+    def _do(self, name: str) -> Step:
+        before, after = self._kept / name / "before", self._kept / name / "after"
+        last = list(self._steps.values())[-1].after if self._steps else self.tree
+        shutil.copytree(last, before, symlinks=True)
+        self._restore(before)
+        words, stdin = STEPS[name], ""
+        if words[0] == "batch":
+            update = {"average": 2} if name == "batch" else {}
+            points = [point.model_copy(update=update) for point in self._points]
+            stdin = json.dumps([canonical_values(point) for point in points])
+        if words[0] in ("info", "page", "export"):
+            words = [*words, f"{RESULTS}/runs/{point_id(self._points[0])}.nc"]
+        outcome = self.commands.run(words, stdin=stdin)
+        assert outcome.code == 0, outcome
+        shutil.copytree(self.tree, after, symlinks=True)
+        return Step(words, stdin, before, after, outcome)
+
+    def _restore(self, tree: Path) -> None:
+        shutil.rmtree(self.tree)
+        shutil.copytree(tree, self.tree, symlinks=True)
+
+    def run(self, name: str, fault: Fault) -> None:
+        """Run a command from where it began, with a fault, and check what is left."""
+        step = self.step(name)
+        self._restore(step.before)
+        outcome = self.commands.run(step.words, fault, step.stdin)
+        note = f"{name}, {fault}: {outcome}"
+        assert outcome.code in ((-SIGKILL,) if fault.what == What.KILL else (0, 1, 2)), note
+        logs = [path.read_text() for path in self.tree.rglob("*.log")]
+        assert not any("Traceback" in text for text in (outcome.error, *logs)), note + str(logs)
+        assert outcome.code <= 0 or "error: " in outcome.error, note
+        assert not list(self.tree.rglob("*.damaged*")), note
+        for path in files(step.before):
+            assert (self.tree / path).exists(), f"{path} is gone: {note}"
+        for path in files(self.tree):
+            trees = step.before, step.after
+            is_whole = any(same(self.tree / path, tree / path) for tree in trees)
+            assert is_whole, f"{path} is another: {note}"
+        self._repeat(step, note)
+
+    def _repeat(self, step: Step, note: str) -> None:
+        """Run a command again, in peace: its results are those of an undisturbed one."""
+        again = self.commands.run(step.words, stdin=step.stdin)
+        is_there = again.code == 2 and "there" in again.error
+        assert again.code == 0 or is_there, f"{again} after {note}"
+        assert files(self.tree) == files(step.after), note
+        for path in files(step.after):
+            assert same(self.tree / path, step.after / path), f"{path}: {note}"
+
+
+def files(tree: Path) -> set[Path]:
+    """Return the paths of all files but logs, progress and what killed processes leave."""
+    return {
+        path.relative_to(tree)
+        for path in tree.rglob("*")
+        if path.is_file()
+        and path.suffix not in (".log", ".lock", ".progress", ".part")
+        and not any(part.endswith(".part") for part in path.parts)
+    }
+
+
+def same(one: Path, other: Path) -> bool:
+    """True where two files hold the same numbers or text, times of computing left out."""
+    if not other.exists():
+        return False
+    if one.read_bytes() == other.read_bytes():
+        return True
+    if one.suffix == ".nc" and "runs" in one.parts:
+        mine, others = contents(one), contents(other)
+        return mine.keys() == others.keys() and all(
+            mine[name].dtype == others[name].dtype and str(mine[name]) == str(others[name])
+            for name in mine
+        )
+    return one.suffix in (".state",)
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory) -> Iterator[Study]:
+    room = tmp_path_factory.mktemp("faults")
+    with faulty_commands(room / "tree", room) as commands:
+        yield Study(commands, room / "kept")
+
+
+ERRORS = {
+    Calls.OPEN: (EACCES, EIO, EMFILE, ENOMEM, ESTALE),
+    Calls.READ: (EIO, ESTALE),
+    Calls.WRITE: (EACCES, EDQUOT, EIO, ENOSPC, ESTALE),
+    Calls.STATUS: (EACCES, EIO, ESTALE),
+}
+
+
+#: Commands whose faults are tried with each change, and how often those of all are in a long drill.
+QUICK, OFTEN = ("batch", "grow", "dataset"), int(os.environ.get("TALUS_DRILL_FAULTS", "10"))
+ALL = [*QUICK, *(pytest.param(name, marks=pytest.mark.long) for name in STEPS)]
+
+
+@pytest.mark.parametrize("calls", ERRORS)
+@pytest.mark.parametrize("name", ALL)
+def test_an_error_of_the_system_takes_nothing(study, name, calls, request):
+    """One call fails, or all from there on."""
+    chance, total = random.Random(f"{SEED} {name}"), study.step(name).outcome.calls[calls]
+    is_long = request.node.get_closest_marker("long")
+    for _ in range(min(total, OFTEN if is_long else 1)):
+        number, is_lasting = chance.choice(ERRORS[calls]), chance.random() < 0.3
+        study.run(name, Fault(What.FAIL, chance.randint(1, total), calls, number, is_lasting))
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_a_kill_between_two_calls_takes_nothing(study, name, request):
+    chance, total = random.Random(f"{SEED} {name}"), study.step(name).outcome.calls[Calls.WRITE]
+    is_long = request.node.get_closest_marker("long")
+    for _ in range(min(total, OFTEN if is_long else 1)):
+        study.run(name, Fault(What.KILL, chance.randint(1, total), Calls.WRITE))
+
+
+@pytest.mark.parametrize("what", [What.SHORT, What.DELAY])
+@pytest.mark.parametrize("name", ALL[:1] + ALL[len(QUICK) :])
+def test_halves_and_delays_change_nothing(study, name, what):
+    """Every call reads or writes half of what it could; or some are slow."""
+    calls = Calls.READ | Calls.WRITE if what == What.SHORT else Calls.WRITE
+    study.run(name, Fault(what, 1, calls, 1, lasting=what == What.SHORT))
