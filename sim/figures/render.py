@@ -3,11 +3,12 @@
 import re
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
+import pandas as pd
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
@@ -19,10 +20,12 @@ from sim.base.messages import one_of
 from sim.dataset.results import Results, load_results, require_known_options
 from sim.figures.caption import caption
 from sim.figures.data import FigureData, figure_data
+from sim.figures.plot import message_figure
 from sim.figures.style import SETTINGS
 from sim.study.catalogue import FIGURES
 from sim.study.figure_spec import FigureSpec
 from sim.study.plot_kinds import PlotKind, find_kind
+from sim.surrogates.refusals import Refusal, require_answer
 
 #: Resolution of the first picture of an animation, dots per inch.
 POSTER = 150
@@ -49,14 +52,6 @@ class Animation:
     frames: int
     show: Callable[[int], None]
     duration: int = 70
-
-
-def message_animation(text: str) -> Animation:
-    """Return an animation of one frame with a message, where there is nothing to show."""
-    figure = Figure(figsize=(6.4, 3.2))
-    figure.subplots().set_axis_off()
-    figure.axes[0].text(0.5, 0.5, text, ha="center", transform=figure.axes[0].transAxes)
-    return Animation(figure, 1, lambda number: None)
 
 
 def find_spec(name: str, plots: Mapping[str, FigureSpec] | None = None) -> FigureSpec:
@@ -143,10 +138,10 @@ def _draw(data: FigureData, kind: PlotKind) -> tuple[Figure | Animation, Figure]
     """Return what a kind of plot draws, and its picture with the final layout."""
     drawn = kind.draw(data)
     figure = drawn.figure if isinstance(drawn, Animation) else drawn
-    if not data.rows["completed"].any():
-        figure.axes[0].text(
-            0.5, 0.5, "no point completed", ha="center", transform=figure.axes[0].transAxes
-        )
+    (axes, *_) = figure.axes
+    # A message is there already where the axes are off.
+    if axes.axison and not data.rows["completed"].any():
+        axes.text(0.5, 0.5, "no point completed", ha="center", transform=axes.transAxes)
     settle(figure)
     return drawn, figure
 
@@ -173,7 +168,22 @@ def derive_texts(spec: FigureSpec, results: Results) -> tuple[str, str]:
 def _data_and_kind(spec: FigureSpec, results: Results) -> tuple[FigureData, PlotKind]:
     """Return the selected data of a figure, and its kind."""
     data, kind = figure_data(results, spec), find_kind(spec.kind)
+    if "answer" in spec.options and results.runs:
+        try:
+            require_answer(results.runs.parent / spec.options["answer"])
+        except Refusal as refusal:
+            kind = _message_kind(kind, str(refusal))
     return data if data.rows.empty else kind.select(data), kind
+
+
+def _message_kind(kind: PlotKind, text: str) -> PlotKind:
+    """Return a kind of plot that shows a message in place of data."""
+    return replace(
+        kind,
+        draw=lambda data: message_figure(text),
+        table=lambda data: pd.DataFrame({"refusal": [text]}),
+        notes=lambda data: [f"Nothing is drawn. {text}."],
+    )
 
 
 def _texts(data: FigureData, kind: PlotKind) -> tuple[str, str]:

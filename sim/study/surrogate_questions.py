@@ -97,7 +97,12 @@ class _Asked:
             title=f"{title}, {spec.name}",
             lead=lead,
             series=(spec.of.series,),
-            options={"answer": spec.file, "settings": spec.settings, "unit": unit},
+            options={
+                "answer": spec.file,
+                "settings": spec.settings,
+                "regimes": spec.of.regimes,
+                "unit": unit,
+            },
         )
 
 
