@@ -182,7 +182,7 @@ def _message_kind(kind: PlotKind, text: str) -> PlotKind:
         kind,
         draw=lambda data: message_figure(text),
         table=lambda data: pd.DataFrame({"refusal": [text]}),
-        notes=lambda data: [f"Nothing is drawn. {text}."],
+        notes=lambda data: [f"Nothing is drawn: {text}."],
     )
 
 

@@ -109,7 +109,7 @@ def test_pictures_without_an_answer_say_so_and_all_others_stand(asked):
     for name, spec in study.plots.items():
         caption = (figures / f"{name}.caption.txt").read_text()
         is_refused = name != "seen" and "any-regime" not in spec.options["answer"]
-        assert is_refused == ("Nothing is drawn." in caption)
+        assert is_refused == ("Nothing is drawn: " in caption)
         table = (figures / f"{name}.csv").read_text()
         assert is_refused == table.startswith("refusal\n")
         if is_refused:
