@@ -19,7 +19,8 @@ from sim.figures.beads import OBSTACLE
 from sim.figures.caption import velocity_text
 from sim.figures.configuration import COLOURS, DARK, Scene
 from sim.figures.data import FigureData
-from sim.figures.render import Animation, message_animation
+from sim.figures.plot import message_figure
+from sim.figures.render import Animation
 from sim.figures.spheres import Frame, picture, view_from
 from sim.figures.style import SHORT_DASH
 from sim.study.figure_spec import TALLEST
@@ -61,7 +62,7 @@ def draw(data: FigureData) -> Animation:
     (row,) = data.rows.to_dict("records")
     state = _path_of(data)
     if state is None:
-        return message_animation("no motion stored")
+        return Animation(message_figure("no motion stored"), 1, lambda number: None)
     return (_animate_belt if data.spec.system == "belt" else _animate_chute)(row, state)
 
 

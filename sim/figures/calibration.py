@@ -20,7 +20,7 @@ from sim.base.statistics import MANY, student
 from sim.figures.axes import set_log
 from sim.figures.configuration import COLOURS as SHADES
 from sim.figures.data import FigureData
-from sim.figures.plot import SINGLE_SIZE, parameter_label, wrap_label
+from sim.figures.plot import SINGLE_SIZE, message_figure, parameter_label, wrap_label
 from sim.figures.quantity import label_with_unit, unit_of
 from sim.figures.style import COLOURS, legend_above, move_aside
 from sim.parameters import SYSTEMS, field_info
@@ -48,9 +48,9 @@ def draw_posterior(data: FigureData) -> Figure:
     names = list(np.atleast_1d(_about(groups)["parameters"]))
     count = len(names)
     size = _SINGLE if count == 1 else (_PANEL * count + 0.6, _PANEL * count + 0.6)
-    figure = Figure(figsize=size, layout="constrained")
     if "posterior" not in groups:
-        return _write(figure, "no parameters in the ranges fit")
+        return message_figure("no parameters in the ranges fit")
+    figure = Figure(figsize=size, layout="constrained")
     panels: Any = figure.subplots(count, count, squeeze=False)
     for row, column in np.ndindex(count, count):
         axes = panels[row, column]
@@ -173,9 +173,9 @@ def predictions_notes(data: FigureData) -> list[str]:
 def draw_experiment(data: FigureData) -> Figure:
     """Draw how much a further measurement would tell, over one or two of its conditions."""
     groups = _groups(data)
-    figure = Figure(figsize=SINGLE_SIZE, layout="constrained")
     if "predictions_constant_data" not in groups:
-        return _write(figure, "no parameters in the ranges fit")
+        return message_figure("no parameters in the ranges fit")
+    figure = Figure(figsize=SINGLE_SIZE, layout="constrained")
     rows, varied = _candidates(groups)
     axes, (x, *others) = figure.subplots(), varied
     best, measured = rows.loc[rows["narrowing"].idxmax()], groups["constant_data"]
@@ -372,11 +372,3 @@ def _observable_label(data: FigureData) -> str:
     return wrap_label(
         label_with_unit(name, unit_of(data.spec.options["unit"], "si", data.spec.system))
     )
-
-
-def _write(figure: Figure, text: str) -> Figure:
-    """Write a text in the middle of a figure that has nothing else to show."""
-    axes = figure.subplots()
-    axes.set_axis_off()
-    axes.text(0.5, 0.5, text, ha="center", transform=axes.transAxes)
-    return figure

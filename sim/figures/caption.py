@@ -48,6 +48,7 @@ def caption(data: FigureData, notes: Sequence[str]) -> str:
         parameters_sentence(rows, spec.system, spec.named),
         protocol_sentence(rows, spec.system),
         *others,
+        *mean_sentences(rows, spec.options.get("regimes")),
         caveat_sentence(rows),
         failure_sentence(rows),
     )
@@ -253,10 +254,26 @@ def _unsteady_counts(rows: pd.DataFrame) -> list[str]:
     return [f"{points_text(count)} {_REGIMES[regime]}" for regime, count in counts.items()]
 
 
+def mean_sentences(rows: pd.DataFrame, regimes: Sequence[str] | None) -> list[str]:
+    """Count the flows not shown to be steady in a mean over flows of some regimes, and the others.
+
+    Empty without ``regimes``: what is shown is no such mean.
+    """
+    if regimes is None:
+        return []
+    is_part = rows["regime"].isin(regimes)
+    others = rows[~is_part & (rows["completed"] > 0)]["regime"].value_counts()
+    counts = [f"{points_text(count)} {_REGIMES.get(name, name)}" for name, count in others.items()]
+    return [
+        unsteady_sentence(rows[is_part], "counted all the same"),
+        f"Not counted: {', '.join(counts)}." if counts else "",
+    ]
+
+
 def unsteady_sentence(rows: pd.DataFrame, mark: str = "drawn all the same") -> str:
     """Count the flows not shown to be steady, for plots without such markers; empty if none is.
 
-    ``mark`` says how they are drawn.
+    ``mark`` says what is made of them.
     """
     shown = rows[rows["completed"] > 0]
     is_open = is_undecided(shown)

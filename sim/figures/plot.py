@@ -38,6 +38,19 @@ Panels = list[tuple[Axes, pd.DataFrame]]
 #: Most characters in a line of an axis label.
 _LABEL_WIDTH = 44
 
+#: Most characters in a line of a message.
+_MESSAGE_WIDTH = 62
+
+
+def message_figure(text: str) -> Figure:
+    """Return a figure with a message, where there is nothing else to show."""
+    figure = Figure(figsize=SINGLE_SIZE)
+    axes = figure.subplots()
+    axes.set_axis_off()
+    lines = textwrap.fill(text, _MESSAGE_WIDTH)
+    axes.text(0.5, 0.5, lines, ha="center", va="center", transform=axes.transAxes)
+    return figure
+
 
 def observed_quantity(data: FigureData, option: str = "show") -> Quantity:
     """Return the observable that an option names, for every point and in the units of the plot."""

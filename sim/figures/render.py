@@ -20,10 +20,12 @@ from sim.base.messages import one_of
 from sim.dataset.results import Results, load_results, require_known_options
 from sim.figures.caption import caption
 from sim.figures.data import FigureData, figure_data
+from sim.figures.plot import message_figure
 from sim.figures.style import SETTINGS
 from sim.study.catalogue import FIGURES
 from sim.study.figure_spec import FigureSpec
 from sim.study.plot_kinds import PlotKind, find_kind
+from sim.surrogates.refusals import Refusal, require_answer
 
 #: Resolution of the first picture of an animation, dots per inch.
 POSTER = 150
@@ -54,14 +56,6 @@ class Animation:
     frames: int
     show: Callable[[int], None]
     duration: int = 70
-
-
-def message_animation(text: str) -> Animation:
-    """Return an animation of one frame with a message, where there is nothing to show."""
-    figure = Figure(figsize=(6.4, 3.2))
-    figure.subplots().set_axis_off()
-    figure.axes[0].text(0.5, 0.5, text, ha="center", transform=figure.axes[0].transAxes)
-    return Animation(figure, 1, lambda number: None)
 
 
 def find_spec(name: str, plots: Mapping[str, FigureSpec] | None = None) -> FigureSpec:
@@ -148,10 +142,10 @@ def _draw(data: FigureData, kind: PlotKind) -> tuple[Figure | Animation, Figure]
     """Return what a kind of plot draws, and its picture with the final layout."""
     drawn = kind.draw(data)
     figure = drawn.figure if isinstance(drawn, Animation) else drawn
-    if not data.rows["completed"].any():
-        figure.axes[0].text(
-            0.5, 0.5, "no point completed", ha="center", transform=figure.axes[0].transAxes
-        )
+    (axes, *_) = figure.axes
+    # A message is there already where the axes are off.
+    if axes.axison and not data.rows["completed"].any():
+        axes.text(0.5, 0.5, "no point completed", ha="center", transform=axes.transAxes)
     settle(figure)
     return drawn, figure
 
@@ -178,21 +172,32 @@ def derive_texts(spec: FigureSpec, results: Results) -> tuple[str, str]:
 def _contents(spec: FigureSpec, results: Results) -> tuple[FigureData, PlotKind, pd.DataFrame]:
     """Return the selected data of a figure, its kind, and the plotted data.
 
-    Where these have a number beyond `LARGEST`, the kind draws and tells that alone.
+    Where a question has no answer, or a number is beyond `LARGEST`, the kind says that alone.
     """
     data, kind = figure_data(results, spec), find_kind(spec.kind)
+    if "answer" in spec.options and results.runs:
+        try:
+            require_answer(results.runs.parent / spec.options["answer"])
+        except Refusal as refusal:
+            table = pd.DataFrame({"refusal": [str(refusal)]})
+            return data, _message_kind(kind, str(refusal)), table
     if data.rows.empty:
         return data, kind, data.rows
     data = kind.select(data)
     table = kind.table(data)
     if (table.select_dtypes("number").abs() > LARGEST).any(axis=None):
-        kind = replace(kind, draw=_draw_nothing, notes=lambda data: [f"Not drawn: {_TOO_LARGE}."])
+        kind = _message_kind(kind, _TOO_LARGE)
     return data, kind, table
 
 
-def _draw_nothing(data: FigureData) -> Figure | Animation:
-    animation = message_animation(f"not drawn: {_TOO_LARGE}")
-    return animation if data.spec.animated else animation.figure
+def _message_kind(kind: PlotKind, text: str) -> PlotKind:
+    """Return a kind of plot that shows a message in place of data."""
+
+    def draw_message(data: FigureData) -> Figure | Animation:
+        figure = message_figure(text)
+        return Animation(figure, 1, lambda number: None) if data.spec.animated else figure
+
+    return replace(kind, draw=draw_message, notes=lambda data: [f"Nothing is drawn: {text}."])
 
 
 def _texts(data: FigureData, kind: PlotKind, table: pd.DataFrame) -> tuple[str, str]:

@@ -212,8 +212,7 @@ def agreement_notes(data: FigureData) -> list[str]:
             "No point has two replicates: how far initial states differ is estimated from how far "
             "the runs are from a smooth surface."
         )
-    omissions = surrogate.omissions
-    return [*notes, f"Not part of the mean: {omissions}."] if omissions else notes
+    return notes
 
 
 def _label(surrogate: Surrogate) -> str:

@@ -12,6 +12,9 @@ from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional
 from sim.study.measured import ALLOWED_FILE, FILE
 from sim.study.surrogate import SurrogateSpec
 
+#: Most measurements: each is predicted some 100,000 times.
+MOST_MEASUREMENTS = 1000
+
 _ALLOWED_RANGE = "two numbers, the lower one first"
 
 

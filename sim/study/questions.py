@@ -15,13 +15,10 @@ from sim.study.file import StudyFile
 from sim.study.model import Point, Study
 from sim.study.plot_contents import name_in_words, parameter_phrase
 from sim.study.plottable import Observable, find_observable
-from sim.study.surrogate import MOST_POINTS, SurrogateFile, SurrogateSpec
+from sim.study.surrogate import FEWEST_POINTS, MOST_POINTS, SurrogateFile, SurrogateSpec
 
 #: Kinds of design that can go on point by point.
 _ENDLESS = ("sobol", "random")
-
-#: Fewest points of a surrogate.
-FEWEST_POINTS = 5
 
 
 def ask(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
@@ -80,8 +77,10 @@ class _Question:
     def spec(self) -> SurrogateSpec:
         """Return the surrogate."""
         entry, count = self.entry, len(self.points)
-        if not FEWEST_POINTS <= count <= MOST_POINTS:
-            allowed = f"a series of {FEWEST_POINTS} to {MOST_POINTS:,} points"
+        # Rounds may add what is missing.
+        least = 1 if entry.error else FEWEST_POINTS
+        if not least <= count <= MOST_POINTS:
+            allowed = f"a series of {least} to {MOST_POINTS:,} points"
             raise self.error("series", f"{entry.series} of {count:,} points", allowed)
         self.observable  # noqa: B018  (refuses what is not kept)
         axes = self._axes()
@@ -160,5 +159,5 @@ def _picture(
         title=title,
         lead=lead,
         series=(spec.series,),
-        options={"answer": spec.file, "settings": spec.settings} | options,
+        options={"answer": spec.file, "settings": spec.settings, "regimes": spec.regimes} | options,
     )

@@ -12,6 +12,9 @@ from sim.parameters.common import Real, broken_rule
 from sim.study.design import Axis, Design
 from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional
 
+#: Fewest points of which a mean can be.
+FEWEST_POINTS = 4
+
 #: Most points of a surrogate: the time of a fit grows with the cube of their number.
 MOST_POINTS = 3000
 

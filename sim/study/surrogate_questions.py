@@ -7,8 +7,9 @@ from typing import Any
 
 from sim.base.errors import InputError
 from sim.base.messages import one_of, question
+from sim.base.words import count_text
 from sim.parameters import SYSTEMS, field_info
-from sim.study.calibration import CalibrateFile, CalibrationSpec
+from sim.study.calibration import MOST_MEASUREMENTS, CalibrateFile, CalibrationSpec
 from sim.study.catalogue import FIGURES
 from sim.study.design import Axis, block_size
 from sim.study.figure_spec import FigureSpec
@@ -97,7 +98,12 @@ class _Asked:
             title=f"{title}, {spec.name}",
             lead=lead,
             series=(spec.of.series,),
-            options={"answer": spec.file, "settings": spec.settings, "unit": unit},
+            options={
+                "answer": spec.file,
+                "settings": spec.settings,
+                "regimes": spec.of.regimes,
+                "unit": unit,
+            },
         )
 
 
@@ -176,6 +182,9 @@ class _Calibration(_Asked):
                 allowed = f"a range within {ends}, that of surrogate {surrogate.name}"
                 raise self.error(f"parameters.{name}", [low, high], allowed)
         table = read_measured(self.path.parent / self.entry.data)
+        if (count := len(table.lines)) > MOST_MEASUREMENTS:
+            allowed = f"{MOST_MEASUREMENTS:,} or fewer; average those made under equal conditions"
+            raise InputError.of_value(table.path, "measurements", count, allowed)
         for name in self.entry.units:
             table.require_column(name, "as units has it")
         values, errors = self._measurements(table, observable)
@@ -256,7 +265,7 @@ class _Calibration(_Asked):
             spec,
             "posterior",
             f"Which {names} the measurements allow",
-            f"Posterior of {names} from {len(spec.values)} measurements of {what} "
+            f"Posterior of {names} from {count_text(len(spec.values), 'measurement')} of {what} "
             f"({observable.meaning}), by the {source}.",
         )
         yield self.picture(

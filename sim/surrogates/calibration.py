@@ -9,6 +9,7 @@ import xarray as xr
 from sim.base.files import atomic_write
 from sim.base.seals import append_summary, checked_read, seal
 from sim.surrogates.posterior import LEAST_PROBABILITY, LONG_ENOUGH, summarize
+from sim.surrogates.refusals import require_answer
 
 
 def save(name: str, groups: Mapping[str, xr.Dataset], path: Path) -> None:
@@ -33,9 +34,12 @@ def load(path: Path) -> dict[str, xr.Dataset]:
     InputError
         When there is no such file, or it is damaged. In the results of a study it is then set
         aside, so that the study makes it again.
+    Refusal
+        When its surrogate was refused.
     """
     is_of_study = (path.parent.parent / "runs").is_dir()
     with checked_read(path, "calibration", replaceable=is_of_study, sealed=True):
+        require_answer(path)
         with netCDF4.Dataset(path) as file:
             names = list(file.groups)
         groups = {}

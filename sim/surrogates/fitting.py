@@ -2,16 +2,13 @@
 
 import xarray as xr
 
-from sim.base.errors import InputError
 from sim.study.plottable import numbers
-from sim.study.surrogate import SurrogateSpec
+from sim.study.surrogate import FEWEST_POINTS, SurrogateSpec
 from sim.surrogates.process import fit
+from sim.surrogates.refusals import Refusal
 from sim.surrogates.regimes import fit_regimes
 from sim.surrogates.sample import points_of_mean, unit_cube
 from sim.surrogates.surrogate import Surrogate
-
-#: Fewest points of which a mean can be.
-FEWEST_POINTS = 4
 
 
 def fit_surrogate(spec: SurrogateSpec, sample: xr.Dataset) -> Surrogate:
@@ -19,19 +16,18 @@ def fit_surrogate(spec: SurrogateSpec, sample: xr.Dataset) -> Surrogate:
 
     Raises
     ------
-    InputError
+    Refusal
         When fewer than `FEWEST_POINTS` have a mean and a regime that counts.
     """
     chosen = points_of_mean(sample, spec.regimes)
     if chosen.sum() < FEWEST_POINTS:
         regimes = sample["regime"].values.astype(str).tolist()
-        found = ", ".join(f"{regimes.count(name)} {name}" for name in sorted(set(regimes)))
-        allowed = (
-            f"{FEWEST_POINTS} or more points of regime {', '.join(spec.regimes)}: longer runs "
-            "settle more, and regimes may name more"
-        )
-        raise InputError.of_value(
-            f"surrogate {spec.name}", "series", f"{spec.series}: {found}", allowed
+        counts = ", ".join(f"{regimes.count(name)} {name}" for name in sorted(set(regimes)))
+        raise Refusal(
+            f"surrogate {spec.name}: no mean, as {chosen.sum()} of {len(regimes)} points of series "
+            f"{spec.series} count ({' or '.join(spec.regimes)}) and {FEWEST_POINTS} are needed; "
+            f"there are {counts}; longer runs settle more flows, and the key regimes may name "
+            "others"
         )
     x = unit_cube(spec.axes, {axis.name: sample[axis.name].values for axis in spec.axes})
     process = fit(

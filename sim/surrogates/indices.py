@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from sim.base.errors import InputError
 from sim.base.statistics import MANY, student
 from sim.study.sensitivity import FEWEST_BLOCKS
 from sim.surrogates.predictor import Predictor, scaled
+from sim.surrogates.refusals import Refusal
 
 #: Columns of a table of indices: one value with its 95 % interval a row. ``other`` names the second
 #: parameter of an interaction. ``blocks`` are those of the sample that count, ``left_out`` those
@@ -86,7 +86,7 @@ def sobol_indices_of_runs(
 
     Raises
     ------
-    InputError
+    Refusal
         If fewer than `FEWEST_BLOCKS` blocks are whole.
     """
     problem = _problem(names)
@@ -115,7 +115,7 @@ def morris_indices_of_runs(
 
     Raises
     ------
-    InputError
+    Refusal
         If fewer than `FEWEST_BLOCKS` trajectories are whole.
     """
     problem = _problem(names)
@@ -183,9 +183,11 @@ def _whole_blocks(values: np.ndarray, size: int, source: str) -> tuple[np.ndarra
     rows = np.arange(len(values) // size * size).reshape(-1, size)
     whole = rows[np.isfinite(values[rows]).all(axis=1)]
     if len(whole) < FEWEST_BLOCKS:
-        allowed = f"at least {FEWEST_BLOCKS} blocks of {size} points that all have a value"
-        got = f"{len(whole)} of {len(rows)} blocks"
-        raise InputError.of_value(source, "series", got, allowed)
+        raise Refusal(
+            f"{source}: no indices, as {len(whole)} of {len(rows)} blocks of {size} points have a "
+            f"value at each and {FEWEST_BLOCKS} are needed; longer runs settle more flows, and the "
+            "key regimes may name others"
+        )
     return whole, len(rows) - len(whole)
 
 

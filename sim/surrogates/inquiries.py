@@ -1,4 +1,4 @@
-"""Answers of sensitivities and calibrations, from surrogates and runs to files."""
+"""Answers to questions, from surrogates and runs to files."""
 
 from pathlib import Path
 
@@ -9,21 +9,54 @@ from sim.dataset.results import Results
 from sim.parameters import point_id
 from sim.study.calibration import CalibrationSpec
 from sim.study.sensitivity import SensitivitySpec
+from sim.study.surrogate import SurrogateSpec
 from sim.surrogates import calibration, tables
+from sim.surrogates.fitting import fit_surrogate
 from sim.surrogates.indices import (
     morris_indices_of_runs,
     sobol_indices,
     sobol_indices_of_runs,
 )
 from sim.surrogates.posterior import Calibration, calibrate
+from sim.surrogates.refusals import Refusal
 from sim.surrogates.sample import points_of_mean, sample_points
-from sim.surrogates.storage import load
+from sim.surrogates.storage import load, save
+from sim.surrogates.surrogate import Surrogate
 
 
-def answer_sensitivity(spec: SensitivitySpec, dataset: Results, folder: Path) -> None:
-    """Write the table of indices of a sensitivity into a folder of results."""
+def answer(
+    spec: SurrogateSpec | SensitivitySpec | CalibrationSpec, dataset: Results, folder: Path
+) -> None:
+    """Write the answer to a question into a folder of results.
+
+    Surrogates come first, as the other questions are asked of them.
+
+    Raises
+    ------
+    Refusal
+        When the runs cannot answer it.
+    """
+    match spec:
+        case SurrogateSpec():
+            save(fit_surrogate(spec, sample_points(dataset, spec)), folder / spec.file)
+        case SensitivitySpec():
+            _answer_sensitivity(spec, dataset, folder)
+        case CalibrationSpec():
+            _answer_calibration(spec, folder)
+
+
+def _surrogate_of(spec: SensitivitySpec | CalibrationSpec, lack: str, folder: Path) -> Surrogate:
+    """Return the surrogate that a question is asked of; a refusal says what the question lacks."""
+    try:
+        return load(folder / spec.of.file)
+    except Refusal as refusal:
+        raise Refusal(f"{lack} without its surrogate; {refusal}") from None
+
+
+def _answer_sensitivity(spec: SensitivitySpec, dataset: Results, folder: Path) -> None:
     if spec.design is None:
-        table = sobol_indices(load(folder / spec.of.file))
+        lack = f"sensitivity {spec.name}: no indices"
+        table = sobol_indices(_surrogate_of(spec, lack, folder))
     else:
         table = _indices_of_runs(spec, dataset)
     tables.save(table, folder / spec.file)
@@ -46,10 +79,9 @@ def _indices_of_runs(spec: SensitivitySpec, dataset: Results) -> pd.DataFrame:
     return sobol_indices_of_runs(spec.design.names, *values, source)
 
 
-def answer_calibration(spec: CalibrationSpec, folder: Path) -> None:
-    """Write the posterior of a calibration into a folder of results."""
+def _answer_calibration(spec: CalibrationSpec, folder: Path) -> None:
     question = Calibration(
-        predictor=load(folder / spec.of.file),
+        predictor=_surrogate_of(spec, f"calibration {spec.name}: no posterior", folder),
         ranges=spec.ranges,
         conditions={name: np.array(one) for name, one in spec.conditions.items()},
         values=np.array(spec.values),

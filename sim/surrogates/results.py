@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from sim.base.errors import InputError
+from sim.surrogates.refusals import Refusal, refusal_in
 from sim.surrogates.storage import load as load_surrogate
 from sim.surrogates.surrogate import Surrogate
 
@@ -16,13 +17,19 @@ def find_surrogate(folder: Path, name: str | None = None) -> Surrogate:
     ------
     InputError
         When there is none of that name, or several are of that observable.
+    Refusal
+        When the runs do not give it.
     """
     files = {path.stem: path for path in sorted((folder / "surrogates").glob("*.nc"))}
     if name in files:
         return load_surrogate(files[str(name)])
-    surrogates = [load_surrogate(path) for path in files.values()]
+    refusals = [text for path in files.values() if (text := refusal_in(path))]
+    surrogates = [load_surrogate(path) for path in files.values() if not refusal_in(path)]
     fitting = [one for one in surrogates if name in (None, one.observable)]
-    if len(fitting) != 1:
+    # One that was refused may be of the observable.
+    if len(fitting) + len(refusals) != 1:
         allowed = "one of " + ", ".join(files) if files else "a study with surrogates that has run"
         raise InputError.of_value(folder, "surrogate", name, allowed)
+    if refusals:
+        raise Refusal(refusals[0])
     return fitting[0]

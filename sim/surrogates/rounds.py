@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -89,16 +90,18 @@ def further_points(
     """
     # Imported here, as rounds of boundaries need none of it.
     from sim.dataset.build import gather_results
-    from sim.surrogates.fitting import FEWEST_POINTS, fit_surrogate
-    from sim.surrogates.sample import points_of_mean, sample_points
+    from sim.surrogates.fitting import fit_surrogate
+    from sim.surrogates.refusals import Refusal
+    from sim.surrogates.sample import sample_points
 
     first = {key: known[key] for key in study.series[spec.series]}
     added = spec.added_points(known)
     members = first | added
     sample = sample_points(gather_results(study, folder, spec.series, members), spec)
-    is_enough = points_of_mean(sample, spec.regimes).sum() >= FEWEST_POINTS
-    if is_enough and fit_surrogate(spec, sample).error <= spec.error:
-        return {}
+    # Further points may be those that a mean lacks.
+    with suppress(Refusal):
+        if fit_surrogate(spec, sample).error <= spec.error:
+            return {}
     hours = sample["core_hours"].to_series()
     # The median, as the first run of all may have compiled the engine.
     ratios = [hours[key] / _hours(point) for key, point in members.items()]

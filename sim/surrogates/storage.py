@@ -12,6 +12,7 @@ from sim.base.files import atomic_write
 from sim.base.seals import append_summary, checked_read, seal
 from sim.study.design import Axis
 from sim.surrogates.process import Process
+from sim.surrogates.refusals import require_answer
 from sim.surrogates.regimes import Regimes, has_known_regime
 from sim.surrogates.sample import points_of_mean, unit_cube
 from sim.surrogates.surrogate import Surrogate
@@ -63,9 +64,12 @@ def load(path: Path) -> Surrogate:
     InputError
         When there is no such file, or it is damaged or no surrogate. In the results of a study it
         is then set aside, so that the study makes it again.
+    Refusal
+        When the runs do not give one.
     """
     is_of_study = (path.parent.parent / "runs").is_dir()
     with checked_read(path, "surrogate", replaceable=is_of_study, sealed=True):
+        require_answer(path)
         with xr.open_dataset(path, engine="netcdf4") as file:
             stored = file.load()
         if stored.attrs.get("format") != FORMAT:

@@ -170,6 +170,12 @@ def test_measurements_that_cannot_be_used_are_one_line(parse, old, new, text):
     assert f"exp.csv: {text}" in message(parse, TABLE.replace(old, new), calibrate=[CALIBRATE])
 
 
+def test_more_measurements_than_a_posterior_can_take_are_refused(parse):
+    table = TABLE.splitlines()[0] + "\n" + "15, 200, 5, slow\n" * 1001
+    allowed = "got 1001; allowed: 1,000 or fewer; average those made under equal conditions"
+    assert f"exp.csv: measurements: {allowed}" in message(parse, table, calibrate=[CALIBRATE])
+
+
 def test_a_surrogate_over_words_is_refused(parse):
     words = WIDE["design"]["over"] | {"law": {"choices": ["walton_braun", "hertz"]}}
     wide = WIDE | {"design": WIDE["design"] | {"over": words}}

@@ -6,7 +6,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from sim.base.errors import InputError
 from sim.surrogates.indices import (
     COLUMNS,
     morris_indices_of_runs,
@@ -14,6 +13,7 @@ from sim.surrogates.indices import (
     sobol_indices_of_runs,
 )
 from sim.surrogates.predictor import scaled, unscaled
+from sim.surrogates.refusals import Refusal
 from tests.surrogates.predictors import (
     ISHIGAMI,
     ISHIGAMI_FIRST,
@@ -110,9 +110,9 @@ def test_too_few_whole_blocks_are_no_answer():
     values[:: 2 * 5] = np.nan
     assert len(sobol_indices_of_runs("xyz", values, errors, "s"))
     values[5] = np.nan
-    with pytest.raises(InputError) as caught:
+    with pytest.raises(Refusal) as caught:
         sobol_indices_of_runs("xyz", values, errors, "study: screening")
-    message = "study: screening: series: got '7 of 16 blocks'; allowed: at least 8 blocks of 5"
+    message = "study: screening: no indices, as 7 of 16 blocks of 5 points have a value"
     assert str(caught.value).startswith(message)
 
 

@@ -1,0 +1,159 @@
+"""Questions that the runs cannot answer: what files, pictures and commands say of them."""
+
+from collections.abc import Sequence
+from itertools import cycle
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from sim.base.errors import InputError
+from sim.dataset.build import build
+from sim.dataset.rounds import read_round
+from sim.figures.several import draw_figures
+from sim.report.predict import predict
+from sim.report.results import load
+from sim.report.status import survey
+from sim.report.status_table import as_text
+from sim.study.load import load_study
+from sim.surrogates import answers
+from sim.surrogates.rounds import write_round
+from tests.made.runs import write_run
+
+STUDY = """\
+study: made
+series:
+  - name: wide
+    system: chute
+    base: {replicates: 2}
+    design:
+      kind: sobol
+      points: POINTS
+      over: {friction: [0.3, 0.6], angle: [14, 18]}
+  - name: blocks
+    system: chute
+    base: {replicates: 2}
+    design:
+      kind: saltelli
+      points: 32
+      over: {friction: [0.3, 0.6], angle: [14, 18]}
+plots:
+  - {name: seen, kind: scatter, series: [wide], x: friction}
+surrogate:
+  - {name: speed, series: wide, error: 0.1, budget: 1.0e+5, batch: 3}
+  - {name: any-regime, series: wide, regimes: [accelerating, arrested]}
+sensitivity:
+  - {name: matters, surrogate: speed}
+  - {name: direct, series: blocks}
+calibrate:
+  - {name: beads, data: exp.csv, surrogate: speed, parameters: {friction: [0.3, 0.6]}}
+"""
+
+#: What is said of the surrogate without a mean, and of what is asked of it.
+NO_MEAN = "surrogate speed: no mean, as 0 of 8 points of series wide count (steady or mixed)"
+
+
+def make(folder: Path, points: int, regimes: Sequence[str], study: str = STUDY) -> Path:
+    """Write a study and its runs, of some regimes in turn; return the study file."""
+    (folder / "exp.csv").write_text("angle, velocity, velocity_error\n15, 0.5, 0.02\n")
+    path = folder / "made.yaml"
+    path.write_text(study.replace("POINTS", str(points)))
+    run(folder, [one.parameters for one in load_study(path, folder).points.values()], regimes)
+    return path
+
+
+def run(folder: Path, points, regimes: Sequence[str]) -> None:
+    for one, regime in zip(points, cycle(regimes), strict=False):
+        speed = 0.0 if regime == "arrested" else one.angle / 10 - one.friction
+        write_run(folder / "made" / "runs", one, speed * np.array([0.99, 1.01]), regime=regime)
+
+
+@pytest.fixture(scope="module")
+def asked(tmp_path_factory):
+    """Return study file and lines of a study in which every flow stops or runs away."""
+    folder = tmp_path_factory.mktemp("asked")
+    path = make(folder, 8, ("arrested", "accelerating"))
+    build(path, folder)
+    lines = answers.build(path, folder)
+    study = load_study(path, folder)
+    draw_figures(
+        list(study.entries),
+        folder / "made" / "dataset.nc",
+        folder / "made" / "figures",
+        study_path=path,
+    )
+    return path, lines
+
+
+def test_each_question_says_in_its_words_why_it_has_no_answer(asked):
+    path, lines = asked
+    assert lines[0].startswith(f"{NO_MEAN} and 4 are needed; there are 4 ac")
+    assert lines[1].startswith("surrogate any-regime: 8 points, error ")
+    assert lines[2].startswith(f"sensitivity matters: no indices without its surrogate; {NO_MEAN}")
+    assert lines[3].startswith("sensitivity direct: no indices, as 0 of 8 blocks of 4 points have")
+    assert lines[4].startswith(f"calibration beads: no posterior without its surrogate; {NO_MEAN}")
+    assert all("\n" not in line for line in lines)
+    study = load_study(path, path.parent)
+    assert as_text(survey(study, path.parent)).endswith("\n".join(lines))
+    with xr.open_dataset(path.parent / "made" / "calibration" / "beads.nc") as file:
+        assert file.attrs["refusal"] == lines[4]
+
+
+def test_pictures_without_an_answer_say_so_and_all_others_stand(asked):
+    path, lines = asked
+    figures = path.parent / "made" / "figures"
+    study = load_study(path, path.parent)
+    assert len(study.plots) == 14
+    refusals = {spec.file: line for spec, line in zip(study.questions, lines, strict=True)}
+    for name, spec in study.plots.items():
+        caption = (figures / f"{name}.caption.txt").read_text()
+        is_refused = name != "seen" and "any-regime" not in spec.options["answer"]
+        assert is_refused == ("Nothing is drawn: " in caption)
+        table = (figures / f"{name}.csv").read_text()
+        assert is_refused == table.startswith("refusal\n")
+        if is_refused:
+            line = refusals[spec.options["answer"]]
+            assert line in caption and line in table.replace('"', "")
+            drawn = (figures / f"{name}.svg").read_text()
+            assert all(word in drawn for word in line.split()[:3])
+        assert (figures / f"{name}.png").stat().st_size
+
+
+def test_predictions_are_refused_with_one_line(asked):
+    path, _ = asked
+    at = ["friction=0.4", "angle=15"], "table", path.parent
+
+    def ask(name):
+        return predict(path, at[0], name, False, *at[1:])
+
+    with pytest.raises(InputError, match=NO_MEAN.partition(",")[0]):
+        ask("speed")
+    with pytest.raises(InputError, match=NO_MEAN.partition(",")[0]):
+        load(path.parent / "made").surrogate("speed")
+    # Both are of the velocity, so a name must tell which is meant.
+    with pytest.raises(InputError, match="allowed: one of any-regime, speed"):
+        ask("velocity")
+    assert "any-regime" in ask("any-regime")
+
+
+def test_rounds_buy_what_a_mean_lacks(tmp_path):
+    text = STUDY.partition("sensitivity:")[0]
+    text = "\n".join(line for line in text.splitlines() if "any-regime" not in line)
+    path = make(tmp_path, 2, ("steady",), text)
+    lines = _answer(path)
+    assert lines[0].startswith("surrogate speed: no mean, as 2 of 2 points of series wide count")
+    numbers = []
+    while added := read_round(write_round(path, len(numbers) + 1, tmp_path)):
+        numbers.append(len(added))
+        run(tmp_path, added.values(), ("steady",))
+    assert numbers[0] == 3
+    assert _answer(path)[0].startswith(f"surrogate speed: {2 + sum(numbers)} points, error ")
+    with pytest.raises(InputError, match="allowed: a series of 4 to 3,000 points"):
+        path.write_text(path.read_text().replace("error: 0.1, budget: 1.0e+5, ", ""))
+        load_study(path, tmp_path)
+
+
+def _answer(path: Path) -> list[str]:
+    build(path, path.parent)
+    return answers.build(path, path.parent)
