@@ -170,7 +170,7 @@ def _dask_cluster(address: str) -> Iterator[dict[str, Any]]:
         client.run(load, places(), Path(), "plugins")
         hashes = client.run(reader_hash, on_error="return").values()
         if others := {str(value) for value in hashes} - {reader_hash()}:
-            raise InputError(f"{key}: its workers have not this program: {others.pop()}")
+            raise InputError(f"{key}: its workers do not have this program: {others.pop()}")
         yield {"scheduler": client}
 
 
