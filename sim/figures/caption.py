@@ -129,9 +129,9 @@ def protocol_sentence(rows: pd.DataFrame, system: str) -> str:
     precisions = ", ".join(f"{100 * target:g}" for target in targets)
     limited = int(converged["stopped"].str.contains("limit").sum())
     return (
-        f"Converged protocol ({points_text(len(converged))}): runs go on until the mean is known "
-        f"to {precisions} % and no drift is left, {limit} at most, which stopped runs of {limited} "
-        "of these points before that; averaged is what the transient leaves."
+        f"Converged protocol ({points_text(len(converged))}): runs continue until the mean is "
+        f"known to {precisions} % and no drift is left. {points_text(limited)} reached the limit "
+        f"({limit}) first; averages exclude the transient."
     )
 
 
@@ -193,17 +193,18 @@ def _unsteady_counts(rows: pd.DataFrame) -> list[str]:
     return [f"{points_text(count)} {_REGIMES[regime]}" for regime, count in counts.items()]
 
 
-def unsteady_sentence(rows: pd.DataFrame, mark: str = "drawn all the same") -> str:
+def unsteady_sentence(rows: pd.DataFrame, mark: str = "") -> str:
     """Count the flows not shown to be steady, for plots without such markers; empty if none is.
 
-    ``mark`` says how they are drawn.
+    ``mark`` says how they are drawn if they differ from the others.
     """
     shown = rows[rows["completed"] > 0]
     is_open = is_undecided(shown)
     unsteady = _unsteady_counts(shown[~is_open])
     if is_open.any():
         unsteady.append(f"{points_text(is_open.sum())} whose runs are too short to tell")
-    return f"Not shown to be steady, and {mark}: {', '.join(unsteady)}." if unsteady else ""
+    lead = f"Not surely steady, and {mark}" if mark else "Shown although not surely steady"
+    return f"{lead}: {', '.join(unsteady)}." if unsteady else ""
 
 
 def caveat_sentence(rows: pd.DataFrame) -> str:
