@@ -206,9 +206,9 @@ class Parser(argparse.ArgumentParser):
     def refuse(self, word: str, reason: str, known: Collection[str]) -> NoReturn:
         """End with the error of a word, and a question with known words that are like it."""
         # Imported here, as every command would wait for the import.
-        from sim.base.messages import question
+        from sim.base.messages import did_you_mean
 
-        self.error(f"{printable(word)}: {reason}{question(word, known)}")
+        self.error(f"{printable(word)}: {reason}; {did_you_mean(word, known)}".rstrip("; "))
 
 
 def parser(prog: str) -> Parser:

@@ -110,7 +110,7 @@ def test_numbers_of_numpy_are_numbers():
     ("call", "message"),
     [
         (lambda: sim.simulate(friction=-1), "simulate: friction: got -1; allowed: a number >= 0"),
-        (lambda: sim.simulate("bolt"), "simulate: system: got 'bolt'; allowed: did you mean belt?"),
+        (lambda: sim.simulate("bolt"), "simulate: system: got 'bolt'; did you mean belt?"),
         (
             lambda: sim.simulate("belt", friction=0.3),
             "simulate: friction: unknown key, got 0.3; friction is a parameter of the chute and",
@@ -121,11 +121,11 @@ def test_numbers_of_numpy_are_numbers():
         ),
         (
             lambda: sim.simulate(μ=0.3),
-            "simulate: μ: unknown key, got 0.3; did you mean friction? allowed: 42 names (talus",
+            "simulate: μ: unknown key, got 0.3; did you mean friction? allowed: friction and 41",
         ),
         (
             lambda: sim.simulate("belt", frequency="30 Hz"),
-            "simulate: frequency: got '30 Hz'; allowed: a number > 0, in Hz, without the unit",
+            "simulate: frequency: got '30 Hz'; allowed: a number > 0, in Hz, without the unit: 30",
         ),
         (
             lambda: sim.simulate(friction="0.3 "),

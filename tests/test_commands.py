@@ -50,7 +50,7 @@ MISTAKES = {
         "frequency",
         "freqency",
         "series[1].cases[0].freqency",
-        "mean frequency or",
+        "mean frequency? ",
     ),
     "parameter of the other system": (
         "{frequency: 20}",

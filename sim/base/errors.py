@@ -1,9 +1,13 @@
 """The one exception that users of Talus see, and the short form of values in its message."""
 
+import re
 import reprlib
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, Self
+
+#: A question before what is allowed.
+_QUESTION = re.compile(r"did you mean [^?]*\? ")
 
 
 class InputError(Exception):
@@ -29,10 +33,13 @@ class InputError(Exception):
         value : object
             The value at this key; long values are shortened.
         allowed : str
-            The accepted values, in words.
+            The accepted values, in words. A question before them, "did you mean friction?", goes
+            before "allowed", too.
         """
         where = f"{source}: {key}" if key else f"{source}"
-        return cls(f"{where}: got {in_short(value)}; allowed: {allowed}")
+        question = match[0] if (match := _QUESTION.match(allowed)) else ""
+        values = allowed.removeprefix(question)
+        return cls(f"{where}: got {in_short(value)}; {question}allowed: {values}")
 
     @classmethod
     def of_several(cls, messages: Sequence[str]) -> Self:

@@ -246,10 +246,10 @@ def one_of(name: Any, options: Collection[str]) -> str:
     Anything but a text is near to no option.
 
     >>> one_of("hertzian", ["drag", "hertz"])
-    'one of drag, hertz; did you mean hertz?'
+    'did you mean hertz? one of drag, hertz'
     """
     word = name if isinstance(name, str) else ""
-    return f"one of {near(word, options)}{question(word, options)}"
+    return f"{did_you_mean(word, options)}one of {near(word, options)}"
 
 
 def near(name: str, options: Collection[str], most: int = MOST_NAMES) -> str:
@@ -265,16 +265,6 @@ def near(name: str, options: Collection[str], most: int = MOST_NAMES) -> str:
     similar = difflib.get_close_matches(name, options, n=most)
     named = similar or names_meant(name, options) or list(options)[: most - 2]
     return f"{', '.join(named)} and {len(options) - len(named)} more (talus schema has all)"
-
-
-def question(name: str, known: Collection[str]) -> str:
-    """Return `did_you_mean` as the end of a sentence on what is allowed.
-
-    >>> question("frction", ["friction", "depth"])
-    '; did you mean friction?'
-    """
-    hint = did_you_mean(name, known).strip()
-    return f"; {hint}" if hint else ""
 
 
 def did_you_mean(name: str, known: Collection[str]) -> str:

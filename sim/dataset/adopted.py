@@ -238,7 +238,7 @@ def adopt(study_path: Path, dataset_path: Path, results: Path) -> str:
         raise InputError(
             f"{dataset_path}: covers no point of {study.path}: "
             f"of {count_text(len(points), 'point')} it has {common:,}, "
-            "none with all that is wanted of it"
+            "none with the wanted replicates and length"
         )
     output = folder / FOLDER / f"{hashlib.sha256(content).hexdigest()[:DIGITS]}.nc"
     if not output.is_file() or read_regular(output) != content:
@@ -268,5 +268,5 @@ def _require_origin(path: Path) -> None:
         raise InputError.of_value(path, "numerics", numerics, str(NUMERICS))
     if lacking and all(lacking):
         names = ", ".join(lacking[0][:MOST_NAMED])
-        allowed = "one whose program knew them; make it again from its runs"
+        allowed = "one with them; make it again from its runs"
         raise InputError.of_value(path, "", f"a dataset that cannot have {names}", allowed)

@@ -257,7 +257,7 @@ def compare(first: pd.DataFrame, second: pd.DataFrame, ignored: Collection[str] 
             if name not in {*varying, *_SIDE_PARAMETERS} and values[0] != values[1]:
                 differing[name] = values
     if not pairs:
-        raise InputError("no point of the one is a point of the other: nothing to compare")
+        raise InputError("the two have no point in common: nothing to compare")
     unmatched, shorter = counts - len(pairs), [len(first), len(second)] - counts
     return Comparison(
         [pairs[place] for place in sorted(pairs)],

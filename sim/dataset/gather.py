@@ -87,7 +87,7 @@ def _require_point(run: RunFile, file: netCDF4.Dataset, point: str) -> None:
     """Raise ``ValueError`` for a file that is no run file, or that of another point."""
     is_run = run.attrs.keys() >= ATTRIBUTES and "particles" in run
     if not is_run or "replicate" not in file.dimensions:
-        raise ValueError("no point in it")
+        raise ValueError("it has no point")
     if run.attrs["point_id"] != point:
         raise ValueError(f"holds point {run.attrs['point_id']}")
 

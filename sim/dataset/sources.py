@@ -170,7 +170,7 @@ def _read_by_cluster(parts: Sequence[Sequence[File]], address: str) -> Sequence[
             client.run(load, places(), Path(), "plugins")
             hashes = client.run(reader_hash, on_error="return").values()
             if others := {str(value) for value in hashes} - {reader_hash()}:
-                raise InputError(f"{_KEY}: its workers have not this program: {others.pop()}")
+                raise InputError(f"{_KEY}: its workers do not have this program: {others.pop()}")
             futures = client.map(read_batch, parts, pure=False)
             while any(not future.done() for future in futures):
                 _require_worker(client, address)

@@ -249,8 +249,8 @@ def adopt_type(kind: type, has_plugin: bool = True) -> bool:
         return False
     if has_plugin and codes(*COMPILED_KINDS) != PLUGIN_CODES:
         raise InputError(
-            "a plug-in with a law or a motion is loaded before the first flow of a process, and "
-            "imports nothing of sim.engine; start another process"
+            "load a plug-in with a law or a motion before the first flow of a process, and import "
+            "nothing of sim.engine in it; start another process"
         )
     adopted_types.add(kind)
     return True

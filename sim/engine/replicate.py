@@ -229,7 +229,7 @@ def origin_of(parameters: Parameters, output: Path) -> Origin | None:
     path = Path(source_name) if is_file else output.with_name(f"{source_name}.nc")
     path = path.resolve()
     if path == output.resolve():
-        allowed = "another run than that to be made"
+        allowed = "a run other than the output"
         raise InputError.of_value(name, "start_from", source_name, allowed)
     source = read_parameters(path)
     require_compatible_source(parameters, source, name)

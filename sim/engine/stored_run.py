@@ -131,7 +131,7 @@ def parameters_of(file: netCDF4.Dataset, path: Path) -> Parameters:
     if "study" in file.ncattrs():
         raise InputError(f"{path}: the dataset of study {file.study}, not a run file")
     if not {"point_id", "system", "status"} <= set(file.ncattrs()):
-        raise ValueError("no point in it")
+        raise ValueError("it has no point")
     values = {}
     for name, field in SYSTEMS[file.getncattr("system")].model_fields.items():
         if name in file.variables:

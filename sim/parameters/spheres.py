@@ -404,7 +404,7 @@ class SphereParameters(Parameters):
                 if getattr(self, name):
                     raise broken_rule(name, getattr(self, name), f"0 with law: {self.law}")
         if self.bump_arrangement != "random" and not self.bumps:
-            allowed = "random unless there are bumps, whose arrangement it is"
+            allowed = "random, unless there are bumps"
             raise broken_rule("bump_arrangement", self.bump_arrangement, allowed)
         if not self.depth * self._area <= MAX_PARTICLES:
             allowed = f"a value that gives at most {MAX_PARTICLES:.0e} particles in the cell"
@@ -413,7 +413,7 @@ class SphereParameters(Parameters):
         has_room = not self.bumps or self.bump_coverage * self._area <= room
         if not (has_room and self.effective_particles <= MAX_PARTICLES):
             allowed = (
-                f"a value that gives at most {MAX_PARTICLES:.0e} particles, glued ones included, "
-                "which count more the denser they are"
+                f"a value that gives at most {MAX_PARTICLES:.0e} particles, glued ones included; "
+                "dense ones count more"
             )
             raise broken_rule("bumps", self.bumps, allowed)

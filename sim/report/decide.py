@@ -78,7 +78,7 @@ def _round(study_path: Path, results: Path) -> tuple[list[str], bool]:
     """
     study = load_study(study_path, results)
     if study.decide is None:
-        raise InputError.of_value(study_path, "decide", None, "what is to be decided")
+        raise InputError.of_value(study_path, "decide", None, "claims, precision, or both")
     folder = results / study.name
     dataset_results = load_current(study, folder)
     extra, spent_hours = read_extra_amounts(folder), _core_hours(dataset_results.dataset)

@@ -18,22 +18,23 @@ from sim.study.papers import papers
 _HEAD = """\
 # Verdicts, then and now
 
-Only the text of both papers was at hand, no figure. Each claim has four verdicts:
+Only the texts of both papers were at hand, none of their figures. The [glossary](glossary.md)
+explains the words. Each claim has four verdicts:
 
-- *first*: of the first criterion, on the runs published first;
-- *second round*: of restated criteria, on **fresh seeds**;
-- *referee*: of one who judged the runs of the second round anew;
-- *now*: of the present rules, on the same runs
+- *first*: by the first criterion, on the first published runs;
+- *second round*: by restated criteria, on **fresh seeds**;
+- *referee*: by a referee who judged the runs of the second round again;
+- *now*: by the present rules, on the same runs
   ([how often they err](validation.md#how-often-the-judge-is-right)).
 
-The last column says what changed since the second round, and then why the first criterion was
-restated. A verdict that changed since the second round is bold. It may hold under a condition ("at
-K1 = 1,000 N/m"); letters are the statements of a claim that says several things. *By number of
-ours* has the verdict for values of a number that the paper does not give.
+The last column has the change since the second round, and then the reason for the restated
+criterion. A verdict that changed since the second round is bold. It may hold under a condition ("at
+K1 = 1,000 N/m"). Letters are the statements of a claim with several. *By number of ours* has the
+verdict as a function of a number that the paper does not give.
 
-Sentences, criteria and evidence: the reports
+Sentences, criteria and evidence are in the reports
 ([Walton](../results/published/paper_walton/report.html),
-[Gallas](../results/published/paper_gallas/report.html)). Verdicts by reading and protocol:
+[Gallas](../results/published/paper_gallas/report.html)). Verdicts by reading and protocol are in
 `verdicts.csv` beside them.
 
 `python -m sim.report.paper_pages verdicts > docs/verdicts.md` makes this page from both

@@ -108,7 +108,7 @@ class Over(Lists):
     def hint(cls, key: str, value: Any) -> str:
         """Return a hint at the intended key, empty if there is none."""
         if key in AMOUNTS:
-            return f"{key} belongs under base: how much of a point is run tells no points apart"
+            return f"{key} belongs under base, as it makes no other point"
         return super().hint(key, value)
 
 

@@ -84,7 +84,7 @@ class _Family(Strict):
         for name in sorted(self.grid.model_fields_set & AMOUNTS if self.grid else ()):
             values = getattr(self.grid, name)
             if len(values) > 1:
-                allowed = "one value: how much of a point is run tells no points apart"
+                allowed = "one value, as it makes no other point"
                 raise broken_rule(f"grid.{name}", values, allowed)
         return self
 

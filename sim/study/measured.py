@@ -11,7 +11,7 @@ from typing import Any
 
 from sim.base.errors import InputError
 from sim.base.files import open_regular
-from sim.base.messages import question
+from sim.base.messages import did_you_mean
 from sim.base.units import conversion
 
 #: Pattern of the name of such a file, and what is allowed, for messages: it is published with the
@@ -51,8 +51,8 @@ class MeasuredTable:
     def require_column(self, name: str, what: str) -> None:
         """Raise ``InputError`` unless there is a column; ``what`` says what it should hold."""
         if name not in self.texts:
-            hint = question(name, self.texts)
-            allowed = f"a column {name}, {what}; the file has {', '.join(self.texts)}{hint}"
+            hint = did_you_mean(name, self.texts)
+            allowed = f"{hint}a column {name}, {what}; the file has {', '.join(self.texts)}"
             raise InputError.of_value(self.path, f"column {name}", None, allowed)
 
     def error(self, row: int, column: str, value: Any, allowed: str) -> InputError:

@@ -173,7 +173,7 @@ class PlotContents:
         observable = find_observable(self.plot.kind, key, name, self.system, self.error)
         needed = observable.asked_by
         if needed and not all(getattr(point, needed, False) for point in self.parameters):
-            allowed = f"points with {needed}: true, without which it is not kept"
+            allowed = f"points with {needed}: true, as runs record it only then"
             raise self.error(key, name, allowed)
         return observable
 

@@ -252,7 +252,7 @@ def _usable(what: str, keys: Keys) -> Keys:
         are_observables = isinstance(shown, Mapping) and all(
             isinstance(name, str) and hasattr(one, "meaning") for name, one in shown.items()
         )
-        allowed = "a function: system -> observables by name, as sim.study.plottable.numbers"
+        allowed = "a function: system -> observables by name, as talus.study.plottable.numbers"
         require("shows", shown, allowed, holds=are_observables)
     return keys
 

@@ -71,7 +71,9 @@ class _Question:
         found = find_observable("curves", "observable", name, self.system, self.error)
         asked = found.asked_by
         if asked and not all(getattr(point.parameters, asked, False) for point in self.points):
-            raise self.error("observable", name, f"points with {asked}: true, or it is not kept")
+            raise self.error(
+                "observable", name, f"points with {asked}: true, as runs record it only then"
+            )
         return found
 
     def spec(self) -> SurrogateSpec:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.base.errors import InputError
-from sim.base.messages import one_of, question
+from sim.base.messages import did_you_mean
 from sim.base.words import count_text
 from sim.parameters import SYSTEMS, field_info
 from sim.study.calibration import MOST_MEASUREMENTS, CalibrateFile, CalibrationSpec
@@ -80,7 +80,7 @@ class _Asked:
         name = self.entry.surrogate
         if name not in named:
             allowed = "one of " + ", ".join(named) if named else "the name of a surrogate"
-            raise self.error("surrogate", name, allowed + question(name, named))
+            raise self.error("surrogate", name, did_you_mean(name, named) + allowed)
         for axis in named[name].axes:
             if not axis.is_number:
                 got = f"{name}, which varies {axis.name}"
@@ -175,7 +175,7 @@ class _Calibration(_Asked):
         axes = {axis.name: axis for axis in surrogate.axes}
         for name, (low, high) in self.entry.parameters.items():
             if name not in axes:
-                allowed = one_of(name, axes)
+                allowed = did_you_mean(name, axes) + "one of " + ", ".join(axes)
                 raise self.error(f"parameters.{name}", [low, high], allowed)
             if low < axes[name].low or high > axes[name].high:
                 ends = f"[{axes[name].low:g}, {axes[name].high:g}]"

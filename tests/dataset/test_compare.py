@@ -135,7 +135,7 @@ def test_run_files_are_read_with_what_each_replicate_knows(tmp_path):
     table, unit = read_side(path, "velocity")
     (point,) = table.to_dict("records")
     assert unit == "m s-1" and point["_replicates"] == 2 and point["depth"] == 5
-    with pytest.raises(InputError, match=r"got 'speed'; allowed: did you mean velocity"):
+    with pytest.raises(InputError, match=r"got 'speed'; did you mean velocity"):
         read_side(path, "speed")
 
 
@@ -184,7 +184,7 @@ def test_the_same_as_json(runs, capsys):
     ("words", "message"),
     [
         (["--ignore", "frction"], "--ignore: got 'frction'"),
-        (["--of", "speed"], "got 'speed'; allowed: did you mean velocity"),
+        (["--of", "speed"], "got 'speed'; did you mean velocity"),
     ],
 )
 def test_what_is_not_known_is_refused_in_one_line(words, message, runs, capsys):

@@ -63,7 +63,7 @@ def test_a_point_or_a_group_that_is_not_there_is_refused(dataset):
 
 
 def test_a_system_that_is_none_is_refused(dataset):
-    with pytest.raises(InputError, match=r"of: system: got 'blet'; allowed: did you mean belt"):
+    with pytest.raises(InputError, match=r"of: system: got 'blet'; did you mean belt"):
         load_results(dataset).of("blet")
 
 

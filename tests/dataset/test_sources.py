@@ -227,7 +227,7 @@ def test_a_cluster_reads_what_one_process_reads(files, small_batches, cluster, m
 
 def test_workers_with_other_code_are_refused(files, cluster, monkeypatch):
     monkeypatch.setattr(sources, "reader_hash", lambda: threading.current_thread().name)
-    with pytest.raises(InputError, match="--dask-scheduler: its workers have not this program"):
+    with pytest.raises(InputError, match="--dask-scheduler: its workers do not have this program"):
         read_files(files, scheduler=cluster.scheduler_address)
 
 

@@ -241,7 +241,7 @@ def test_the_states_of_another_run_are_left_where_they_are(tmp_path):
     with pytest.raises(InputError, match="damaged or no states of a run"):
         run_in(tmp_path, FLOW, start_from=first.stem)
     assert states.read_bytes() == b"none"
-    with pytest.raises(InputError, match="another run than that to be made"):
+    with pytest.raises(InputError, match="a run other than the output"):
         run_point(parse_point(FLOW.model_dump() | {"start_from": str(first)}, "point"), first)
 
 

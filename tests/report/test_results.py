@@ -54,7 +54,7 @@ def test_a_grid_takes_observables_that_plots_take():
 @pytest.mark.parametrize(
     ("points", "arguments", "message"),
     [
-        (GRID, ("speed",), "to_grid: observable: got 'speed'; allowed: did you mean velocity?"),
+        (GRID, ("speed",), "to_grid: observable: got 'speed'; did you mean velocity?"),
         ([*GRID, BELT], (), "to_grid: system: got nothing; allowed: one of chute, belt"),
         (GRID, ("velocity", "belt"), "to_grid: system: got 'belt'; allowed: one of chute"),
         (GRID, ("velocity", "", "b"), "to_grid: series: got 'b'; allowed: one of chute"),
@@ -147,12 +147,12 @@ def test_a_map_is_drawn_too():
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
-        ({"x": "mu"}, "results: plot.x: got 'mu'; allowed: did you mean friction?"),
+        ({"x": "mu"}, "results: plot.x: got 'mu'; did you mean friction?"),
         (
             {"x": "friction", "y": "speed"},
-            "results: plot.y: got 'speed'; allowed: did you mean v",
+            "results: plot.y: got 'speed'; did you mean v",
         ),
-        ({"kind": "heatmap"}, "results: plot.kind: got 'heatmap'; allowed: did you mean map?"),
+        ({"kind": "heatmap"}, "results: plot.kind: got 'heatmap'; did you mean map?"),
         (
             {"x": "friction", "hue": "depth"},
             "results: plot.hue: unknown key, got 'depth'; did you",

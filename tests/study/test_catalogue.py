@@ -164,7 +164,7 @@ def test_an_entry_becomes_what_its_figure_is(tmp_path):
         (
             "kind: curves",
             "kind: curve",
-            "figures[0].kind: got 'curve'; allowed: did you mean curves?",
+            "figures[0].kind: got 'curve'; did you mean curves?",
         ),
         (
             "kind: curves",
@@ -172,7 +172,7 @@ def test_an_entry_becomes_what_its_figure_is(tmp_path):
             "figures[0].x: got 'frequency'; allowed: a key of row: name, kind",
         ),
         ("colour: red", "colour: rot", "figures[0].styles[0].colour: got 'rot'; allowed: 'black'"),
-        ("x: frequency", "x: frequecy", "figures[0].x: got 'frequecy'; allowed: did you mean freq"),
+        ("x: frequency", "x: frequecy", "figures[0].x: got 'frequecy'; did you mean freq"),
         ("kind: curves", "kind: profiles", "figures[0].x: got 'frequency'; allowed: one of "),
         ("amplitude:", "depth:", "figures[0].where: got 'depth'; allowed: a parameter of the belt"),
         ("[1, 2]", "[1, [2]]", "figures[0].where.amplitude: got [1, [2]]; allowed: a value of a "),

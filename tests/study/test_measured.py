@@ -91,5 +91,5 @@ def test_units_that_are_unknown_contradict_or_are_of_another_kind_are_refused(re
 def test_a_missing_column_is_named_with_those_there_are(read):
     with pytest.raises(InputError) as caught:
         read(TABLE).require_column("angel", "a condition")
-    message = "column angel: got nothing; allowed: did you mean angle? a column angel, a condition"
+    message = "column angel: got nothing; did you mean angle? allowed: a column angel, a condition"
     assert message in str(caught.value) and "the file has angle, V, s" in str(caught.value)

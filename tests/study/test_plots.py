@@ -75,7 +75,7 @@ def test_y_of_profiles_is_another_profile_in_the_same_slices(parse):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"y": "packng"}, "y: got 'packng'; allowed: did you mean packing"),
+        ({"y": "packng"}, "y: got 'packng'; did you mean packing"),
         ({"y": "velocity"}, "y: got 'velocity'; allowed: an observable other than x"),
         ({"y": "shear_depth"}, "y: got 'shear_depth'; allowed: an observable of profiles; shear"),
         ({"y": "overburden"}, "y: got 'overburden'; allowed: points with stress_profiles: true"),
@@ -233,7 +233,7 @@ def test_every_kind_shows_its_usual_observable_of_every_system(parse, kind, syst
         ({"name": "walton_2"}, "name: got 'walton_2'; allowed: a name that no figure"),
         ({"name": "a/b"}, "name: got 'a/b'; allowed: up to 60 letters"),
         ({"x": None}, "x: got nothing; allowed: "),
-        ({"x": "fricton"}, "x: got 'fricton'; allowed: did you mean friction"),
+        ({"x": "fricton"}, "x: got 'fricton'; did you mean friction"),
         (
             {"x": "slop"},
             "x: got 'slop'; allowed: a parameter of the chute that the points vary: friction, "
@@ -242,17 +242,17 @@ def test_every_kind_shows_its_usual_observable_of_every_system(parse, kind, syst
         ({"x": "frequency"}, "x: got 'frequency'; allowed: a parameter of the chute; this is"),
         ({"x": "law", "panels": "friction"}, "x: got 'law'; allowed: a parameter that is a number"),
         ({"x": "velocity"}, "x: got 'velocity'; allowed: an observable other than y"),
-        ({"x": "shear_dept"}, "x: got 'shear_dept'; allowed: did you mean shear_depth"),
+        ({"x": "shear_dept"}, "x: got 'shear_dept'; did you mean shear_depth"),
         ({"x": "backflow"}, "x: got 'backflow'; allowed: an observable of the chute; backflow is"),
         ({"x": "overburden"}, "x: got 'overburden'; allowed: points with stress_profiles: true"),
         ({"x": "depth"}, "x: got 'depth, which is 5 throughout'; allowed: a parameter that the"),
         ({"curves": ["angle", "depth"]}, "curves[1]: got 'depth, which is 5 throughout'"),
         ({"panels": "friction"}, "panels: got 'friction'; allowed: a parameter other than x"),
-        ({"y": "velocty"}, "y: got 'velocty'; allowed: did you mean velocity"),
+        ({"y": "velocty"}, "y: got 'velocty'; did you mean velocity"),
         ({"y": "backflow"}, "y: got 'backflow'; allowed: an observable of the chute; backflow is"),
         ({"y": "mass_flux"}, "y: got 'mass_flux'; allowed: an observable of curves; mass_flux is"),
         ({"y": "overburden"}, "y: got 'overburden'; allowed: points with stress_profiles: true"),
-        ({"series": ["flow"]}, "series[0]: got 'flow'; allowed: did you mean flows? one of flows"),
+        ({"series": ["flow"]}, "series[0]: got 'flow'; did you mean flows? allowed: one of flows"),
         ({"system": "belt"}, "system: got 'belt'; allowed: a system of its series: chute"),
         (
             {"colour": "velocity"},
@@ -390,7 +390,7 @@ def test_parameters_are_all_that_vary_unless_they_are_named(parse):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"colour": "anglee"}, "colour: got 'anglee'; allowed: did you mean angle"),
+        ({"colour": "anglee"}, "colour: got 'anglee'; did you mean angle"),
         ({"colour": "depth"}, "colour: got 'depth, which is 5 throughout'; allowed: a param"),
         ({"colour": "friction"}, "colour: got 'friction'; allowed: a parameter other than x"),
         ({"colour": "backflow"}, "colour: got 'backflow'; allowed: an observable of the chute"),

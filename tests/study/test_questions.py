@@ -83,7 +83,7 @@ def test_further_points_are_those_of_a_larger_design():
         ([{"series": "wild"}], "surrogate[0].series: got 'wild'; allowed: one of wide"),
         (
             [{"observable": "velocty"}],
-            "surrogate[0].observable: got 'velocty'; allowed: did you mean",
+            "surrogate[0].observable: got 'velocty'; did you mean",
         ),
         ([{}, {}], "surrogate[1].name: got 'speed'; allowed: a name that no other surrogate has"),
         (

@@ -68,7 +68,7 @@ def test_a_sensitivity_of_a_design_takes_its_runs(parse):
 @pytest.mark.parametrize(
     ("entry", "text"),
     [
-        ({"surrogate": "sped"}, "surrogate: got 'sped'; allowed: did you mean speed? one of speed"),
+        ({"surrogate": "sped"}, "surrogate: got 'sped'; did you mean speed? allowed: one of speed"),
         ({}, "surrogate: got nothing; allowed: the name of a surrogate, or series: a series"),
         ({"surrogate": "speed", "series": "many"}, "series: got 'many'; allowed: none with surr"),
         ({"series": "wide"}, "series: got 'wide'; allowed: a series whose design is of kind salt"),
@@ -127,7 +127,7 @@ def test_columns_and_units_can_be_named_in_the_study(parse):
         ({"parameters": {"friction": 0.3}}, "calibrate[0].parameters.friction: got 0.3; allowed: "),
         (
             {"parameters": {"frction": [0.2, 0.8]}},
-            "parameters.frction: got [0.2, 0.8]; allowed: did you mean friction?",
+            "parameters.frction: got [0.2, 0.8]; did you mean friction?",
         ),
         (
             {"parameters": {"friction": [0.1, 0.8], "restitution": [0.6, 0.9]}},
@@ -163,7 +163,7 @@ def test_mistakes_in_a_calibration_are_refused_before_anything_runs(parse, chang
         ("200", "quick", "line 2, column velocity: got 'quick'; allowed: a number"),
         ("mm/s", "mph", "unit of column velocity: got 'mph'; allowed: a unit such as m s-1"),
         ("note", "depth", "line 2, column depth: got 'slow'; allowed: 5, as all points of series"),
-        ("velocity_error", "error", "column velocity_error: got nothing; allowed: did you mean"),
+        ("velocity_error", "error", "column velocity_error: got nothing; did you mean"),
     ],
 )
 def test_measurements_that_cannot_be_used_are_one_line(parse, old, new, text):

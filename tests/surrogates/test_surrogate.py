@@ -77,7 +77,7 @@ def test_the_mean_is_what_predict_gives(surrogate):
             {"friction": 0.5, "depth": [3.0, 11.0]},
             "speed: depth: got 11; allowed: a number in [2, 10]",
         ),
-        ({"frction": 0.5, "depth": 5.0}, "did you mean friction? one of friction, depth"),
+        ({"frction": 0.5, "depth": 5.0}, "did you mean friction? allowed: one of friction, depth"),
         ({"friction": "high", "depth": 5.0}, "speed: friction: got 'high'; allowed: a number in"),
         ({"friction": np.nan, "depth": 5.0}, "speed: friction: got nan; allowed: a number in"),
         ({"friction": [[0.5]], "depth": 5.0}, "a number, a list of numbers, or an array of xarray"),
