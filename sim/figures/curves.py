@@ -39,7 +39,7 @@ from sim.figures.plot import (
 )
 from sim.figures.quantity import Quantity, quantity_table
 from sim.figures.style import CurveStyle, Look, is_undecided
-from sim.figures.variables import is_number
+from sim.figures.variables import has_logarithmic_values, is_number
 from sim.parameters import SYSTEMS
 from sim.study.plot_contents import SCATTER_HINT, parameter_phrase
 from sim.study.plottable import numbers
@@ -182,7 +182,9 @@ def _look(data: FigureData) -> Look:
 
 def _set_axes(data: FigureData, shown: Panels, quantities: dict[str, Quantity]) -> None:
     """Set scales and limits, and put a tick at each value of the parameter that was run."""
-    log = data.spec.options["log"]
+    log = set(data.spec.options["log"])
+    if any(has_logarithmic_values(data.rows[name]) for name in data.spec.axes[:1]):
+        log.add("x")
     chosen = _has_all_values(quantities) & (data.rows["completed"] > 0)
     for axes, _ in shown:
         for axis in log:
