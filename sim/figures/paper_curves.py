@@ -8,6 +8,7 @@ shares of the belt's own.
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -114,7 +115,7 @@ def _draw_families(
     for measure in measures:
         # Dashes alone tell the measures of a curve apart.
         if "dashes" in measure and "colour" not in measure:
-            look = {"color": "#666666", "linestyle": PATTERNS[measure["dashes"]]}
+            look: dict[str, Any] = {"color": "#666666", "linestyle": PATTERNS[measure["dashes"]]}
             axes.plot([], [], label=measure["entry"], **look)
 
 
