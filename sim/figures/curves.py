@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from sim.figures import paper_curves
 from sim.figures.axes import has_cut_bars, limit_axis, mark_cut_bars, set_log
-from sim.figures.caption import bar_notes, point_notes
+from sim.figures.caption import bar_notes
 from sim.figures.data import FigureData, varying_parameters
 from sim.figures.family import draw_family
 from sim.figures.fit import Fit, draw_fits, fit_columns, fit_curves, fit_notes
@@ -217,7 +217,7 @@ def table(data: FigureData) -> pd.DataFrame:
 def notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on error bars, lines, markers and omitted points."""
     if data.spec.paper:
-        return point_notes(data)
+        return paper_curves.notes(data)
     spec, keys, quantities = data.spec, _keys(data), _drawable_quantities(data)
     completed = data.rows[data.rows["completed"] > 0]
     shown = completed[_has_all_values(quantities)[completed.index]]
