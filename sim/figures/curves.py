@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from sim.figures import paper_curves
 from sim.figures.axes import has_cut_bars, limit_axis, mark_cut_bars, set_log
-from sim.figures.caption import bar_notes, point_notes
+from sim.figures.caption import bar_notes
 from sim.figures.data import FigureData, varying_parameters
 from sim.figures.family import draw_family
 from sim.figures.fit import Fit, draw_fits, fit_columns, fit_curves, fit_notes
@@ -39,7 +39,7 @@ from sim.figures.plot import (
 )
 from sim.figures.quantity import Quantity, quantity_table
 from sim.figures.style import CurveStyle, Look, is_undecided
-from sim.figures.variables import is_number
+from sim.figures.variables import has_logarithmic_values, is_number
 from sim.parameters import SYSTEMS
 from sim.study.plot_contents import SCATTER_HINT, parameter_phrase
 from sim.study.plottable import numbers
@@ -182,7 +182,9 @@ def _look(data: FigureData) -> Look:
 
 def _set_axes(data: FigureData, shown: Panels, quantities: dict[str, Quantity]) -> None:
     """Set scales and limits, and put a tick at each value of the parameter that was run."""
-    log = data.spec.options["log"]
+    log = set(data.spec.options["log"])
+    if any(has_logarithmic_values(data.rows[name]) for name in data.spec.axes[:1]):
+        log.add("x")
     chosen = _has_all_values(quantities) & (data.rows["completed"] > 0)
     for axes, _ in shown:
         for axis in log:
@@ -215,7 +217,7 @@ def table(data: FigureData) -> pd.DataFrame:
 def notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on error bars, lines, markers and omitted points."""
     if data.spec.paper:
-        return point_notes(data)
+        return paper_curves.notes(data)
     spec, keys, quantities = data.spec, _keys(data), _drawable_quantities(data)
     completed = data.rows[data.rows["completed"] > 0]
     shown = completed[_has_all_values(quantities)[completed.index]]

@@ -8,6 +8,7 @@ shares of the belt's own.
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -15,9 +16,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim.figures.axes import mark_cut_bars, set_log, set_plain_ticks, set_ticks
+from sim.figures.caption import point_notes
 from sim.figures.data import FigureData, varying_parameters
 from sim.figures.family import draw_family
-from sim.figures.plot import given_labels, label_axes, panels
+from sim.figures.plot import given_labels, label_axes, nonpositive_note, panels
 from sim.figures.quantity import Quantity, point_table, quantities, quantity_table
 from sim.figures.style import LEVEL, PATTERNS, legend_title, look_of, place_legend
 from sim.measures.belt import speed_along_x
@@ -72,6 +74,13 @@ def table(data: FigureData) -> pd.DataFrame:
     return quantity_table(data, shown_quantities(data), along)
 
 
+def notes(data: FigureData) -> list[str]:
+    """Return the notes on bars, markers, and values that a logarithmic axis omits."""
+    log, shown = data.spec.options["log"], shown_quantities(data)
+    omitted = sum(int((quantity.value <= 0).sum()) for quantity in shown) if "y" in log else 0
+    return [*point_notes(data), *nonpositive_note(omitted, "values" if omitted > 1 else "value")]
+
+
 def draw(data: FigureData) -> Figure:
     """Draw the curves, and limit the axes as the system asks for."""
     spec, shown = data.spec, shown_quantities(data)
@@ -114,7 +123,7 @@ def _draw_families(
     for measure in measures:
         # Dashes alone tell the measures of a curve apart.
         if "dashes" in measure and "colour" not in measure:
-            look = {"color": "#666666", "linestyle": PATTERNS[measure["dashes"]]}
+            look: dict[str, Any] = {"color": "#666666", "linestyle": PATTERNS[measure["dashes"]]}
             axes.plot([], [], label=measure["entry"], **look)
 
 
@@ -160,7 +169,8 @@ def _draw_chute(
     values = pd.concat([quantity.value for quantity in shown])
     if "y" in spec.options["log"]:
         set_log(axes, "y")
-        axes.set_ylim(values.min() / _BEYOND, values.max() * _BEYOND)
+        if not (above := values[values > 0]).empty:
+            axes.set_ylim(above.min() / _BEYOND, above.max() * _BEYOND)
     else:
         highest = values.max()
         axes.set_ylim(0, min(axes.get_ylim()[1], 1.5 * highest) if highest > 0 else 1)

@@ -53,14 +53,17 @@ def draw(data: FigureData) -> Figure:
     axes.grid(visible=False)
     axes.spines[["left", "bottom"]].set_visible(False)
     Colours(shade).explain(figure, [axes])
-    entries = ((is_pale, PALE_MEANS, "-", _PALE), (~steady, OPEN_MEANS, _DASHES, 1.0))
-    marks: list[Any] = [
-        Line2D([], [], color="#444444", linestyle=dash, alpha=alpha, label=label)
-        for mask, label, dash, alpha in entries
+    looks: dict[str, tuple[np.ndarray, dict[str, Any]]] = {
+        PALE_MEANS: (is_pale, {"alpha": _PALE}),
+        OPEN_MEANS: (~steady, {"linestyle": _DASHES}),
+    }
+    marks = {
+        label: Line2D([], [], color="#444444", **look)
+        for label, (mask, look) in looks.items()
         if mask.any()
-    ]
+    }
     if marks:
-        legend_above(figure, marks, [mark.get_label() for mark in marks])
+        legend_above(figure, list(marks.values()), list(marks))
     return figure
 
 

@@ -124,7 +124,7 @@ def cycle_style(index: int) -> CurveStyle:
 CHARACTERS_PER_INCH = 13.5
 
 #: Most characters in a line of a legend entry; longer entries are broken between words.
-ENTRY_WIDTH = 28
+ENTRY_WIDTH = 32
 
 #: Rows of a legend for which a figure has room, and the height that each further row adds, inches.
 FREE_ROWS, ROW_HEIGHT = 3, 0.17

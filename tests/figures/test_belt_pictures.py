@@ -114,7 +114,10 @@ def test_data_and_caption(name, belt_dataset):
 def test_the_protocols_stand_side_by_side_where_both_are_in_the_data(name, steps, belt_dataset):
     figure, data = drawn(name, belt_dataset)
     assert list(data.rows["protocol"]) == ["published", "converged"]
-    titles = ["published, 2000 steps a cycle", f"converged, {steps} steps a cycle"]
+    titles = [
+        "published protocol, 2000 steps a cycle",
+        f"converged protocol, {steps} steps a cycle",
+    ]
     assert [axes.get_title() for axes in figure.axes] == titles
 
 

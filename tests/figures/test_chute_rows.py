@@ -55,7 +55,7 @@ def test_flows_of_two_stiffnesses_are_told_apart(results):
     _, data = drawn("walton_1_6", results)
     stiffer = data.rows.assign(stiffness=1000.0)
     told = row.notes(replace(data, rows=pd.concat([stiffer, data.rows], ignore_index=True)))
-    assert "those of the first flow, fixed length, K1 = 100 N/m" in told[0]
+    assert "(c): the first flow (fixed length, K1 = 100 N/m)" in told[0]
     assert any(text.startswith("Fixed length, K1 = 1000 N/m: mean velocity") for text in told)
 
 

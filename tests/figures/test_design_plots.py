@@ -155,7 +155,9 @@ def test_cells_of_a_small_grid_have_their_values_and_hatches_where_not_steady():
     axes = figure.axes[0]
     values = [text.get_text() for text in axes.texts]
     assert sorted(values) == ["1.00", "2.00", "2.00", "3.00", "3.00", "4.00"]
-    assert [patch.get_hatch() for patch in axes.patches] == ["////"] * 2
+    hatched = [patch for patch in axes.patches if not patch.get_label()]
+    assert [patch.get_hatch() for patch in hatched] == ["////"] * 2
+    assert [text.get_text() for text in figure.legends[0].texts] == ["not steady"]
     assert axes.get_xlim() == pytest.approx((0.29, 0.35)) and axes.get_ylim() == pytest.approx(
         (14.5, 16.5)
     )

@@ -6,14 +6,16 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from matplotlib.collections import FillBetweenPolyCollection
 from matplotlib.markers import CARETDOWN, CARETUP
 
 from sim.base.errors import InputError
 from sim.base.statistics import student_half_width
 from sim.figures.caption import parted
+from sim.figures.family import MOST_BARS
 from sim.figures.paper_curves import shown_quantities
 from sim.figures.quantity import quantities
-from sim.figures.style import LONG_DASH
+from sim.figures.style import LONG_DASH, RING, RING_MEANS
 from sim.study.catalogue import FIGURES
 from tests.figures.drawing import dashes, data_of_figure, draw, drawn, picture, table, texts
 from tests.figures.made_belt import transport
@@ -187,3 +189,28 @@ def test_data_and_caption(name, heading, belt_dataset, chute_dataset):
     assert ("γ = 50g" if of_belt else "μ = 0.4") in text
     assert "Converged protocol" not in text or name == "protocols_1c"
     assert FIGURES[name].says in parted(text)[0] and FIGURES[name].details in text
+
+
+def test_a_crowded_line_has_a_band_and_lines_join_no_open_marker(belt_dataset):
+    data = data_of_figure("gallas_6", belt_dataset)
+    row = data.rows[data.rows["frequency"] == 80].iloc[[0]]
+    number = MOST_BARS + 2
+    many = pd.concat([row] * number, ignore_index=True)
+    many = many.assign(obstacle=np.arange(number) / 10, velocity=0.1, half_width=0.01)
+    many.loc[3, "regime"] = "accelerating"
+    axes = picture(replace(data, rows=many)).axes[0]
+    (band,) = (one for one in axes.collections if isinstance(one, FillBetweenPolyCollection))
+    assert len(band.get_paths()) == 2, "interrupted where the line is"
+    joined = curve(axes, "#000000")
+    assert [x for x, y in joined.items() if np.isnan(y)] == [0.3]
+    bars = [part.get_segments() for each in axes.containers for part in each.lines[2]]
+    assert sum(map(len, bars)) == 1, "of the open marker alone"
+
+
+def test_a_ring_marks_what_one_replicate_tells_where_others_have_bars(layers):
+    axes = picture(layers).axes[0]
+    (value,) = quantities(layers)
+    single = layers.rows[value.half_width.isna()]
+    rings = [line for line in axes.get_lines() if line.get_markersize() == RING["markersize"]]
+    assert sum(len(ring.get_xdata()) for ring in rings) == len(single) > 0
+    assert RING_MEANS in [text.get_text() for text in axes.figure.legends[0].get_texts()]

@@ -13,7 +13,7 @@ from matplotlib.markers import CARETDOWN, CARETUP
 
 from sim.base.errors import InputError
 from sim.base.plugins import load_plugins
-from sim.figures.caption import parameters_sentence
+from sim.figures.caption import parameters_sentence, parted
 from sim.figures.data import figure_data
 from sim.figures.family import _draw_points
 from sim.figures.render import derive_texts
@@ -56,6 +56,21 @@ def test_a_caption_explains_no_marker_and_no_bar_that_is_not_drawn(y):
     assert "; open ones are not shown to be: 1 point still accelerating" in text
     text = caption_of(plot, at_frictions(short, short, short))
     assert "Pale markers are flows that may be steady, their runs" in text and "open" not in text
+
+
+def test_a_caption_is_short_and_the_details_have_the_rest():
+    steady, speeding = {"regime": "steady"}, {"regime": "accelerating", "acceleration": 2.0}
+    points = at_frictions(steady, speeding, {"status": "failed", "reason": "blown up"})
+    short, details = parted(caption_of({"x": "friction"}, points))
+    assert short == (
+        "Velocity: mean velocity over the averaging window, against friction μ. Bars: 95 % "
+        "interval of the mean over 3 replicates (Student). Of 3 points, 1 is not shown to be "
+        "steady and 1 failed."
+    )
+    assert details[0].startswith("Parameters: n = ")
+    assert details[-1].startswith("Left out because the run failed: ")
+    short, _ = parted(caption_of({"x": "friction"}, at_frictions(steady, steady, steady)))
+    assert "Of" not in short
 
 
 def test_a_caption_tells_of_carets_and_of_points_where_they_are():

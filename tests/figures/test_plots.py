@@ -246,7 +246,7 @@ def test_profiles_against_each_other_leave_out_slices_that_are_not_known_or_not_
     assert len(single) == 2
     text = " ".join(find_kind(data.spec.kind).notes(data))
     assert "Heights shown: 1 to 4 diameters above the base." in text
-    assert "Of fewer than 3 replicates, each is a pale marker." in text and "Bars" not in text
+    assert "of fewer than 3 replicates, each is a pale marker." in text and "bars" not in text
     plain = {"kind": "profiles", "x": "packing", "curves": "friction", "between": [1, 4]}
     _, rows, data = drawn(plain | {"units": "natural"}, sliced(3))
     assert rows["height [σ]"].min() == 1.125 and rows["height [σ]"].max() == 3.875

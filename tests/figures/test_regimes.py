@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from sim.figures.boundaries import BOUNDARIES, boundary_sentences
-from sim.figures.map import MARKS, creeping
+from sim.figures.map import MARKS, _lanes, creeping
 from sim.study.catalogue import FIGURES
 from tests.figures import drawing
 from tests.figures.drawing import data_of_figure, picture, texts
@@ -156,3 +156,8 @@ def test_the_caption_says_what_was_not_found(dataset_path):
     named = "; ".join(f"limit of arrest, n = {depth:g}" for depth in missing["depth"])
     assert "2 of 4 looked for" in bars and shown == "Boundaries shown: limit of acceleration (2)."
     assert f"2 not within the range searched ({named})." in said
+
+
+def test_markers_that_would_cover_each_other_stand_side_by_side():
+    rows = pd.DataFrame({"depth": [5, 5, 5, 10], "angle": [10.0, 10.1, 20.0, 10.0]})
+    assert list(_lanes(rows, ("depth", "angle"))) == [0, 1, 0, 0]
