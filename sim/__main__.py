@@ -21,7 +21,8 @@ import os
 from collections.abc import Collection, Sequence
 from pathlib import Path
 from pkgutil import resolve_name
-from typing import Any, NoReturn
+from types import ModuleType
+from typing import Any, NoReturn, cast
 
 from sim.base.additions import plugin_code_error
 from sim.base.errors import InputError
@@ -161,6 +162,8 @@ def parse(arguments: Sequence[str]) -> dict[str, Any]:
 
 def _call(function: str, options: dict[str, Any]) -> int:
     """Call the function of a command, print its result, and return the exit code."""
+    # xarray looks for arrays of dask, whose import takes as long as its own. No command makes any.
+    sys.modules.setdefault("dask.array", cast(ModuleType, None))
     answer = resolve_name(function)(**options)
     if isinstance(answer, int):
         return answer

@@ -1,6 +1,6 @@
 """Claims: what a paper or a study says, and the call that declares how runs decide it."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import replace
 from importlib import import_module
 from typing import Annotated, Any, Literal, Self
@@ -295,14 +295,19 @@ def _declare_claims(paper: Paper) -> None:
         raise InputError(f"{path}: {error_text(error, paper.folder)}") from None
 
 
-def claims() -> list[Claim]:
-    """Return all claims: those of the papers that ship, by system, then those of plug-ins."""
+def claims(systems: Collection[str] = tuple(SYSTEMS)) -> list[Claim]:
+    """Return the claims on systems: those of the papers that ship, then those of plug-ins.
+
+    Judges of papers on other systems are not loaded: some of them load the engine.
+    """
     every = papers()
     declared = {claim.paper for claim in _registered()}
     for name in every.keys() - declared:
-        _declare_claims(every[name])
+        if every[name].system in systems:
+            _declare_claims(every[name])
     order = {name: number for number, name in enumerate(every)}
-    return sorted(_registered(), key=lambda claim: order.get(claim.paper, len(order)))
+    asked = [claim for claim in _registered() if claim.system in systems]
+    return sorted(asked, key=lambda claim: order.get(claim.paper, len(order)))
 
 
 def _registered() -> list[Claim]:

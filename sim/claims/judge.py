@@ -26,9 +26,7 @@ def judge(results: Results) -> list[Judgement]:
     """Judge the claims, of papers and plug-ins, on systems that the study has runs of."""
     systems, points = set(results.dataset["system"].values), Points(results)
     judgements, evidence_by_readings = [], {}
-    for claim in claims():
-        if claim.system not in systems:
-            continue
+    for claim in claims(systems):
         readings = readings_of(claim.system, claim.paper)
         key = claim.system, id(readings)
         if key not in evidence_by_readings:

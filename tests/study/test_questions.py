@@ -105,7 +105,7 @@ def test_what_is_wrong_is_refused(surrogate, message):
 @pytest.mark.parametrize(
     ("series", "surrogate", "message"),
     [
-        ({"design": DESIGN | {"points": 4}}, {}, "wide of 4 points'; allowed: a series of 5 to"),
+        ({"design": DESIGN | {"points": 3}}, {}, "wide of 3 points'; allowed: a series of 4 to"),
         (
             {"design": DESIGN | {"kind": "latin_hypercube"}},
             {"error": 0.1, "budget": 1},
