@@ -97,6 +97,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # Characters that a terminal cannot show are escaped, instead of an error.
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+    # A log that cannot be written, as on a full disk, is no reason for a traceback.
+    logging.raiseExceptions = False
     options = parse(sys.argv[1:] if arguments is None else arguments)
     try:
         load_from_environment()

@@ -62,7 +62,7 @@ def pages(folder: Path, text: str) -> tuple[Tags, Tags]:
         for name in {"versions", "first_run", "machine"} & set(file.ncattrs()):
             file.setncattr(name, text)
     study = load_study(study_path, results)
-    draw_figures(["own"], made / "dataset.nc", made / "figures", study_path=study_path)
+    draw_figures(list(study.entries), made / "dataset.nc", made / "figures", 1, "made", study_path)
     write_claims(made / "claims.json", list(study.points))
     page.build(study_path, results)
     run = next((made / "runs").glob("chute-*.nc"))
