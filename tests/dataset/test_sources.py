@@ -237,9 +237,9 @@ def test_a_cluster_without_workers_is_told_and_not_waited_for(files, monkeypatch
     distributed = pytest.importorskip("distributed")
     monkeypatch.setattr(sources, "WORKER_TIMEOUT", 0.1)
     options = {"n_workers": 0, "processes": False, "protocol": "tcp://", "dashboard_address": None}
-    with distributed.LocalCluster(**options) as cluster:
-        with pytest.raises(InputError, match=r"a cluster with a worker \(none for 0.1 s\)"):
-            read_files(files, scheduler=cluster.scheduler_address)
+    told = r"a cluster with a worker \(none for 0.1 s\)"
+    with distributed.LocalCluster(**options) as cluster, pytest.raises(InputError, match=told):
+        read_files(files, scheduler=cluster.scheduler_address)
     assert "has no worker; waiting for one" in capsys.readouterr().err
 
 
