@@ -108,6 +108,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # Characters that a terminal cannot show are escaped, instead of an error.
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+    # A log that cannot be written, as on a full disk, is no reason for a traceback.
+    logging.raiseExceptions = False
     words = sys.argv[1:] if arguments is None else arguments
     if not words:
         print(START.format(version=__version__, program=program()), end="", file=sys.stderr)

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import netCDF4
+import numpy as np
 import xarray as xr
 
 from sim.base.files import atomic_write
@@ -46,8 +47,10 @@ def load(path: Path) -> dict[str, xr.Dataset]:
         for name in names:
             with xr.open_dataset(path, group=name, engine="netcdf4") as group:
                 groups[name] = group.load()
-        # A file from elsewhere may lack what this reads.
+        # A file from elsewhere may lack what these read.
         outcome_sentences(groups)
+        if "posterior" in groups and not np.isfinite(summarize(groups).iloc[:, 1:5]).all(axis=None):
+            raise ValueError("its numbers give no answer")
         return groups
 
 

@@ -2,9 +2,11 @@
 
 import random
 import shutil
+import socket
 import subprocess
 import sys
 import threading
+import time
 from pathlib import Path
 
 import numpy as np
@@ -229,6 +231,42 @@ def test_workers_with_other_code_are_refused(files, cluster, monkeypatch):
     monkeypatch.setattr(sources, "reader_hash", lambda: threading.current_thread().name)
     with pytest.raises(InputError, match="--dask-scheduler: its workers do not have this program"):
         read_files(files, scheduler=cluster.scheduler_address)
+
+
+def test_a_cluster_without_workers_is_told_and_not_waited_for(files, monkeypatch, capsys):
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr(sources, "WORKER_TIMEOUT", 0.1)
+    options = {"n_workers": 0, "processes": False, "protocol": "tcp://", "dashboard_address": None}
+    told = r"a cluster with a worker \(none for 0.1 s\)"
+    with distributed.LocalCluster(**options) as cluster, pytest.raises(InputError, match=told):
+        read_files(files, scheduler=cluster.scheduler_address)
+    assert "has no worker; waiting for one" in capsys.readouterr().err
+
+
+def test_workers_that_end_while_they_read_are_told(files, monkeypatch):
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr(sources, "WORKER_TIMEOUT", 0.1)
+    options = {"n_workers": 1, "processes": False, "protocol": "tcp://", "dashboard_address": None}
+    with distributed.LocalCluster(**options) as cluster:
+
+        def end_workers(part):
+            cluster.scale(0)
+            return time.sleep(1)
+
+        monkeypatch.setattr(sources, "read_batch", end_workers)
+        with pytest.raises(InputError, match="--dask-scheduler: got"):
+            read_files(files, scheduler=cluster.scheduler_address)
+
+
+def test_another_program_is_no_scheduler(files, monkeypatch):
+    pytest.importorskip("distributed")
+    monkeypatch.setattr(sources, "SCHEDULER_TIMEOUT", 1)
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        answering = threading.Thread(target=lambda: server.accept()[0].sendall(b"HTTP/1.1 400 no"))
+        answering.start()
+        with pytest.raises(InputError, match="the address of a dask scheduler that answers"):
+            read_files(files, scheduler=f"tcp://127.0.0.1:{server.getsockname()[1]}")
+        answering.join()
 
 
 @pytest.mark.parametrize("address", ["nonsense", "tcp://127.0.0.1"])

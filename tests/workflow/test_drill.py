@@ -3,10 +3,12 @@
 TALUS_DRILL_SEED sets their moments and victims.
 """
 
+import json
 import os
 import random
 import shutil
 import subprocess
+import sys
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -17,7 +19,7 @@ import pytest
 
 from sim.study.load import load_study
 from tests.golden import contents, digest
-from tests.made.processes import wait_until
+from tests.made.processes import ROOT, wait_until
 from tests.made.project import command
 
 SEED = int(os.environ.get("TALUS_DRILL_SEED", "1"))
@@ -213,3 +215,61 @@ def test_a_run_that_outlives_its_workflow_is_kept(undisturbed, tmp_path, request
     before = output.stat().st_ino
     assert drill.start("runs").wait() == 0, (tmp_path / "drill.log").read_text()
     assert output.stat().st_ino == before
+
+
+DECIDING = """\
+study: drill
+series:
+  - name: beds
+    system: belt
+    base: {beads: 10, width: 5, steps_per_cycle: 1000, transient: 2, average: 4, replicates: 2}
+    grid: {frequency: [40, 50]}
+decide: {precision: 0.05, budget: 1, replicates: 12}
+"""
+
+
+def start_deciding(tree: Path) -> subprocess.Popen:
+    """Start rounds of decisions in a session of its own."""
+    tree.mkdir(exist_ok=True)
+    (tree / "drill.yaml").write_text(DECIDING)
+    with (tree / "drill.log").open("a") as log:
+        return subprocess.Popen(
+            [sys.executable, "-m", "sim", "decide", "drill.yaml", "--cores", "2"],
+            cwd=tree,
+            stdout=log,
+            stderr=log,
+            start_new_session=True,
+            env=os.environ | {"PYTHONPATH": str(ROOT), "TALUS_CHECKPOINT_SECONDS": "0"},
+        )
+
+
+def decided(tree: Path) -> tuple[dict, dict[str, str]]:
+    """Return what was bought, and a hash of each run."""
+    results = tree / "results" / "drill"
+    bought = json.loads((results / "bought.json").read_text())
+    runs = {path.name: digest(path) for path in (results / "runs").glob("belt-*.nc")}
+    return {name: bought[name] for name in ("amounts", "rounds")}, runs
+
+
+@pytest.mark.parametrize("kills", [pytest.param(10, marks=pytest.mark.long)])
+def test_kills_between_rounds_of_decisions_change_nothing(kills, tmp_path, request):
+    drill, alone = Drill(tmp_path / "killed"), tmp_path / "alone"
+    request.addfinalizer(drill.end)
+    begin = time.monotonic()
+    assert start_deciding(alone).wait() == 0, (alone / "drill.log").read_text()
+    seconds, log = time.monotonic() - begin, drill.tree / "drill.log"
+    assert log != alone / "drill.log" and max(decided(alone)[0]["rounds"].values()) > 1
+    while kills:
+        process = start_deciding(drill.tree)
+        drill.sessions.add(process.pid)
+        with suppress(subprocess.TimeoutExpired):
+            code = process.wait(drill.random.uniform(0.1, 0.7) * seconds)
+            assert code == 0, log.read_text()
+            # It has ended before the kill: from the beginning.
+            shutil.rmtree(drill.tree / "results")
+            continue
+        drill.end()
+        kills -= 1
+    assert start_deciding(drill.tree).wait() == 0, log.read_text()
+    assert "Traceback" not in log.read_text()
+    assert decided(drill.tree) == decided(alone)
