@@ -37,7 +37,8 @@ _DEPTH_CAVEAT = (
 SKIN, USUAL_NEIGHBORS = 0.2, 8
 
 if TYPE_CHECKING:
-    LawName = EngineName = str
+    LawName = str
+    EngineName = str
 else:
     #: Names of the laws that ship, those of their files, the default first. Motions have a folder.
     _NAMES = dict.fromkeys((CHOICES["law"], *module_names("sim.laws")))

@@ -15,9 +15,10 @@ SYSTEMS = {
 
 
 def build(parameters: Parameters, replicate: int, substeps: int = 1) -> Replica:
-    """Return replicate number ``replicate`` (from 0) of a point in its initial state, by its engine.
+    """Return replicate number ``replicate`` (from 0) of a point in its initial state.
 
-    Every time step is divided into ``substeps``; samples are taken at the same times.
+    The engine of the point makes it. Every time step is divided into ``substeps``; samples are
+    taken at the same times.
     """
     return make_replica(parameters, replicate, substeps)
 

