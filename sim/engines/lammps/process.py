@@ -26,7 +26,7 @@ from sim.engine.dynamics.status import BlowUp
 VARIABLE = "TALUS_MPIEXEC"
 
 #: Errors of LAMMPS that mean that the motion has become unphysical.
-BLOW_UPS = ("Lost atoms", "Non-numeric", "Out of range atoms", "Neighbor list overflow")
+BLOW_UPS = ("Lost atoms", "Non-numeric", "Out of range atoms", "Illegal simulation box")
 
 #: Columns of a snapshot besides the number of the particle, and the number of each in three
 #: directions.

@@ -27,14 +27,14 @@ IMAGES = 1024
 class LammpsFlow(PlaneFlow):
     """A flow on a plane that LAMMPS moves.
 
-    ``spheres`` and ``pairs`` are those at the end of the last sample, the pairs those that touch;
+    ``spheres`` and ``pairs`` are those after the step ``adopted``, the pairs those that touch;
     ``place`` (2, N) is the place along x in LAMMPS' frame then (m), and the number of its cell.
     """
 
     # It does not tell what contacts store and lose.
     ledger = Ledger({}, (), {})
     state_names: ClassVar[tuple[str, ...]] = (
-        *("spheres", "flow", "travelled", "lost", "work_done", "place", "restart"),
+        *("spheres", "flow", "travelled", "lost", "work_done", "adopted", "place", "restart"),
     )
 
     def __init__(self, *arguments: Any):
@@ -46,7 +46,7 @@ class LammpsFlow(PlaneFlow):
         self._speed = frame_speed(self.parameters)
         self._process: Process | None = None
         self._restart = np.zeros(0, np.uint8)
-        self._steps_before = 0
+        self.adopted = 0
 
     @property
     def provenance(self) -> dict[str, str]:
@@ -98,7 +98,7 @@ class LammpsFlow(PlaneFlow):
 
     def _continue(self, steps: int) -> None:
         super()._continue(steps)
-        if self._process and self.flow.sums[leap_frog.STEPS]:
+        if self._process and self.flow.step[0] > self.adopted:
             self._adopt(self._process.snapshot())
 
     def _pull(self, steps: int) -> np.ndarray:
@@ -110,16 +110,17 @@ class LammpsFlow(PlaneFlow):
         return np.array(self.gravity) * (steps * self.time_step)
 
     def _adopt(self, state: dict[str, np.ndarray]) -> None:
-        """Take the state over, and put the means since the last one into the sums."""
+        """Take the state over, and add what happened since the last one to the sums."""
         spheres, sums, box = self.spheres, self.flow.sums, self.box.length
-        steps, mobile = int(sums[leap_frog.STEPS]), spheres.mass > 0.0
+        steps, mobile = int(self.flow.step[0]) - self.adopted, spheres.mass > 0.0
+        self.adopted += steps
         if not np.isfinite(state["position"]).all():
             raise BlowUp(f"a position is not finite at step {self.flow.step[0]} {self._moment()}")
         place = np.stack([state["position"][0], state["image"][0]])
         cells = (place[1] - self.place[1] + IMAGES // 2) % IMAGES - IMAGES // 2
         way = place[0] - self.place[0] + cells * box[0] + self._speed * steps * self.time_step
         self.place = place
-        sums[leap_frog.MOMENTUM] = (spheres.mass * way).sum() / self.time_step
+        sums[leap_frog.MOMENTUM] += (spheres.mass * way).sum() / self.time_step
         momentum = (spheres.mass * spheres.velocity).sum(axis=1)
         rate, radius = 0.5 * self.time_step * spheres.inverse_mass, spheres.radius
         shift = self._speed * self.flow.step[0] * self.time_step
@@ -135,10 +136,11 @@ class LammpsFlow(PlaneFlow):
         spheres.rim[:] = radius * (state["spin"] - spin_rate * state["torque"])
         momentum = (spheres.mass * spheres.velocity).sum(axis=1) - momentum
         push = (momentum - self.mass * self._pull(steps)) / self.time_step
-        sums[leap_frog.PLANE_X], sums[leap_frog.PLANE_Z] = push[0], push[2]
+        sums[leap_frog.PLANE_X] += push[0]
+        sums[leap_frog.PLANE_Z] += push[2]
         self._find_contacts(mobile)
         touching = 2 * int(self.pairs.start[-1]) + int((spheres.position[2] < radius)[mobile].sum())
-        sums[leap_frog.CONTACTS] = steps * touching
+        sums[leap_frog.CONTACTS] += steps * touching
 
     def _find_contacts(self, mobile: np.ndarray) -> None:
         """Make ``pairs`` those that touch; raise ``BlowUp`` for overlaps beyond the limit."""
