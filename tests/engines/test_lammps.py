@@ -17,6 +17,7 @@ from sim.base.errors import InputError
 from sim.engine.dynamics.status import BlowUp
 from sim.engine.flatten import flatten, refill
 from sim.engine.run import run_point
+from sim.engine.states import pack, unpack
 from sim.engine.systems import build
 from sim.parameters import canonical_values, parse_point, point_id
 from sim.parameters.engines import ENGINE, engine_of
@@ -189,7 +190,7 @@ def test_a_state_goes_on():
     for _ in range(3):
         system.advance()
     system._run(100)
-    state = flatten({name: getattr(system, name) for name in system.state_names})
+    state = unpack(pack(flatten({name: getattr(system, name) for name in system.state_names})))
     other = build(system.parameters, 0)
     for name, value in refill({n: getattr(other, n) for n in other.state_names}, state).items():
         setattr(other, name, value)
@@ -292,7 +293,7 @@ def test_an_error_of_a_deck_is_one_line_that_names_deck_and_log(monkeypatch):
 def test_particles_that_are_lost_are_a_blow_up():
     system = build(point(**SMALL), 0)
     system.spheres.velocity[2] = -1e5
-    with pytest.raises(BlowUp, match=r"Lost atoms|not finite|Non-numeric"):
+    with pytest.raises(BlowUp, match="LAMMPS: "):
         system.sample(8)
 
 
