@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from sim.parameters.engines import engine
+from sim.parameters.engines import flow_engine
 
 
 def make(p: Any, replicate: int, substeps: int) -> Any:
@@ -12,4 +12,4 @@ def make(p: Any, replicate: int, substeps: int) -> Any:
     return build_own(p, replicate, substeps)
 
 
-engine("talus", description="this one", make=make)
+flow_engine("talus", description="this one", make=make)

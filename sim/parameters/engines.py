@@ -26,7 +26,7 @@ ENGINE = Choice(
 
 @dataclass(frozen=True)
 class Engine(Option):
-    """An engine: see `engine`."""
+    """An engine: see `flow_engine`."""
 
     refuses: Callable[[Any], Iterable[tuple[str, str]]]
     lacks: tuple[str, ...]
@@ -37,7 +37,7 @@ class Engine(Option):
     argument_counts: ClassVar[Mapping[str, int]] = {"make": 3, "refuses": 1}
 
 
-def engine(
+def flow_engine(
     name: str,
     *,
     description: str = "",

@@ -7,7 +7,7 @@ of our own.
 from collections.abc import Iterator
 from typing import Any
 
-from sim.parameters.engines import engine
+from sim.parameters.engines import flow_engine
 
 #: Laws that it has: `deck` says how.
 LAWS = ("spring_dashpot", "hertz", "drag")
@@ -56,7 +56,7 @@ def make(p: Any, replicate: int, substeps: int) -> Any:
     return REPLICAS[p.system](p, replicate, substeps)
 
 
-engine(
+flow_engine(
     "lammps",
     description="LAMMPS, a program of others, on one process or several; docs/second_engine.md",
     make=make,

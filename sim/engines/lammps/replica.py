@@ -193,4 +193,4 @@ class LammpsConveyor(LammpsFlow, Conveyor):
 
 
 #: Replicates by system.
-REPLICAS = {"chute": LammpsChute, "conveyor": LammpsConveyor}
+REPLICAS: dict[str, Any] = {"chute": LammpsChute, "conveyor": LammpsConveyor}
