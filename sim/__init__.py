@@ -2,7 +2,7 @@
 
 In Python: `simulate` runs one point, `Flow` runs one step by step, `points` lists the points of a
 study, and `load` reads the results of a study (docs/api.md). Plug-ins extend it by
-`law`, `motion`, `observable`, `plot_kind`, `judge`, `paper` (docs/extending.md).
+`law`, `motion`, `flow_engine`, `observable`, `plot_kind`, `judge`, `paper` (docs/extending.md).
 """
 
 from pkgutil import resolve_name
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from sim.engine.dynamics.status import BlowUp
     from sim.engine.flow import Flow, simulate
     from sim.parameters.choices import parameter
+    from sim.parameters.engines import flow_engine
     from sim.parameters.laws import law
     from sim.parameters.motions import motion
     from sim.parameters.observables import observable
@@ -30,6 +31,7 @@ __all__ = [
     "Flow",
     "InputError",
     "__version__",
+    "flow_engine",
     "judge",
     "law",
     "load",
@@ -47,6 +49,7 @@ __all__ = [
 _PLACES = {
     "BlowUp": "sim.engine.dynamics.status:BlowUp",
     "Flow": "sim.engine.flow:Flow",
+    "flow_engine": "sim.parameters.engines:flow_engine",
     "judge": "sim.claims.claim:judge",
     "law": "sim.parameters.laws:law",
     "load": "sim.report.results:load",

@@ -79,6 +79,10 @@ COMMANDS = {
     "decide": ("sim.report.decide:decide", "add the replicates that open questions need"),
     "figure": ("sim.figures.several:draw_figures", "draw figures from a dataset"),
     "report": ("sim.report.page:build", "write the report of a study"),
+    "second-opinion": (
+        "sim.report.second_opinion:ask",
+        "run some points of a study by another engine and say whether both agree",
+    ),
     "compare": ("sim.report.compare:show", "compare two runs or two studies point by point"),
     "orphans": (
         "sim.report.status_table:list_orphans",
@@ -234,7 +238,8 @@ def parser(prog: str) -> Parser:
         parsers[name] = commands.add_parser(name, help=text, description=description)
         parsers[name].set_defaults(function=function)
     study_commands = (
-        "points refine adopt dataset boundaries questions claims decide report orphans publish"
+        "points refine adopt dataset boundaries questions claims decide report second-opinion "
+        "orphans publish"
     )
     for name in study_commands.split():
         _add_study(parsers[name])
@@ -465,6 +470,15 @@ def _add_result_options(parsers: dict[str, Parser]) -> None:
         metavar="N",
         help="run snakemake --cores N and decide, in turns, until there is nothing to add",
     )
+    opinion = parsers["second-opinion"]
+    opinion.add_argument(
+        "--share",
+        type=float,
+        default=0.05,
+        metavar="SHARE",
+        help="of the points that both engines know (default: 0.05)",
+    )
+    opinion.add_argument("--cores", type=int, default=1, metavar="N", help="runs at a time")
     compare = parsers["compare"]
     for name, letter in (("first", "A"), ("second", "B")):
         compare.add_argument(

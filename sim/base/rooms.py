@@ -1,8 +1,8 @@
 """The rooms of the package: the rooms that each may import, and hashes of their code.
 
 Data flow from the first room to the last: parameters make points, a study lists them, the engine
-runs them, the dataset gathers the runs, figures and claims read it, and the report shows all. Laws
-and papers come in as plug-ins do: no room imports them.
+runs them, the dataset gathers the runs, figures and claims read it, and the report shows all. Laws,
+engines and papers come in as plug-ins do: no room imports them.
 """
 
 import hashlib
@@ -16,6 +16,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "study": ("parameters", "base"),
     "engine": ("parameters", "base"),
     "laws": ("engine", "parameters", "base"),
+    "engines": ("laws", "engine", "parameters", "base"),
     "measures": ("parameters", "base"),
     "dataset": ("measures", "engine", "study", "parameters", "base"),
     "surrogates": ("dataset", "measures", "engine", "study", "parameters", "base"),

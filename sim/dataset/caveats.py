@@ -72,8 +72,8 @@ def caveat(
 def caveat_of_run(run: Summary, parameters: Parameters) -> str:
     """Return all caveats of the run of a point as one text."""
     own_caveat = run.attrs.get("caveat", "")
-    pairs = zip(run.scalars.get("max_overlap", ()), run.scalars.get("status", ()), strict=True)
-    # A replicate that blew up is not a flow.
+    # A replicate that blew up is not a flow. Not every engine tells overlaps.
+    pairs = zip(run.scalars.get("max_overlap", ()), run.scalars.get("status", ()), strict=False)
     overlaps = [overlap for overlap, status in pairs if status == "completed"]
     steps = zip(run.scalars.get("steps", ()), run.scalars.get("time_step_used", ()), strict=True)
     lengths = [count * step for count, step in steps]

@@ -42,12 +42,14 @@ def root(rows: Rows, study: Study) -> xr.Dataset:
             for name, values in rows.values.items()
         }
     )
+    # Not every engine tells it.
+    overlaps = scalars.get("max_overlap", xr.full_like(scalars["steps"], np.nan))
     caveats = map(
         caveat,
         rows.origin["caveat"],
         scalars["missing_energy"].values,
         [point.parameters for point in study.points.values()],
-        scalars["max_overlap"].where(scalars["status"] == "completed").values,
+        overlaps.where(scalars["status"] == "completed").values,
         (scalars["steps"] * scalars["time_step_used"]).values,
     )
     numbers = np.arange(scalars.sizes["replicate"])

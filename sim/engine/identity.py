@@ -33,7 +33,7 @@ NUMERICS = 1
 NUMERICS_BY_HASH = {"0b14a980090c": 1}
 
 #: Parts of the package with the engine's sources, and those with compiled code.
-ENGINE_PARTS = ("parameters", "laws", "engine")
+ENGINE_PARTS = ("parameters", "laws", "engine", "engines")
 COMPILED_PARTS = (
     "engine/compile.py",
     "engine/calls.py",

@@ -111,7 +111,7 @@ def _compute(
     # Before the run file: the states must be at least as far as its records.
     states.save()
     stages = [Stage(parameters, records), *(stored[1:] if same else stored)]
-    attributes = _attributes(parameters, records)
+    attributes = _attributes(parameters, records) | replicate.system.provenance
     if origin:
         attributes["origin"] = " ".join(map(str, samples[: parameters.replicates]))
     write(output, stages, _layout(parameters, replicate.system), attributes)

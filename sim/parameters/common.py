@@ -22,7 +22,7 @@ MAX_TRAJECTORY = 2 * 10**9
 SINGLE = 4
 
 #: Parameters to which plug-ins add options, with the default of each.
-CHOICES = {"law": "walton_braun", "motion": "harmonic"}
+CHOICES = {"law": "walton_braun", "motion": "harmonic", "engine": "talus"}
 
 #: Magnitudes that double precision carries through every formula without overflow.
 SMALLEST = 1e-15

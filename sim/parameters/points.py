@@ -25,6 +25,7 @@ from sim.parameters.choices import extended
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.common import Parameters, canonical_number
 from sim.parameters.conveyor import ConveyorParameters
+from sim.parameters.engines import ENGINE
 from sim.parameters.laws import LAW
 from sim.parameters.motions import MOTION
 from sim.parameters.roles import (
@@ -47,9 +48,9 @@ SYSTEMS: dict[str, type[Parameters]] = {
 def _update_systems() -> None:
     """Rebuild `SYSTEMS` with the laws and motions of the loaded plug-ins."""
     SYSTEMS.update(
-        chute=extended(ChuteParameters, LAW),
+        chute=extended(ChuteParameters, LAW, ENGINE),
         belt=extended(BeltParameters, MOTION),
-        conveyor=extended(ConveyorParameters, LAW, MOTION),
+        conveyor=extended(ConveyorParameters, LAW, MOTION, ENGINE),
     )
     for model in SYSTEMS.values():
         for name, declaration in declarations(model).items():
@@ -58,7 +59,9 @@ def _update_systems() -> None:
 
 load_shipped("sim.laws")
 load_shipped("sim.laws.motions")
+load_shipped("sim.engines")
 LAW.describe()
+ENGINE.describe()
 on_change(_update_systems)
 for _name, _words in SYNONYMS.items():
     for _word in _words.split():

@@ -38,10 +38,12 @@ SKIN, USUAL_NEIGHBORS = 0.2, 8
 
 if TYPE_CHECKING:
     LawName = str
+    EngineName = str
 else:
     #: Names of the laws that ship, those of their files, the default first. Motions have a folder.
     _NAMES = dict.fromkeys((CHOICES["law"], *module_names("sim.laws")))
     LawName = Literal[tuple(name for name in _NAMES if name != "motions")]
+    EngineName = Literal[tuple(dict.fromkeys((CHOICES["engine"], *module_names("sim.engines"))))]
 
 SlidingDirection = Literal["printed", "slip"]
 
@@ -72,7 +74,7 @@ class SphereParameters(Parameters):
         *("seed", "depth", "cell", "diameter", "diameter_spread", "mass"),
         *("bumps", "bump_coverage", "bump_arrangement"),
         *("restitution", "stiffness", "law", "tangential_ratio", "tangential_exponent"),
-        *("overlap_memory", "initial_packing", "orientations", "threads"),
+        *("overlap_memory", "initial_packing", "orientations", "threads", "engine"),
     )
 
     if TYPE_CHECKING:
@@ -278,6 +280,22 @@ class SphereParameters(Parameters):
 
     sliding_direction: SlidingDirection = declare("printed", added=True, **SLIDING)
 
+    # No numerical parameter: what two programs computed is not one flow until it is shown to be.
+    engine: EngineName = declare(
+        "talus",
+        # The engines that are declared say what they are.
+        description="program that computes the flow",
+        compiled=True,
+        added=True,
+    )
+    ranks: int = numerics(
+        1,
+        description="processes of one run of another engine, by MPI",
+        added=True,
+        ge=1,
+        le=4096,
+    )
+
     @classmethod
     def hint(cls, key: str, value: Any) -> str:
         """Return a hint on a wrong value of a parameter, or an empty text."""
@@ -388,17 +406,23 @@ class SphereParameters(Parameters):
 
     @property
     def cores(self) -> int:
-        """Cores that a run can keep busy: one per thread."""
-        return self.threads
+        """Cores that a run can keep busy: one per thread or process."""
+        return self.threads * self.ranks
 
     @property
     def rate(self) -> float:
         """Particle-steps per second, about."""
-        return RATE * (max(RATE_DEPTH, self.depth) / RATE_DEPTH) ** RATE_EXPONENT
+        speed = self.option("engine").speed
+        return speed * RATE * (max(RATE_DEPTH, self.depth) / RATE_DEPTH) ** RATE_EXPONENT
 
     def require_rules(self) -> None:
         """Raise for values that do not go together."""
         super().require_rules()
+        with attribute_errors_to("engine", plain_name(self.engine)):
+            refused = list(self.option("engine").refuses(self))
+        for name, allowed in refused:
+            allowed += f" with engine: {plain_name(self.engine)}"
+            raise broken_rule(name, getattr(self, name), allowed)
         if self.option("law").one_mass:
             for name in ("diameter_spread", "bumps"):
                 if getattr(self, name):

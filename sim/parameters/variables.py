@@ -183,11 +183,15 @@ def variables_of(*kinds: str, system: str | None = None) -> dict[str, Variable]:
 
 
 def recorded_by(parameters: Any, *kinds: str) -> dict[str, Variable]:
-    """Return the variables of some kinds that runs of a point record: those that it asks for."""
+    """Return the variables of some kinds that runs of a point record.
+
+    They are those that it asks for and that its engine can tell.
+    """
+    lacks = parameters.option("engine").lacks
     return {
         name: one
         for name, one in variables_of(*kinds, system=parameters.system).items()
-        if not one.asked_by or getattr(parameters, one.asked_by)
+        if name not in lacks and (not one.asked_by or getattr(parameters, one.asked_by))
     }
 
 

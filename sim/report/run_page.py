@@ -169,7 +169,7 @@ def _replicates(run: RunFile, parameters: Parameters) -> list[dict[str, Any]]:
                         for number_or_nan in values
                     )
                 ),
-                "overlap": float(run["max_overlap"][number]),
+                "overlap": float(run["max_overlap"][number]) if "max_overlap" in run else np.nan,
                 "residual": missing_energy(
                     shared | {name: float(run[name][number]) for name in ledger}
                 ),

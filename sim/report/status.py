@@ -21,10 +21,11 @@ from sim.engine.identity import NUMERICS, numerics_of
 from sim.engine.progress import CREDIT, Progress, may_end_early, progress_file, read_progress
 from sim.engine.shared_runs import SharedRun, find_runs
 from sim.engine.stored_run import has_enough
-from sim.parameters import Parameters, amounts
+from sim.parameters import Parameters, amounts, point_id
 from sim.study.cost import PROCESS_TIME, estimate
 from sim.study.extra_amounts import ExtraAmounts, read_extra_amounts, with_extra_amounts
 from sim.study.load import Study
+from sim.study.twins import twins
 from sim.surrogates.answers import summary_lines
 
 STATES = ("done", "failed", "adopted", "running", "interrupted", "waiting")
@@ -199,7 +200,8 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
         points[key] = replace(points[key], shared=run)
     to_come = rounds_to_come(study, folder)
     stored = {match[1] or match[2] for name in present if (match := RUN_FILES.fullmatch(name))}
-    orphans = () if to_come else tuple(sorted(stored - points.keys()))
+    known = points.keys() | {point_id(one) for one in twins(study).values()}
+    orphans = () if to_come else tuple(sorted(stored - known))
     time_left = _time_left(points, parameters)
     budget = _budget(study.decide.budget, points, extra) if study.decide else None
     return StudyStatus(

@@ -15,6 +15,7 @@ from sim.base.errors import InputError
 from sim.base.files import atomic_write, lock_of, read_regular
 from sim.base.times import age
 from sim.parameters import RUN_FILE, Parameters, canonical_json
+from sim.parameters.engines import engine_of
 from sim.study.batches import plan_batches
 from sim.study.cost import Estimate, estimate
 from sim.study.load import load_study
@@ -226,8 +227,9 @@ class Plan:
         Raises
         ------
         InputError
-            When another workflow has the lock.
+            When another workflow has the lock, or an engine is not installed.
         """
+        self.require_engines()
         self._batches.parent.mkdir(parents=True, exist_ok=True)
         lock = lock_of(self.folder / ".lock")
         try:
@@ -245,6 +247,20 @@ class Plan:
     def estimates(self, points: Iterable[str]) -> list[Estimate]:
         """Return the estimated costs of points."""
         return [estimate(self.parameters(point)) for point in points]
+
+    @property
+    def ranks(self) -> dict[str, int]:
+        """Number of processes of the points of the study that run as more than one."""
+        ranks = {key: getattr(one.parameters, "ranks", 1) for key, one in self.study.points.items()}
+        return {key: number for key, number in ranks.items() if number > 1}
+
+    def require_engines(self) -> None:
+        """Raise `InputError` where a point to run is one of an engine that is not installed."""
+        for key, point in self.study.points.items():
+            if getattr(point.parameters, "engine", "") and key not in self.sources:
+                option = point.parameters.option("engine")
+                if option.module and self.needs_run(key):
+                    engine_of(point.parameters)
 
     def core_seconds(self, points: Iterable[str]) -> float:
         """Return the time (s) that points take together on one core."""

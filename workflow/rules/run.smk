@@ -63,6 +63,21 @@ rule run:
         RUN
 
 
+# Processes of MPI are tasks of a batch system; here they count as threads. The engine starts them
+# itself, by TALUS_MPIEXEC. Other jobs have no resource `mpi`, which would change how they start.
+if MPI_POINTS:
+
+    use rule run as run_mpi with:
+        wildcard_constraints:
+            point="|".join(MPI_POINTS),
+        threads: lambda wildcards: MPI_POINTS[wildcards.point] if local_cores() else 1
+        resources:
+            mem_mb=lambda wildcards: PLAN.memory(PLAN.estimates([wildcards.point])[0].memory),
+            runtime=lambda wildcards: PLAN.minutes([wildcards.point]),
+            tasks=lambda wildcards: MPI_POINTS[wildcards.point],
+            mpi="mpiexec",
+
+
 # Short points to run or to continue share a process, and on a cluster a job.
 for batch, points in BATCHES.items():
 
@@ -95,7 +110,7 @@ for batch, points in BATCHES.items():
             RUN
 
 
-workflow.ruleorder(*BATCHES, "run")
+workflow.ruleorder(*BATCHES, *(["run_mpi"] if MPI_POINTS else []), "run")
 
 
 rule runs:

@@ -185,12 +185,19 @@ class PlaneFlow(Replica):
 
     def _state(self) -> Any:
         """Return the state at the end of a sample."""
-        spheres, plane, step = self.spheres, self.plane, self.flow.step[0]
-        (pair_law, plane_law), time_step = self.laws, self.time_step
-        memory, plane_memory = memory_after(self.memory, step), memory_after(plane.memory, step)
+        spheres = self.spheres
         return State(
             self.flow.sums.copy(),
             *flow_energies(spheres.position, spheres.velocity, spheres.rim, spheres.mass),
+            *self._stored(),
+        )
+
+    def _stored(self) -> tuple[float, ...]:
+        """Return the energies (J) in springs between particles and to the plane, as in `State`."""
+        spheres, plane, step = self.spheres, self.plane, self.flow.step[0]
+        (pair_law, plane_law), time_step = self.laws, self.time_step
+        memory, plane_memory = memory_after(self.memory, step), memory_after(plane.memory, step)
+        return (
             *self._call(stored_in_spheres, pair_law, spheres, self.pairs, memory, time_step),
             *self._call(stored_in_plane, plane_law, spheres, plane, plane_memory, time_step),
         )

@@ -162,13 +162,13 @@ class Recorder:
         record.scalars = {
             **self._averages(trend),
             **self._energies(record.series),
-            "max_overlap": float(
-                np.max(record.series["largest_overlap"][: self.sample_count], initial=0)
-            ),
             "stopped": "failure" if failure else self.stop_reason,
             "status": "failed" if failure else "completed",
             "reason": failure,
         }
+        if "largest_overlap" in record.series:
+            overlaps = record.series["largest_overlap"][: self.sample_count]
+            record.scalars["max_overlap"] = float(np.max(overlaps, initial=0))
         if "base_shear_force" in record.series:
             record.scalars |= self._base_forces(record.series, length if failure else self._start)
         self._add_profiles(record)
@@ -193,6 +193,8 @@ class Recorder:
     def _energies(self, series: dict[str, np.ndarray]) -> dict[str, float]:
         """Return mean powers over the window and the relative energy error over the whole run."""
         ledger, last = self.system.ledger, self.sample_count - 1
+        if not ledger.terms:
+            return {}
         if last < 1:
             return dict.fromkeys(("energy_residual", *ledger.powers.values()), np.nan)
         change = {name: float(values[last] - values[0]) for name, values in series.items()}

@@ -93,6 +93,11 @@ class Replica(ABC):
         self._stretch = max(1, int(MOST_WORK // work))
 
     @property
+    def provenance(self) -> dict[str, str]:
+        """Further attributes of the run file, where another program moves the flow."""
+        return {}
+
+    @property
     def profile_height(self) -> np.ndarray:
         """Centres (H,) of the slices of the profiles, m."""
         return self.slices.height()

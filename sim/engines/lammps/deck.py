@@ -1,0 +1,179 @@
+"""A point as commands and data of LAMMPS: laws, plane, gravity, and its particles.
+
+Laws are said in the styles whose single impacts have the digits of ours, see
+docs/second_engine.md.
+"""
+
+from io import StringIO
+from math import cos, log, pi, radians, sin, sqrt
+from typing import Any
+
+import numpy as np
+
+from sim.laws.hertz import effective_modulus
+from sim.parameters.spheres import SphereParameters
+
+#: Skin of its neighbor list, in diameters. It looks at the list in every step, so that no contact
+#: is missed.
+SKIN = 0.2
+
+#: Height of the cell above the highest particle at first (it follows it), in diameters.
+HEADROOM = 1.0
+
+#: Its largest friction coefficient, which never cuts a drag.
+NO_LIMIT = 10000
+
+#: Types of its particles.
+MOBILE, GLUED = 1, 2
+
+
+def damping_rate(p: SphereParameters, mass: float) -> float:
+    """Return γ (1/s) of F = K α + m γ dα/dt that gives the restitution where the overlap ends."""
+    decay = -log(p.restitution)
+    return 2.0 * sqrt(p.stiffness / mass) * decay / sqrt(pi**2 + decay**2)
+
+
+def contact_commands(p: SphereParameters) -> tuple[list[str], str]:
+    """Return the commands of the pairs' law, and the plane's as ``fix wall/gran`` takes it.
+
+    The plane meets a particle with its whole mass, a partner with half of it: two rates.
+    """
+    if p.law == "hertz":
+        pairs = ["pair_style granular", f"pair_coeff * * {_hertz(p, p.friction)}"]
+        return pairs, f"granular {_hertz(p, p.friction_plane)}"
+    pair_rate, rate = damping_rate(p, 0.5 * p.mass), damping_rate(p, p.mass)
+    tangential, shear = p.tangential_ratio * p.stiffness, p.shear_damping * p.gravity
+    if p.law == "drag":
+        style = f"hooke {p.stiffness:.17g} 0 {pair_rate:.17g} {shear:.17g} {NO_LIMIT} 1"
+        along = f"linear_nohistory {shear / rate:.17g} {NO_LIMIT}"
+    else:
+        springs = f"{p.stiffness:.17g} {tangential:.17g} {pair_rate:.17g}"
+        style = f"hooke/history {springs} 0 {p.friction:.17g} 1"
+        along = f"linear_history {tangential:.17g} 0 {p.friction_plane:.17g}"
+    # The styles of these pairs have a plane, too, which does not move as it is told.
+    plane = f"granular hooke {p.stiffness:.17g} {rate:.17g} damping mass_velocity tangential"
+    return [f"pair_style gran/{style}", "pair_coeff * *"], f"{plane} {along}"
+
+
+def _hertz(p: SphereParameters, friction: float) -> str:
+    """Return the law of material with Young's modulus and ν, of which the plane is, too.
+
+    Its ``damping tsuji`` takes the restitution into a polynomial whose damping is too weak; that of
+    ``coeff_restitution`` is ours.
+    """
+    poisson = 2.0 * (1.0 - p.tangential_ratio) / (2.0 - p.tangential_ratio)
+    modulus = 2.0 * (1.0 - poisson**2) * effective_modulus(p)
+    return (
+        f"hertz/material {modulus:.17g} {p.restitution:.17g} {poisson:.17g} "
+        f"damping coeff_restitution tangential mindlin/force NULL 0 {friction:.17g}"
+    )
+
+
+def frame_speed(p: SphereParameters) -> float:
+    """Return the velocity (m/s) along x of the frame in which LAMMPS computes, for speed.
+
+    There, particles move less from one list of neighbors to the next. A plane with bumps rests.
+    """
+    return 0.0 if p.bumps else p.initial_velocity * p.velocity_unit
+
+
+def drive_commands(p: Any, time_step: float) -> list[str]:
+    """Return the commands of gravity, and of the acceleration of a frame that moves with the plane.
+
+    The acceleration is that from half a step before to half a step after a time, as ours.
+    """
+    angle = radians(p.angle)
+    slope = f"vector {sin(angle):.17g} 0 {-cos(angle):.17g}"
+    commands = [f"fix weight mobile gravity {p.gravity:.17g} {slope}"]
+    if p.system == "conveyor":
+        rate = 2.0 * pi * p.frequency
+        first, second = radians(p.phase_along), radians(p.overtone_phase)
+        waves = {
+            "x": [(p.amplitude_along, 1, first), (p.overtone_along, p.overtone, second)],
+            "z": [(p.amplitude, 1, 0.0), (p.overtone_amplitude, p.overtone, second)],
+        }
+        for axis, vector in {"x": "1 0 0", "z": "0 0 1"}.items():
+            terms = [
+                _wave(a * p.diameter, n * rate, phase, time_step) for a, n, phase in waves[axis]
+            ]
+            commands += [
+                f"variable shaking_{axis} equal {'+'.join(terms)}",
+                f"fix shaking_{axis} mobile gravity v_shaking_{axis} vector {vector}",
+            ]
+    return commands
+
+
+def _wave(amplitude: float, rate: float, phase: float, time_step: float) -> str:
+    peak = 2.0 * amplitude * rate * sin(0.5 * rate * time_step) / time_step
+    return f"{peak:.17g}*sin({rate * time_step:.17g}*step+{phase:.17g})"
+
+
+def deck(p: Any, time_step: float, start: str, is_restart: bool) -> list[str]:
+    """Return the commands that set up a point; ``run N`` follows.
+
+    Parameters
+    ----------
+    p : ChuteParameters or ConveyorParameters
+        The point.
+    time_step : float
+        In s.
+    start : str
+        Name of the file with the particles: data, or a restart where ``is_restart``.
+    is_restart : bool
+        Whether the flow goes on.
+    """
+    pairs, plane = contact_commands(p)
+    speed = frame_speed(p)
+    drift = f" shear x {-speed:.17g}" if speed else ""
+    style = ["units si", "newton on", "atom_style sphere", "boundary p p fs"]
+    return [
+        *([] if is_restart else style),
+        "processors * * 1",
+        "comm_modify vel yes",
+        f"{'read_restart' if is_restart else 'read_data'} {start}",
+        "timer off",
+        f"neighbor {SKIN * p.diameter:.17g} bin",
+        "neigh_modify delay 0 every 1 check yes",
+        f"group mobile type {MOBILE}",
+        *pairs,
+        *drive_commands(p, time_step),
+        f"fix plane mobile wall/gran {plane} zplane 0 NULL{drift}",
+        f"fix motion mobile {'nve/sphere' if getattr(p, 'rotation', True) else 'nve'}",
+        *([f"group glued type {GLUED}", "fix glue glued freeze"] if p.bumps else []),
+        f"timestep {time_step:.17g}",
+        "thermo_style custom step atoms",
+        "thermo_modify lost error",
+        "thermo 0",
+    ]
+
+
+def particle_data(p: Any, spheres: Any, velocity: np.ndarray) -> str:
+    """Return the data file of particles in their initial state.
+
+    Parameters
+    ----------
+    p : ChuteParameters or ConveyorParameters
+        The point.
+    spheres : sim.engine.dynamics.spheres.Spheres
+        In the order of their labels; those without mass are glued.
+    velocity : (3, N) array
+        At the time of the positions, in the frame of LAMMPS (m/s).
+    """
+    side, (x, y, z), radius = p.cell * p.diameter, spheres.position, spheres.radius
+    number, is_glued = np.arange(1, radius.size + 1), spheres.mass == 0.0
+    kind = np.where(is_glued, GLUED, MOBILE)
+    material = p.mass / p.diameter**3
+    mass = np.where(is_glued, material * (2.0 * radius) ** 3, spheres.mass)
+    density = mass / (4.0 / 3.0 * pi * radius**3)
+    top = z.max() + HEADROOM * p.diameter
+    text = StringIO()
+    text.write(
+        f"particles of Talus\n\n{radius.size} atoms\n{GLUED} atom types\n\n"
+        f"0 {side:.17g} xlo xhi\n0 {side:.17g} ylo yhi\n0 {top:.17g} zlo zhi\n\nAtoms # sphere\n\n"
+    )
+    place = np.column_stack([number, kind, 2.0 * radius, density, x % side, y % side, z])
+    np.savetxt(text, place, "%d %d %.17g %.17g %.17g %.17g %.17g")
+    text.write("\nVelocities\n\n")
+    motion = np.column_stack([number, *velocity, *(spheres.rim / radius)])
+    np.savetxt(text, motion, "%d" + 6 * " %.17g")
+    return text.getvalue()

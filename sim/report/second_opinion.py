@@ -1,0 +1,193 @@
+"""What another engine says of points of a study: runs of a sample of them, and one test of all."""
+
+import json
+import subprocess
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from math import ceil, exp, log
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from scipy.stats import combine_pvalues
+
+from sim.base.errors import InputError
+from sim.base.statistics import CONFIDENCE, student
+from sim.base.words import count_text
+from sim.dataset.compare import Mean, Pair, mean_of, read_side
+from sim.dataset.results import load_current
+from sim.parameters import Parameters, canonical_values, point_id
+from sim.parameters.engines import engine_of
+from sim.report.numbers import value_with_interval
+from sim.report.points import align_table
+from sim.study.load import load_study
+from sim.study.model import Study
+from sim.study.twins import OTHER, OWN, twins
+
+#: What is compared, and the numbers of a replicate that its interval takes.
+QUANTITIES = ("velocity", "velocity_half_width", "independent_samples")
+
+
+@dataclass(frozen=True)
+class Opinion:
+    """Points that both engines have run: id -> mean velocities of Talus and the other."""
+
+    pairs: Mapping[str, Pair]
+
+    @cached_property
+    def ratios(self) -> dict[str, Mean]:
+        """Ratio of the other's mean to ours, by id; the errors are those of small relative ones."""
+        ratios = {}
+        for key, pair in self.pairs.items():
+            ratio = pair.second.value / pair.first.value
+            relative = [one.error / one.value for one in (pair.first, pair.second)]
+            error = np.hypot(relative[0], relative[1])
+            ratios[key] = Mean(ratio, abs(ratio) * float(error), pair.difference.freedom)
+        return ratios
+
+    @cached_property
+    def pooled(self) -> Mean:
+        """Geometric mean of all ratios, weighted by their errors."""
+        known = [one for one in self.ratios.values() if one.half_width > 0 and one.value > 0]
+        if not known:
+            return Mean(np.nan, np.nan, np.nan)
+        # Few degrees of freedom make an error too small as often as too large: intervals weigh.
+        widths = np.array([one.half_width / one.value for one in known])
+        weight = widths**-2.0
+        mean = exp((weight * [log(one.value) for one in known]).sum() / weight.sum())
+        freedom = sum(one.freedom for one in known)
+        return Mean(mean, mean * weight.sum() ** -0.5 / float(student(freedom)), freedom)
+
+    @cached_property
+    def chance(self) -> float:
+        """The p-value of all points together: Fisher's combination of Welch's tests."""
+        chances = [one.chance for one in self.pairs.values() if np.isfinite(one.chance)]
+        return float(combine_pvalues(chances, "fisher").pvalue) if chances else np.nan
+
+    @property
+    def sentence(self) -> str:
+        """What all of them say, in one sentence."""
+        if not np.isfinite(self.chance):
+            return "No point has an interval in both engines: nothing can be said."
+        ratio = value_with_interval(self.pooled.value, self.pooled.half_width)
+        agrees = self.chance > 1 - CONFIDENCE
+        verdict = "Nothing tells the engines apart" if agrees else "The engines differ"
+        return (
+            f"{verdict}: over {count_text(len(self.pairs), 'point')} the ratio of mean velocities, "
+            f"{OTHER} over {OWN}, is {ratio} (p = {self.chance:.2g})."
+        )
+
+    @property
+    def rows(self) -> list[tuple[str, ...]]:
+        """Per point: its id, the means of both in m/s, their ratio and the p-value, as text."""
+        return [
+            (
+                key,
+                *(
+                    value_with_interval(one.value, one.half_width)
+                    for one in (pair.first, pair.second, self.ratios[key])
+                ),
+                f"{pair.chance:.2g}" if np.isfinite(pair.chance) else "not known",
+            )
+            for key, pair in self.pairs.items()
+        ]
+
+
+def opinion_of(study: Study, dataset: xr.Dataset, folder: Path) -> Opinion:
+    """Return what the other engine says of a study, from its dataset and the runs in its folder."""
+    places = {str(key): place for place, key in enumerate(dataset["point"].values)}
+    pairs = {}
+    for key, twin in twins(study).items():
+        name = point_id(twin)
+        path = folder / "runs" / f"{name}.nc"
+        engine = getattr(twin, "engine", "")
+        # Where the study has both, each pair counts once.
+        if key not in places or (name in places and engine == OWN):
+            continue
+        if name in places:
+            second = _mean_in(dataset, places[name])
+        elif path.is_file():
+            second = _mean_of_run(path)
+        else:
+            continue
+        first = _mean_in(dataset, places[key])
+        if first and second:
+            sides = (second, first) if engine == OWN else (first, second)
+            pairs[key] = Pair(twin.system, {}, *sides)
+    return Opinion(pairs)
+
+
+def _mean_in(dataset: xr.Dataset, place: int) -> Mean | None:
+    row = dataset.isel(point=place)
+    is_done = row["status"].values == "completed"
+    columns = [row[name].values[is_done].astype(float) for name in QUANTITIES]
+    return mean_of(*columns) if is_done.any() else None
+
+
+def _mean_of_run(path: Path) -> Mean | None:
+    try:
+        table, _ = read_side(path, QUANTITIES[0])
+    except InputError:
+        return None
+    return table["_mean"].iloc[0]
+
+
+def ask(study_path: Path, results: Path, share: float, cores: int) -> list[str]:
+    """Run a sample of a study's points by the other engine; return what it says of them.
+
+    Parameters
+    ----------
+    study_path : Path
+        The study file; its dataset is there.
+    results : Path
+        Folder of all results. The runs go to those of the study, as ordinary run files of points
+        of the other engine; those that are there already are kept.
+    share : float
+        Share of the points that both engines know.
+    cores : int
+        Runs at a time.
+
+    Raises
+    ------
+    InputError
+        When no point is known to both, the dataset is missing, or a package is.
+    """
+    for name, value, is_allowed, allowed in (
+        ("--share", share, 0 < share <= 1, "a number > 0 and <= 1"),
+        ("--cores", cores, cores >= 1, "an integer >= 1"),
+    ):
+        if not is_allowed:
+            raise InputError.of_value(name, "", value, allowed)
+    study = load_study(study_path, results)
+    folder = results / study.name
+    dataset = load_current(study, folder).dataset
+    known = {key: twin for key, twin in twins(study).items() if point_id(twin) not in study.points}
+    if not known and not opinion_of(study, dataset, folder).pairs:
+        raise InputError(f"{study_path}: {OTHER} knows none of its points: docs/second_engine.md")
+    # The same sample each time, so that another call goes on.
+    keys = np.random.default_rng(0).permutation(sorted(known))
+    chosen = [known[str(key)] for key in keys[: ceil(share * len(known))]]
+    for twin in chosen:
+        engine_of(twin)
+    failed = _run(chosen, folder, cores)
+    opinion = opinion_of(study, dataset, folder)
+    headings = ("point", f"{OWN} (m/s)", f"{OTHER} (m/s)", "ratio", "p")
+    lines = align_table(headings, opinion.rows, {"p"})
+    problems = [f"not run: see {folder / 'logs' / 'runs'}"] if failed else []
+    return [*lines, "", opinion.sentence, *problems]
+
+
+def _run(points: list[Parameters], folder: Path, cores: int) -> bool:
+    """Run points as the jobs of the workflow do; return whether one could not be run."""
+    command = [sys.executable, str(Path(__file__).parents[1] / "__main__.py"), "batch", str(folder)]
+    parts = [points[number::cores] for number in range(cores)]
+    jobs = []
+    for part in filter(None, parts):
+        job = subprocess.Popen(command, stdin=subprocess.PIPE, text=True)
+        if job.stdin:
+            job.stdin.write(json.dumps([canonical_values(one) for one in part]))
+            job.stdin.close()
+        jobs.append(job)
+    return any([job.wait() for job in jobs])
