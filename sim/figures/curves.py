@@ -14,7 +14,7 @@ from sim.figures import paper_curves
 from sim.figures.axes import has_cut_bars, limit_axis, mark_cut_bars, set_log
 from sim.figures.caption import bar_notes
 from sim.figures.data import FigureData, varying_parameters
-from sim.figures.family import draw_family
+from sim.figures.family import draw_family, name_bands
 from sim.figures.fit import Fit, draw_fits, fit_columns, fit_curves, fit_notes
 from sim.figures.foreign_data import (
     append_foreign_data,
@@ -239,12 +239,14 @@ def notes(data: FigureData) -> list[str]:
     fits = _fits(data, completed, quantities)
     is_loose = (spec.axes and not spec.options["scattered"]) or fits
     along = [] if is_loose else _parameters_along(data)
+    bars = bar_notes(data, shown, list(shown_quantities.values()))
+    is_lined = spec.axes and not (fits or spec.options["scattered"])
     aside = spec.axes and keys and len(shown[keys].drop_duplicates()) > 1
     # Of what is neither steady nor too short to tell.
     has_open = ((shown["regime"] != "steady") & ~is_undecided(shown)).any()
     interrupted = len(along) < 2 and not fits and has_open
     return [
-        *bar_notes(data, shown, list(shown_quantities.values())),
+        *(name_bands(bars, shown[spec.axes[0]]) if is_lined else bars),
         *([f"{_hint(len(data.rows))}."] if spec.options["scattered"] else []),
         *(["Error bars that end in a caret go on beyond the axes."] if is_cut else []),
         *(["Curves are drawn a little aside of each other."] if aside else []),

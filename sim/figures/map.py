@@ -84,11 +84,12 @@ def _draw_regimes(
 ) -> None:
     """Draw a marker (points of print) of its regime for each point, in its lane if it has one."""
     x, y = plane
+    lanes = rows.get("lane", pd.Series(0, rows.index))
     for regime, (marker, colour, filled) in MARKS.items():
         face = colour if filled else "white"
         look: dict[str, Any] = {"color": colour, "markerfacecolor": face, "markersize": size}
         label = regime
-        for lane, part in rows[regimes == regime].groupby(rows.get("lane", 0 * rows[x])):
+        for lane, part in rows[regimes == regime].groupby(lanes):
             drawn = axes.plot(part[x], part[y], marker, label=label, zorder=3, **look)
             move_aside(axes, drawn, x=(-1) ** lane * ((lane + 1) // 2) * (size + 1.5))
             label = ""
@@ -125,7 +126,8 @@ def _draw_of_paper(data: FigureData, figure: Figure, shown: Panels) -> None:
     if draw_theory := _THEORIES.get(plane[1]):
         draw_theory(axes, rows)
     label_axes(figure, shown, *given_labels(data))
-    kinds = varying_parameters(data.boundaries, [*{*data.spec.curves} - {*plane}])
+    curves = [name for name in data.spec.curves if name not in plane]
+    kinds = varying_parameters(data.boundaries, curves)
     place_legend(figure, axes, legend_title(data.spec.system, kinds))
 
 

@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from sim.figures.axes import mark_cut_bars, set_log, set_plain_ticks, set_ticks
 from sim.figures.caption import point_notes
 from sim.figures.data import FigureData, varying_parameters
-from sim.figures.family import draw_family
+from sim.figures.family import draw_family, name_bands
 from sim.figures.plot import given_labels, label_axes, nonpositive_note, panels
 from sim.figures.quantity import Quantity, point_table, quantities, quantity_table
 from sim.figures.style import LEVEL, PATTERNS, legend_title, look_of, place_legend
@@ -78,7 +78,8 @@ def notes(data: FigureData) -> list[str]:
     """Return the notes on bars, markers, and values that a logarithmic axis omits."""
     log, shown = data.spec.options["log"], shown_quantities(data)
     omitted = sum(int((quantity.value <= 0).sum()) for quantity in shown) if "y" in log else 0
-    return [*point_notes(data), *nonpositive_note(omitted, "values" if omitted > 1 else "value")]
+    bars = name_bands(point_notes(data), data.rows[data.spec.axes[0]])
+    return [*bars, *nonpositive_note(omitted, "values" if omitted > 1 else "value")]
 
 
 def draw(data: FigureData) -> Figure:

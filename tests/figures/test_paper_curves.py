@@ -185,7 +185,7 @@ def test_data_and_caption(name, heading, belt_dataset, chute_dataset):
     data, text = texts(name, belt_dataset if of_belt else chute_dataset)
     assert {heading, "protocol"} < set(data) and data[heading].notna().all()
     assert any("half width of 95 % interval" in column for column in data)
-    assert "Bars: 95 % interval of the mean over" in text
+    assert "95 % interval of the mean over" in text
     assert ("γ = 50g" if of_belt else "μ = 0.4") in text
     assert "Converged protocol" not in text or name == "protocols_1c"
     assert FIGURES[name].says in parted(text)[0] and FIGURES[name].details in text
