@@ -147,7 +147,7 @@ def test_columns_and_units_can_be_named_in_the_study(parse):
         ),
         (
             {"units": {"V": "m/s"}},
-            "exp.csv: column V: got nothing; did you mean velocity? allowed: ",
+            "exp.csv: column V: got nothing; did you mean velocity? ",
         ),
         ({"units": {"velocity": "m/s"}}, "exp.csv: unit of column velocity: got 'm/s'; allowed: "),
     ],
