@@ -65,10 +65,8 @@ def find_spec(name: str, plots: Mapping[str, FigureSpec] | None = None) -> Figur
     """
     specs = {**FIGURES, **(plots or {})}
     if name not in specs:
-        hint = (
-            "" if plots is not None else "with --study STUDY.yaml a plot of that study; without, "
-        )
-        raise InputError.of_value("figure", "name", name, hint + one_of(name, specs))
+        hint = "" if plots is not None else "; a plot of a study needs --study STUDY.yaml"
+        raise InputError.of_value("figure", "name", name, one_of(name, specs) + hint)
     return specs[name]
 
 

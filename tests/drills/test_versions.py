@@ -30,7 +30,7 @@ TESTED = (
     "tests/parameters",
     "tests/dataset/test_build.py",
     "tests/surrogates/test_surrogate.py",
-    "tests/surrogates/test_posterior.py",
+    "tests/surrogates/test_posterior.py::test_a_posterior_is_what_arviz_reads",
     "tests/figures/test_plots.py",
     "tests/report/test_results.py",
     "tests/report/test_export.py",

@@ -178,7 +178,7 @@ def test_texts_of_users_are_drawn_as_they_are_written(tmp_path):
     """Dollars, subscripts and backslashes mean something to matplotlib, and a first _ hides."""
     law = (ROOT / "docs" / "examples" / "hertz_mindlin.py").read_text()
     law = law.replace('symbol="E", unit="Pa"', 'symbol="_E_$1^2/frac", unit="Pa"')
-    own = 'sim.observable("cost", system="chute", unit="m", meaning="a $b")(len)'
+    own = 'talus.observable("cost", system="chute", unit="m", meaning="a $b")(len)'
     (tmp_path / "own.py").write_text(f"{law}\n{own}\n".replace("/frac", r"\\frac"))
     with restore_plugins():
         load_plugins(tmp_path / "own.py")

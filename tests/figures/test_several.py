@@ -101,7 +101,7 @@ def test_a_changed_plot_of_the_study_is_drawn_again_alone(dataset, tmp_path):
     study.write_text(text.replace("backflow", "path_drift"))
     draw_figures(("one", "two"), dataset, made, code="a", study_path=study)
     assert redrawn(before, made) == {"two"}
-    with pytest.raises(InputError, match="one of belt_onset"):
+    with pytest.raises(InputError, match="a plot of a study needs --study"):
         draw_figures(("one",), dataset, made)
 
 
@@ -127,7 +127,7 @@ def test_an_unknown_figure_is_refused_before_any_is_drawn(dataset, folder):
 
 
 def test_a_name_that_is_unknown_without_a_study_may_be_a_plot_of_one(dataset, folder, tmp_path):
-    with pytest.raises(InputError, match=r"got 'velocity'; allowed: with --study STUDY\.yaml a"):
+    with pytest.raises(InputError, match=r"got 'velocity'; .*; a plot of a study needs --study"):
         draw_figures(["velocity"], dataset, folder)
     study = tmp_path / "own.yaml"
     study.write_text("study: own\nseries: [{name: one, system: chute, cases: [{}]}]\n")

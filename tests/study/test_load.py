@@ -393,9 +393,9 @@ def test_glued_spheres_count_and_have_a_limit():
     assert rough.memory - smooth.memory == pytest.approx(5_093 * 4e-3, abs=1)
     # Each has 47 others within a skin, of which the neighbor list holds half the pairs.
     assert most.memory - smooth.memory == pytest.approx(56_588 * 47 / 8 * 4e-3, rel=0.01)
-    with pytest.raises(InputError, match=r"bumps: got 0\.01; allowed: .* the denser they are"):
+    with pytest.raises(InputError, match=r"bumps: got 0\.01; allowed: .* dense ones count more"):
         parse_point({"system": "chute", "bumps": 0.01}, "point.yaml")
-    with pytest.raises(InputError, match=r"bumps: got 0\.0001; allowed: .* the denser they are"):
+    with pytest.raises(InputError, match=r"bumps: got 0\.0001; allowed: .* dense ones count more"):
         values = {"shape": "disc", "bumps": 0.0001, "cell": 30, "bump_arrangement": "ordered"}
         parse_point({"system": "conveyor"} | values, "point.yaml")
     with pytest.raises(InputError, match=r"bumps: got 0\.001; allowed: .* glued ones included"):

@@ -397,7 +397,7 @@ def test_parameters_are_all_that_vary_unless_they_are_named(parse):
         ({"colour": "law", "log": ["colour"]}, "log[0]: got 'colour'; allowed: no log, as law"),
         ({"colour": "regime", "log": ["colour"]}, "log[0]: got 'colour'; allowed: one of x, y"),
         ({"parameters": ["friction"]}, "parameters: got ['friction']; allowed: a key of scatter"),
-        (SEVERAL | {"x": None, "parameters": ["fricton"]}, "parameters[0]: got 'fricton'; allo"),
+        (SEVERAL | {"x": None, "parameters": ["fricton"]}, "parameters[0]: got 'fricton'; did "),
         (SEVERAL | {"x": None, "parameters": []}, "parameters: got []; allowed: a name, or a"),
     ],
 )

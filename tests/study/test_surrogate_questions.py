@@ -145,7 +145,10 @@ def test_columns_and_units_can_be_named_in_the_study(parse):
             {"error": "sigma"},
             "exp.csv: column sigma: got nothing; allowed: a column sigma, the sta",
         ),
-        ({"units": {"V": "m/s"}}, "exp.csv: column V: got nothing; allowed: "),
+        (
+            {"units": {"V": "m/s"}},
+            "exp.csv: column V: got nothing; did you mean velocity? ",
+        ),
         ({"units": {"velocity": "m/s"}}, "exp.csv: unit of column velocity: got 'm/s'; allowed: "),
     ],
 )
