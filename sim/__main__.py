@@ -19,6 +19,7 @@ import io
 import logging
 import os
 from collections.abc import Collection, Sequence
+from concurrent.futures import BrokenExecutor
 from pathlib import Path
 from pkgutil import resolve_name
 from types import ModuleType
@@ -134,8 +135,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # The reader of the pipe is gone; the interpreter's last flush must not fail on it.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return BROKEN_PIPE
-    except (OSError, MemoryError) as error:
-        print(f"error: {error or 'out of memory'}", file=sys.stderr)
+    except (OSError, MemoryError, BrokenExecutor) as error:
+        print(f"error: {str(error) or 'out of memory'}", file=sys.stderr)
         return SYSTEM_ERROR
     except Exception as error:
         if input_error := plugin_code_error(error):

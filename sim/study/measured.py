@@ -124,6 +124,8 @@ def read_measured(path: Path) -> MeasuredTable:
         If the file is missing, empty, larger than allowed or no table, with file and line.
     """
     try:
+        if not path.is_file():
+            raise InputError(f"{path}: no such file")
         if path.resolve().parent != path.parent.resolve():
             raise InputError(f"{path}: a link to elsewhere; allowed: {ALLOWED_FILE}")
         with TextIOWrapper(open_regular(path), encoding="utf-8-sig", newline="") as file:
@@ -135,11 +137,8 @@ def read_measured(path: Path) -> MeasuredTable:
                     rows.append((reader.line_num, texts))
                 if len(rows) > MAX_ROWS + 1:
                     raise InputError(f"{path}: more than {MAX_ROWS:,} rows")
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except (OSError, RuntimeError) as error:
-        # Links in a circle raise RuntimeError.
-        raise InputError(f"{path}: {getattr(error, 'strerror', None) or error}") from None
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror or error}") from None
     except UnicodeDecodeError:
         raise InputError(f"{path}: not a text file (UTF-8 expected)") from None
     except csv.Error as error:

@@ -1,6 +1,7 @@
 """Plug-ins: loaded where a study names them, refused in one line, never where results name one."""
 
 import os
+import re
 import subprocess
 import sys
 import warnings
@@ -271,6 +272,29 @@ def test_a_job_takes_no_other_text_than_that_with_which_its_study_was_started(
         pytest.raises(InputError, match=r"mine.py .*: edited since this study was started"),
     ):
         plugins.load_from_environment()
+
+
+@pytest.mark.parametrize(
+    ("entry", "code", "words"),
+    [
+        ("not_there", "", "no module not_there"),
+        ("talus_odd", "import sys\nsys.exit(3)\n", "SystemExit: 3"),
+        ("talus_odd", "raise KeyError('x')\n", "KeyError: 'x'"),
+        ("talus_odd:missing.thing", "x = 1\n", "it adds nothing"),
+        ("talus_odd", "def (", "SyntaxError"),
+        ("sys", "", "built-in"),
+        ("a b c:::", "", "a b c"),
+    ],
+)
+def test_entry_points_that_misbehave_are_one_line(entry, code, words, tmp_path, monkeypatch):
+    metadata = tmp_path / "talus_odd-1.0.dist-info"
+    metadata.mkdir()
+    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: talus_odd\nVersion: 1.0\n")
+    (metadata / "entry_points.txt").write_text(f"[talus.plugins]\nodd = {entry}\n")
+    (tmp_path / "talus_odd.py").write_text(code)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    with restore_plugins(), pytest.raises(InputError, match=re.escape(words)):
+        load(["odd"], tmp_path, "study.yaml: plugins")
 
 
 def test_installed_packages_add_by_their_entry_points(tmp_path, monkeypatch):

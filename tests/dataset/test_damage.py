@@ -8,7 +8,9 @@ import resource
 import subprocess
 import threading
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
+from unittest.mock import Mock
 
 import netCDF4
 import numpy as np
@@ -20,6 +22,8 @@ from sim.base.seals import DamagedError, is_damaged
 from sim.dataset.gather import read_run
 from sim.engine.command import warm
 from sim.engine.run import run_point
+from sim.engine.run_file import read_stages
+from sim.engine.stored_run import current_status
 from sim.parameters import canonical_values, point_id
 from sim.report import page
 from tests.engine.test_states import assert_same
@@ -104,10 +108,22 @@ def test_an_error_of_the_system_is_no_damage(name, content, path, monkeypatch):
 
     with monkeypatch.context() as patch:
         patch.setattr("sim.base.files.os.open", fail)
+        for read in (read_run, partial(current_status, parameters=POINT)):
+            with pytest.raises(OSError, match="the system says no"):
+                read(path)
         with pytest.raises(OSError, match="the system says no"):
-            read_run(path)
+            read_stages(path, POINT)
     assert path.read_bytes() == content and len(list(path.parent.iterdir())) == 1
     read_run(path)
+
+
+def test_what_a_library_cannot_read_of_a_whole_file_stays(content, path, monkeypatch):
+    path.write_bytes(content)
+    failing = Mock(side_effect=RuntimeError("NetCDF: HDF error"))
+    with monkeypatch.context() as patch, pytest.raises(OSError, match="its checksum is right"):
+        patch.setattr("sim.dataset.gather.netCDF4.Dataset", failing)
+        read_run(path)
+    assert path.read_bytes() == content and len(list(path.parent.iterdir())) == 1
 
 
 def test_what_is_damaged_again_replaces_nothing(content, path):

@@ -51,6 +51,21 @@ def test_what_is_no_table_is_refused_with_its_line(read, text, message):
     assert f"exp.csv: {message}" in str(caught.value) and "\n" not in str(caught.value)
 
 
+def test_a_file_is_no_link_to_elsewhere_and_has_no_endless_name(tmp_path):
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "exp.csv").write_text(TABLE)
+    link = tmp_path / "link.csv"
+    link.symlink_to("other/exp.csv")
+    with pytest.raises(InputError, match=r"link\.csv: a link to elsewhere; allowed: the name of a"):
+        read_measured(link)
+    with pytest.raises(InputError, match=r"a\.csv: (File name too long|no such file)"):
+        read_measured(tmp_path / f"{'a' * 300}.csv")
+    (tmp_path / "exp.csv").write_text(TABLE)
+    link.unlink()
+    link.symlink_to("exp.csv")
+    assert read_measured(link).texts == read_measured(tmp_path / "exp.csv").texts
+
+
 def test_a_file_must_be_there_and_be_a_file(tmp_path):
     for path in (tmp_path / "none.csv", tmp_path):
         with pytest.raises(InputError, match="no such file"):
