@@ -42,7 +42,7 @@ def listed(held: str | list) -> list[str]:
 
 def test_all_commands_are_told_with_their_options():
     text = commands()
-    assert re.findall(r"^## (\w+)$", text, re.MULTILINE) == list(COMMANDS)
+    assert re.findall(r"^## ([\w-]+)$", text, re.MULTILINE) == list(COMMANDS)
     assert "usage: talus export" in text and "--replicate N" in text
 
 

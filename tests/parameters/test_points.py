@@ -71,6 +71,7 @@ def test_every_parameter_is_in_the_id_but_how_much_is_wanted(system):
         "trajectory_contacts": True,
         "beads": 201,
         "threads": 2,
+        "ranks": 2,
         "steps_per_collision": 41,
         "steps_per_cycle": 2020,
         "samples_per_cycle": 10,
@@ -88,6 +89,8 @@ def test_every_parameter_is_in_the_id_but_how_much_is_wanted(system):
     if system != "belt":
         others["shear_damping"] = {"law": "drag"}
         others["bump_arrangement"] = {"bumps": 1}
+        others["engine"] = {"law": "hertz"}
+        others["ranks"] = {"law": "hertz", "engine": "lammps"}
     default = SYSTEMS[system]()
     for name, row in field_info(default).items():
         if name == "system":
@@ -123,6 +126,8 @@ def test_a_parameter_added_later_is_in_the_name_where_it_is_used_alone():
         "shear_damping": 50,
         "bump_arrangement": "random",
         "sliding_direction": "printed",
+        "engine": "talus",
+        "ranks": 1,
     }
 
 

@@ -90,6 +90,7 @@ class Process:
             preexec_fn=_ignore_signals,
         )
         self._number, self._last_lines = 0, [""]
+        self._workers: list[psutil.Process] = []
         self.close = weakref.finalize(self, _close, self._process, self.folder)
 
     def run(self, commands: Iterable[str]) -> None:
@@ -129,6 +130,9 @@ class Process:
         """Write and run the commands of a deck, and prepare for steps."""
         (self.folder / DECK).write_text("\n".join([*commands, ""]))
         self.run([*commands, "run 0 post no"])
+        main = psutil.Process(self._process.pid)
+        # Found once: it takes a look at all processes of the machine.
+        self._workers = [main, *main.children(recursive=True)]
 
     def advance(self, steps: int) -> None:
         """Advance by a number of steps."""
@@ -148,8 +152,7 @@ class Process:
 
     def working_time(self) -> float:
         """Return the processor time (s) of all its processes so far."""
-        main = psutil.Process(self._process.pid)
-        times = [one.cpu_times() for one in (main, *main.children(recursive=True))]
+        times = [one.cpu_times() for one in self._workers]
         return sum(time.user + time.system for time in times)
 
 
