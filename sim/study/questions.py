@@ -100,11 +100,11 @@ class SurrogateQuestion(Question):
     def observable(self) -> Observable:
         """What the surrogate is of."""
         name = self.entry.observable
-        found = find_observable("curves", "observable", name, self.system, self.error)
-        asked = found.asked_by
+        observable = find_observable("curves", "observable", name, self.system, self.error)
+        asked = observable.asked_by
         if asked and not all(getattr(point.parameters, asked, False) for point in self.points):
             raise self.error("observable", name, f"points with {asked}: true, or it is not kept")
-        return found
+        return observable
 
     def spec(self) -> SurrogateSpec:
         """Return the surrogate."""

@@ -49,8 +49,8 @@ class SensitivityQuestion(_Asked):
         name = self.entry.series
         design = self.study.designs.get(name)
         if design is None or design.kind not in ("saltelli", "morris"):
-            known = [key for key, one in self.study.designs.items() if block_size(one.kind, 2) > 1]
-            hint = f": {', '.join(known)}" if known else ""
+            others = [key for key, one in self.study.designs.items() if block_size(one.kind, 2) > 1]
+            hint = f": {', '.join(others)}" if others else ""
             allowed = f"a series whose design is of kind saltelli or morris{hint}"
             raise self.error("series", name, allowed)
         block = block_size(design.kind, len(design.axes))
