@@ -22,8 +22,7 @@ from collections.abc import Collection, Sequence
 from concurrent.futures import BrokenExecutor
 from pathlib import Path
 from pkgutil import resolve_name
-from types import ModuleType
-from typing import Any, NoReturn, cast
+from typing import Any, NoReturn
 
 from sim.base.additions import plugin_code_error
 from sim.base.errors import InputError
@@ -169,8 +168,6 @@ def parse(arguments: Sequence[str]) -> dict[str, Any]:
 
 def _call(function: str, options: dict[str, Any]) -> int:
     """Call the function of a command, print its result, and return the exit code."""
-    # xarray looks for arrays of dask, whose import takes as long as its own. No command makes any.
-    sys.modules.setdefault("dask.array", cast(ModuleType, None))
     answer = resolve_name(function)(**options)
     if isinstance(answer, int):
         return answer

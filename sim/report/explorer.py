@@ -20,7 +20,6 @@ from sim.base.statistics import student_half_width
 from sim.engine.identity import cache_directory
 from sim.figures.quantity import label_with_unit, unit_of
 from sim.parameters import SYSTEMS, field_info
-from sim.report.runs import varied_parameters
 from sim.study.plottable import numbers
 
 #: Significant digits of the numbers.
@@ -33,7 +32,11 @@ _ERRORS = ("_error", "_half_width", "_seed")
 _WORDS = {"regime": "regime", "quality": "quality of the mean", "series": "series"}
 
 
-def explorer_data(dataset: xr.Dataset, runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+def explorer_data(
+    dataset: xr.Dataset,
+    runs: Sequence[Mapping[str, Any]],
+    varied: Mapping[str, Mapping[str, np.ndarray]],
+) -> dict[str, Any]:
     """Return what the explorer shows of the points of a dataset, by system.
 
     Parameters
@@ -42,6 +45,8 @@ def explorer_data(dataset: xr.Dataset, runs: Sequence[Mapping[str, Any]]) -> dic
         The dataset of the study.
     runs : sequence of mapping
         Its table of runs, see `sim.report.runs.run_rows`, with the ``page`` of each point.
+    varied : mapping
+        The parameters that vary, see `sim.report.runs.varied_parameters`.
 
     Returns
     -------
@@ -56,7 +61,7 @@ def explorer_data(dataset: xr.Dataset, runs: Sequence[Mapping[str, Any]]) -> dic
     for system in dict.fromkeys(run["system"] for run in runs):
         rows = [run for run in runs if run["system"] == system]
         points = dataset.isel(point=[run["number"] - 1 for run in rows])
-        columns = [*_parameters(points, system), *_observables(points, system, rows)]
+        columns = [*_parameters(varied[system], system), *_observables(points, system, rows)]
         columns += [
             {"name": name, "label": label, "kind": "word", "values": [row[name] for row in rows]}
             for name, label in _WORDS.items()
@@ -68,10 +73,10 @@ def explorer_data(dataset: xr.Dataset, runs: Sequence[Mapping[str, Any]]) -> dic
     return systems
 
 
-def _parameters(points: xr.Dataset, system: str) -> list[dict[str, Any]]:
+def _parameters(varied: Mapping[str, np.ndarray], system: str) -> list[dict[str, Any]]:
     """Return the columns of the parameters that differ between the points of a system."""
     columns = []
-    for name, values in varied_parameters(points, system).items():
+    for name, values in varied.items():
         declared, is_number = field_info(SYSTEMS[system])[name], values.dtype.kind in "fi"
         unit = declared.scale or ("" if declared.unit == "1" else declared.unit)
         columns.append(

@@ -33,6 +33,7 @@ from sim.report.runs import (
     run_rows,
     state_of,
     varied_columns,
+    varied_parameters,
 )
 from sim.report.second_opinion import opinion_of
 from sim.study.load import Study, load_study
@@ -108,7 +109,8 @@ def render(
         run["adopted"], _ = results.adopted.get(run["point"], ("", ""))
         page = Path("pages") / f"{run['point']}.html"
         run["page"] = page.as_posix() if (figures.parent / page).is_file() else ""
-    varied, settings = varied_columns(dataset)
+    parameters = varied_parameters(dataset)
+    varied, settings = varied_columns(dataset, parameters)
     all_rows = claim_rows(claims, runs, study.figures)
     rows = [row for row in all_rows if row["paper"] in papers()]
     entries = figure_entries(study.entries.values(), figures, rows, address)
@@ -135,7 +137,7 @@ def render(
         checks=engine_checks(rows),
         state=state_of(runs),
         runs=runs,
-        explorer=compressed(explorer_data(dataset, runs)),
+        explorer=compressed(explorer_data(dataset, runs, parameters)),
         drawing_program=drawing_program(),
         varied=varied,
         settings=settings,

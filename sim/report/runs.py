@@ -96,21 +96,23 @@ def boundary_rows(study: Study, boundaries: pd.DataFrame) -> list[dict[str, Any]
     return rows
 
 
-def varied_columns(dataset: xr.Dataset) -> tuple[list[dict[str, Any]], list[str]]:
+def varied_columns(
+    dataset: xr.Dataset, varied: Mapping[str, Mapping[str, np.ndarray]]
+) -> tuple[list[dict[str, Any]], list[str]]:
     """Return columns for the table of points, and per point the settings that have no column.
 
     Columns are the parameters that vary, at most `MOST_VARIED`: first those of the physics, and of
     these the ones that most points set to another value than the commonest. Their ``texts`` are the
     values, one per point, empty where the system of a point has no such parameter. The settings are
     words on all other parameters that vary, where a point differs from the commonest value.
+    ``varied`` is what `varied_parameters` returns.
     """
     columns: dict[str, dict[str, Any]] = {}
     settings: dict[str, list[str]] = {}
-    for system, model in SYSTEMS.items():
+    for system, values_by_name in varied.items():
         indices = (dataset["system"] == system).values.nonzero()[0]
-        points = dataset.isel(point=indices)
-        for name, values in varied_parameters(points, system).items():
-            declared, is_number = field_info(model)[name], values.dtype.kind == "f"
+        for name, values in values_by_name.items():
+            declared, is_number = field_info(SYSTEMS[system])[name], values.dtype.kind == "f"
             unit = declared.scale or _unit_text(declared.unit)
             heading = f"{declared.symbol or name} ({unit})" if unit else declared.symbol or name
             empty = [""] * dataset.sizes["point"]
@@ -133,12 +135,21 @@ def varied_columns(dataset: xr.Dataset) -> tuple[list[dict[str, Any]], list[str]
     )
 
 
-def varied_parameters(points: xr.Dataset, system: str) -> dict[str, np.ndarray]:
-    """Return the values, one per point, of parameters that vary independently of others.
+def varied_parameters(dataset: xr.Dataset) -> dict[str, dict[str, np.ndarray]]:
+    """Return the parameters that vary independently of others, by system.
 
-    All points are of one system. Amounts, and what only asks for observables, are left out.
+    Each has its values, one per point of the system. Amounts, and what only asks for observables,
+    are left out.
     """
-    model = SYSTEMS[system]
+    is_of = {system: (dataset["system"] == system).values for system in SYSTEMS}
+    return {
+        system: _varied(dataset.isel(point=is_point), SYSTEMS[system])
+        for system, is_point in is_of.items()
+        if is_point.any()
+    }
+
+
+def _varied(points: xr.Dataset, model: type[Parameters]) -> dict[str, np.ndarray]:
     values_by_name = {name: points[name].values for name in model.model_fields if name in points}
     rows = [
         {name: values[index] for name, values in values_by_name.items()}

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Any
 from sim.base.errors import InputError
 from sim.base.files import require_writable
 from sim.parameters import complete_values
+from sim.study.ask import ask
 from sim.study.cost import estimate
 from sim.study.expand import expand
 from sim.study.extra_amounts import read_extra_amounts, with_extra_amounts
 from sim.study.feed import feed
 from sim.study.model import Boundary, Point, Study
-from sim.study.questions import ask
 from sim.study.read import Document, read, with_parts
-from sim.study.surrogate_questions import ask_surrogates
 from sim.study.validate import validate
 
 if TYPE_CHECKING:
@@ -67,7 +66,7 @@ def _study(documents: list[Document], results: str | Path | None) -> Study:
     """Return the study of documents, with the amounts that decisions have added to its points."""
     files = validate(documents)
     study = expand(files)
-    study = ask_surrogates(ask(feed(study, files), files), files)
+    study = ask(feed(study, files), files)
     if results is not None:
         folder = Path(results) / study.name
         require_writable(folder, f"{study.path}: study")

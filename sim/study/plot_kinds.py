@@ -276,7 +276,7 @@ def kinds() -> Mapping[str, PlotKind]:
     """Return all kinds of plot by name: those that ship, then those of plug-ins."""
     import_module(SHIPPED)
     return {
-        **shipped(PLOT),
+        **dict(sorted(shipped(PLOT).items())),
         **{name: addition.value for name, addition in additions(PLOT).items()},
     }
 

@@ -1,80 +1,112 @@
-"""The questions of a study: its surrogates, and the pictures of their answers."""
+"""Questions of a study, those for surrogates in full, and the pictures of the answers."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Iterator
+from functools import cached_property
 from itertools import combinations
 from pathlib import Path
 from typing import Any
 
 from sim.base.errors import InputError
 from sim.parameters import NUMERICAL
-from sim.study.catalogue import FIGURES
 from sim.study.design import Axis, Design
 from sim.study.figure_spec import FigureSpec
-from sim.study.file import StudyFile
+from sim.study.file import BoundaryFile, SeriesFile, StudyFile
 from sim.study.model import Point, Study
 from sim.study.plot_contents import name_in_words, parameter_phrase
-from sim.study.plottable import Observable, find_observable
+from sim.study.plottable import Observable, find_observable, numbers
 from sim.study.surrogate import FEWEST_POINTS, MOST_POINTS, SurrogateFile, SurrogateSpec
 
 #: Kinds of design that can go on point by point.
 _ENDLESS = ("sobol", "random")
 
 
-def ask(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
-    """Return the study with the surrogates of its files and their pictures.
+class Question:
+    """An entry at a ``place`` of a study file, to be asked of a study."""
 
-    Raises
-    ------
-    InputError
-        For a series or an observable that is not there, a name that is taken, a series without
-        parameters that vary, and rounds of a series that no design makes.
-    """
-    specs: dict[str, SurrogateSpec] = {}
-    entries = dict(study.entries)
-    for path, file in files:
-        for index, entry in enumerate(file.surrogate or []):
-            question = _Question(study, file, entry, str(path), f"surrogate[{index}]")
-            if entry.name.lower() in map(str.lower, specs):
-                raise question.error("name", entry.name, "a name that no other surrogate has")
-            spec = specs[entry.name] = question.spec()
-            for picture in _pictures(spec, question.observable):
-                if picture.name.lower() in (*map(str.lower, entries), *map(str.lower, FIGURES)):
-                    allowed = f"a name with which no other figure is called {picture.name}"
-                    raise question.error("name", entry.name, allowed)
-                entries[picture.name] = picture
-    return replace(study, surrogates=tuple(specs.values()), entries=entries)
+    entry: Any
 
+    #: What comes before the name of the answer in titles.
+    noun = ""
 
-class _Question:
-    """An entry under ``surrogate`` at a ``place`` of the file ``source``."""
-
-    def __init__(
-        self, study: Study, file: StudyFile, entry: SurrogateFile, source: str, place: str
-    ):
-        self.study, self.entry, self.source, self.place = study, entry, source, place
-        named = {one.name: one for _, one in file.entries}
-        if entry.series not in named:
-            raise self.error("series", entry.series, "one of " + ", ".join(named))
-        self.family = named[entry.series]
-        self.points: list[Point] = [study.points[key] for key in study.series[entry.series]]
-        self.system = self.family.system
+    def __init__(self, study: Study, file: StudyFile, entry: Any, path: Path, place: str):
+        self.study, self.file, self.entry, self.path, self.place = study, file, entry, path, place
 
     def error(self, key: str, value: Any, allowed: str) -> InputError:
         """Return the error of a key of the entry."""
-        return InputError.of_value(self.source, f"{self.place}.{key}", value, allowed)
+        return InputError.of_value(self.path, f"{self.place}.{key}", value, allowed)
+
+    def spec(self) -> Any:
+        """Return what the study knows of the question."""
+        raise NotImplementedError
+
+    def pictures(self, spec: Any) -> Iterator[FigureSpec]:
+        """Yield the pictures of the answer."""
+        raise NotImplementedError
+
+    def picture(
+        self,
+        spec: Any,
+        of: SurrogateSpec,
+        kind: str,
+        title: str,
+        lead: str,
+        ending: str = "",
+        **options: Any,
+    ) -> FigureSpec:
+        """Return a picture of the answer; ``of`` is the surrogate, or what one would be of."""
+        return FigureSpec(
+            name=f"{spec.name}-{ending or kind}",
+            kind=kind,
+            paper="",
+            system=of.system,
+            title=f"{title}, {self.noun}{spec.name}",
+            lead=lead,
+            series=(of.series,),
+            options={
+                "answer": spec.file,
+                "settings": spec.settings,
+                "regimes": of.regimes,
+                "unit": numbers(of.system)[of.observable].unit,
+                **options,
+            },
+        )
+
+
+class SurrogateQuestion(Question):
+    """An entry under ``surrogate``."""
+
+    entry: SurrogateFile
+    noun = "surrogate "
+
+    @cached_property
+    def family(self) -> SeriesFile | BoundaryFile:
+        """The series that the surrogate goes through."""
+        named = {one.name: one for _, one in self.file.entries}
+        if self.entry.series not in named:
+            raise self.error("series", self.entry.series, "one of " + ", ".join(named))
+        return named[self.entry.series]
+
+    @property
+    def points(self) -> list[Point]:
+        """The points of the series."""
+        return [self.study.points[key] for key in self.study.series[self.family.name]]
+
+    @property
+    def system(self) -> str:
+        """System of the series."""
+        return self.family.system
 
     @property
     def observable(self) -> Observable:
         """What the surrogate is of."""
         name = self.entry.observable
-        found = find_observable("curves", "observable", name, self.system, self.error)
-        asked = found.asked_by
+        observable = find_observable("curves", "observable", name, self.system, self.error)
+        asked = observable.asked_by
         if asked and not all(getattr(point.parameters, asked, False) for point in self.points):
             raise self.error(
                 "observable", name, f"points with {asked}: true, as runs record it only then"
             )
-        return found
+        return observable
 
     def spec(self) -> SurrogateSpec:
         """Return the surrogate."""
@@ -121,45 +153,28 @@ class _Question:
         is_designed = series in self.study.designs
         return tuple(axis for axis in axes if is_designed or axis.name not in NUMERICAL)
 
-
-def _pictures(spec: SurrogateSpec, observable: Observable) -> Iterator[FigureSpec]:
-    """Yield the pictures of a surrogate: sections, maps, and predicted against run."""
-    what = name_in_words(spec.observable)
-    numbers = [axis.name for axis in spec.axes if axis.is_number]
-    for name in numbers:
-        phrase = parameter_phrase(spec.system, name)
-        title = f"{what.capitalize()} against {name_in_words(name)}, surrogate {spec.name}"
+    def pictures(self, spec: SurrogateSpec) -> Iterator[FigureSpec]:
+        """Yield sections, maps, and predicted against run."""
+        what, meaning = name_in_words(spec.observable), self.observable.meaning
+        numeric = [axis.name for axis in spec.axes if axis.is_number]
+        source = f"the surrogate {spec.name}"
+        for name in numeric:
+            title = f"{what.capitalize()} against {name_in_words(name)}"
+            lead = (
+                f"{what.capitalize()} ({meaning}) against {parameter_phrase(spec.system, name)}, "
+                f"as {source} gives it with its 95 % band."
+            )
+            yield self.picture(spec, spec, "section", title, lead, name, x=name)
+        for x, y in combinations(numeric, 2):
+            title = f"{what.capitalize()} over {name_in_words(x)} and {name_in_words(y)}"
+            lead = (
+                f"{what.capitalize()} ({meaning}) over {parameter_phrase(spec.system, x)} and "
+                f"{parameter_phrase(spec.system, y)}, as {source} gives it."
+            )
+            yield self.picture(spec, spec, "surface", title, lead, f"{x}-{y}", x=x, y=y)
         lead = (
-            f"{what.capitalize()} ({observable.meaning}) against {phrase}, as the surrogate "
-            f"{spec.name} gives it with its 95 % band."
+            f"{what.capitalize()} ({meaning}) of each run, against what {source} predicts from all "
+            "the others."
         )
-        yield _picture(spec, "section", name, title, lead, x=name)
-    for x, y in combinations(numbers, 2):
-        over = f"{name_in_words(x)} and {name_in_words(y)}"
-        lead = (
-            f"{what.capitalize()} ({observable.meaning}) over {parameter_phrase(spec.system, x)} "
-            f"and {parameter_phrase(spec.system, y)}, as the surrogate {spec.name} gives it."
-        )
-        title = f"{what.capitalize()} over {over}, surrogate {spec.name}"
-        yield _picture(spec, "surface", f"{x}-{y}", title, lead, x=x, y=y)
-    lead = (
-        f"{what.capitalize()} ({observable.meaning}) of each run, against what the surrogate "
-        f"{spec.name} predicts from all the others."
-    )
-    title = f"{what.capitalize()} predicted and run, surrogate {spec.name}"
-    yield _picture(spec, "agreement", "agreement", title, lead)
-
-
-def _picture(
-    spec: SurrogateSpec, kind: str, ending: str, title: str, lead: str, **options: Any
-) -> FigureSpec:
-    return FigureSpec(
-        name=f"{spec.name}-{ending}",
-        kind=kind,
-        paper="",
-        system=spec.system,
-        title=title,
-        lead=lead,
-        series=(spec.series,),
-        options={"answer": spec.file, "settings": spec.settings, "regimes": spec.regimes} | options,
-    )
+        title = f"{what.capitalize()} predicted and run"
+        yield self.picture(spec, spec, "agreement", title, lead)

@@ -120,11 +120,11 @@ class SurrogateSpec:
             for point in self.design.points(_CHUNK, after=self.design.size + start):
                 yield point_id(point), point
 
-    def added_points(self, known: Container[str]) -> dict[str, Parameters]:
-        """Return the further points that rounds have added: those before the first unknown one."""
-        return dict(takewhile(lambda pair: pair[0] in known, self.further_points()))
+    def added_points(self, so_far: Container[str]) -> dict[str, Parameters]:
+        """Return the further points that rounds have added: those before the first new one."""
+        return dict(takewhile(lambda pair: pair[0] in so_far, self.further_points()))
 
-    def next_batch(self, known: Container[str]) -> dict[str, Parameters]:
-        """Return the next further points that are not known, as many as a round adds."""
-        unknown = (pair for pair in self.further_points() if pair[0] not in known)
-        return dict(islice(unknown, self.batch))
+    def next_batch(self, so_far: Container[str]) -> dict[str, Parameters]:
+        """Return the next further points that are new, as many as a round adds."""
+        further = (pair for pair in self.further_points() if pair[0] not in so_far)
+        return dict(islice(further, self.batch))

@@ -1,78 +1,27 @@
 """Questions to surrogates: what matters, and which parameters measurements allow."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
-from pathlib import Path
-from typing import Any
+from collections.abc import Iterator
 
 from sim.base.errors import InputError
 from sim.base.messages import did_you_mean
 from sim.base.words import count_text
 from sim.parameters import SYSTEMS, field_info
 from sim.study.calibration import MOST_MEASUREMENTS, CalibrateFile, CalibrationSpec
-from sim.study.catalogue import FIGURES
 from sim.study.design import Axis, block_size
 from sim.study.figure_spec import FigureSpec
-from sim.study.file import StudyFile
 from sim.study.measured import PURE, MeasuredTable, read_measured
-from sim.study.model import Study
 from sim.study.plot_contents import name_in_words
 from sim.study.plottable import Observable, find_observable, numbers
+from sim.study.questions import Question
 from sim.study.sensitivity import FEWEST_BLOCKS, SensitivityFile, SensitivitySpec
 from sim.study.surrogate import SurrogateSpec
-
-#: A question.
-Spec = SensitivitySpec | CalibrationSpec
 
 #: Least error and largest number of a measurement.
 _TINY, _HUGE = 1e-100, 1e100
 
 
-def ask_surrogates(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
-    """Return the study with its sensitivities and calibrations, and pictures of the answers.
-
-    The measurements are read here, before anything runs.
-
-    Raises
-    ------
-    InputError
-        For a name that is taken; a surrogate, series, observable or parameter that is not there or
-        does not fit; and measurements that cannot be used, with file, line and column.
-    """
-    entries = dict(study.entries)
-    answers: dict[str, dict[str, Any]] = {"sensitivity": {}, "calibrate": {}}
-    data = list(study.data)
-    for path, file in files:
-        for key, kind in (("sensitivity", _Sensitivity), ("calibrate", _Calibration)):
-            for index, entry in enumerate(getattr(file, key) or []):
-                question: Any = kind(study, entry, path, f"{key}[{index}]")
-                if entry.name.lower() in map(str.lower, answers[key]):
-                    raise question.error("name", entry.name, f"a name that no other {key} has")
-                answers[key][entry.name] = spec = question.spec()
-                data += [spec.path] if isinstance(spec, CalibrationSpec) else []
-                for picture in question.pictures(spec):
-                    if picture.name.lower() in (*map(str.lower, entries), *map(str.lower, FIGURES)):
-                        allowed = f"a name with which no other figure is called {picture.name}"
-                        raise question.error("name", entry.name, allowed)
-                    entries[picture.name] = picture
-    return replace(
-        study,
-        sensitivities=tuple(answers["sensitivity"].values()),
-        calibrations=tuple(answers["calibrate"].values()),
-        entries=entries,
-        data=tuple(dict.fromkeys(data)),
-    )
-
-
-class _Asked:
-    """An entry at a ``place`` of a study file."""
-
-    def __init__(self, study: Study, entry: Any, path: Path, place: str):
-        self.study, self.entry, self.path, self.place = study, entry, path, place
-
-    def error(self, key: str, value: Any, allowed: str) -> InputError:
-        """Return the error of a key of the entry."""
-        return InputError.of_value(self.path, f"{self.place}.{key}", value, allowed)
+class _Asked(Question):
+    """A question to a surrogate, or to the runs of a series."""
 
     def surrogate(self) -> SurrogateSpec:
         """Return the surrogate that the entry names; its parameters must all be numbers."""
@@ -87,27 +36,8 @@ class _Asked:
                 raise self.error("surrogate", got, "a surrogate whose parameters are all numbers")
         return named[name]
 
-    def picture(self, spec: Spec, kind: str, title: str, lead: str) -> FigureSpec:
-        """Return the entry of a picture of the answer."""
-        unit = numbers(spec.of.system)[spec.of.observable].unit
-        return FigureSpec(
-            name=f"{spec.name}-{kind}",
-            kind=kind,
-            paper="",
-            system=spec.of.system,
-            title=f"{title}, {spec.name}",
-            lead=lead,
-            series=(spec.of.series,),
-            options={
-                "answer": spec.file,
-                "settings": spec.settings,
-                "regimes": spec.of.regimes,
-                "unit": unit,
-            },
-        )
 
-
-class _Sensitivity(_Asked):
+class SensitivityQuestion(_Asked):
     """An entry under ``sensitivity``."""
 
     entry: SensitivityFile
@@ -119,8 +49,8 @@ class _Sensitivity(_Asked):
         name = self.entry.series
         design = self.study.designs.get(name)
         if design is None or design.kind not in ("saltelli", "morris"):
-            known = [key for key, one in self.study.designs.items() if block_size(one.kind, 2) > 1]
-            hint = f": {', '.join(known)}" if known else ""
+            others = [key for key, one in self.study.designs.items() if block_size(one.kind, 2) > 1]
+            hint = f": {', '.join(others)}" if others else ""
             allowed = f"a series whose design is of kind saltelli or morris{hint}"
             raise self.error("series", name, allowed)
         block = block_size(design.kind, len(design.axes))
@@ -142,6 +72,7 @@ class _Sensitivity(_Asked):
         if spec.is_screening:
             yield self.picture(
                 spec,
+                spec.of,
                 "screening",
                 f"Screening of what changes the {what}",
                 f"Elementary effects of each parameter on {what} ({observable.meaning}), from the "
@@ -150,6 +81,7 @@ class _Sensitivity(_Asked):
             return
         yield self.picture(
             spec,
+            spec.of,
             "indices",
             f"What the {what} depends on",
             f"Sobol' indices of {what} ({observable.meaning}), from the {source}.",
@@ -157,13 +89,14 @@ class _Sensitivity(_Asked):
         if spec.design is None and len(spec.of.axes) > 1:
             yield self.picture(
                 spec,
+                spec.of,
                 "interactions",
                 f"What acts together on the {what}",
                 f"Second-order Sobol' indices of {what} ({observable.meaning}), from the {source}.",
             )
 
 
-class _Calibration(_Asked):
+class CalibrationQuestion(_Asked):
     """An entry under ``calibrate``."""
 
     entry: CalibrateFile
@@ -263,6 +196,7 @@ class _Calibration(_Asked):
         names = ", ".join(name_in_words(name) for name in spec.ranges)
         yield self.picture(
             spec,
+            spec.of,
             "posterior",
             f"Which {names} the measurements allow",
             f"Posterior of {names} from {count_text(len(spec.values), 'measurement')} of {what} "
@@ -270,6 +204,7 @@ class _Calibration(_Asked):
         )
         yield self.picture(
             spec,
+            spec.of,
             "predictions",
             f"{what.capitalize()} measured and calibrated",
             f"{what.capitalize()} ({observable.meaning}): measurements, and what the calibrated "
@@ -278,6 +213,7 @@ class _Calibration(_Asked):
         if any(len(set(one)) > 1 for one in spec.conditions.values()):
             yield self.picture(
                 spec,
+                spec.of,
                 "experiment",
                 "The next experiment",
                 f"Where a further measurement of {what} would narrow the posterior of {names}.",

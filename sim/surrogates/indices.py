@@ -53,19 +53,21 @@ def sobol_indices(predictor: Predictor, blocks: int = BLOCKS) -> pd.DataFrame:
     from SALib.sample import sobol
 
     problem, rng = _problem(predictor.parameters), np.random.default_rng(_SEED)
-    found, deviations = [], []
+    estimates, deviations = [], []
     for seed in range(1, _SCRAMBLINGS + 1):
         shares = sobol.sample(problem, blocks, calc_second_order=True, seed=seed)
         mean, error = predictor.predict(scaled(shares, predictor.bounds, predictor.scales))
-        found.append(_sobol(problem, mean, True)[0])
+        estimates.append(_sobol(problem, mean, True)[0])
         for _ in range(_REALISATIONS if error.any() else 0):
             values = mean + error * _smooth_field(shares, rng)
-            deviations.append(_sobol(problem, values, True)[0] - found[-1])
-    sampling = student(_SCRAMBLINGS - 1) * np.std(found, axis=0, ddof=1) / np.sqrt(_SCRAMBLINGS)
+            deviations.append(_sobol(problem, values, True)[0] - estimates[-1])
+    sampling = student(_SCRAMBLINGS - 1) * np.std(estimates, axis=0, ddof=1) / np.sqrt(_SCRAMBLINGS)
     spread = np.sqrt(np.mean(np.square(deviations), axis=0)) if deviations else 0.0
     half = np.hypot(sampling, float(student(MANY)) * spread)
     total = _SCRAMBLINGS * blocks
-    return _table(_sobol_names(problem["names"], True), np.mean(found, axis=0), half, total, 0, 0.0)
+    return _table(
+        _sobol_names(problem["names"], True), np.mean(estimates, axis=0), half, total, 0, 0.0
+    )
 
 
 def sobol_indices_of_runs(
@@ -94,8 +96,8 @@ def sobol_indices_of_runs(
     noise = _noise(values[rows].ravel(), errors[rows].ravel())
     estimate, sampling = _sobol(problem, values[rows].ravel(), False, _RESAMPLES)
     half = float(student(MANY)) * sampling
-    found = _sobol_names(problem["names"], False)
-    return _table(found, estimate, half, len(rows), left_out, noise)
+    labels = _sobol_names(problem["names"], False)
+    return _table(labels, estimate, half, len(rows), left_out, noise)
 
 
 def morris_indices_of_runs(
@@ -127,9 +129,9 @@ def morris_indices_of_runs(
         for _ in range(_RESAMPLES)
     ]
     half = float(student(MANY)) * np.std(resampled, axis=0, ddof=1)
-    found = [(index, name, "") for index in ("mu", "mu_star", "sigma") for name in names]
+    labels = [(index, name, "") for index in ("mu", "mu_star", "sigma") for name in names]
     noise = _noise(values[rows].ravel(), errors[rows].ravel())
-    return _table(found, estimate, half, len(rows), left_out, noise)
+    return _table(labels, estimate, half, len(rows), left_out, noise)
 
 
 def _problem(names: Sequence[str]) -> dict[str, Any]:
@@ -149,10 +151,10 @@ def _sobol(
     number = len(_sobol_names(problem["names"], second))
     if np.ptp(values) <= np.finfo(float).eps * np.abs(values).max():
         return np.full(number, np.nan), np.full(number, np.nan)
-    found = sobol.analyze(problem, values, second, num_resamples=resamples, seed=_SEED)
+    analysis = sobol.analyze(problem, values, second, num_resamples=resamples, seed=_SEED)
     pairs = np.triu_indices(problem["num_vars"], 1)
     keys = ("S1", "ST", *(["S2"] if second else []))
-    parts = [(found[key], found[f"{key}_conf"]) for key in keys]
+    parts = [(analysis[key], analysis[f"{key}_conf"]) for key in keys]
     parts[2:] = [(value[pairs], half[pairs]) for value, half in parts[2:]]
     estimate, half = (np.concatenate(part) for part in zip(*parts, strict=True))
     return estimate, half / float(student(MANY))
@@ -172,10 +174,10 @@ def _morris(
     from SALib.analyze import morris
 
     chosen = rows.ravel()
-    found = morris.analyze(
+    analysis = morris.analyze(
         problem, shares[chosen], values[chosen], num_resamples=2, num_levels=_LEVELS, seed=_SEED
     )
-    return np.concatenate([np.asarray(found[key], float) for key in ("mu", "mu_star", "sigma")])
+    return np.concatenate([np.asarray(analysis[key], float) for key in ("mu", "mu_star", "sigma")])
 
 
 def _whole_blocks(values: np.ndarray, size: int, source: str) -> tuple[np.ndarray, int]:

@@ -122,14 +122,14 @@ class Calibration:
         """
         shares, size = draws[:, :-1], draws[:, -1]
         inside = ((shares >= 0) & (shares <= 1)).all(axis=1) & (size >= 0)
-        found = np.full(len(draws), -np.inf)
+        densities = np.full(len(draws), -np.inf)
         if inside.any():
             mean, error = self.predict(shares[inside], self.conditions)
             discrepancy = self.usual_error * size[inside, None]
             variance = self.errors**2 + error**2 + discrepancy**2
             terms = (self.values - mean) ** 2 / variance + np.log(variance)
-            found[inside] = -0.5 * (terms.sum(axis=1) + size[inside] ** 2)
-        return found
+            densities[inside] = -0.5 * (terms.sum(axis=1) + size[inside] ** 2)
+        return densities
 
 
 def calibrate(calibration: Calibration) -> dict[str, xr.Dataset]:

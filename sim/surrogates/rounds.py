@@ -64,16 +64,16 @@ def round_points(study: Study, number: int, folder: Path) -> dict[str, Parameter
     asking = [one for one in study.surrogates if one.has_rounds]
     if not asking:
         return points
-    known = {key: point.parameters for key, point in study.points.items()}
+    so_far = {key: point.parameters for key, point in study.points.items()}
     for earlier in range(1, number):
-        known |= read_round(folder / "rounds" / f"{earlier}.json")
+        so_far |= read_round(folder / "rounds" / f"{earlier}.json")
     for one in asking:
-        points |= further_points(study, one, known, folder)
-    return {key: point for key, point in points.items() if key not in known}
+        points |= further_points(study, one, so_far, folder)
+    return {key: point for key, point in points.items() if key not in so_far}
 
 
 def further_points(
-    study: Study, spec: SurrogateSpec, known: Mapping[str, Parameters], folder: Path
+    study: Study, spec: SurrogateSpec, so_far: Mapping[str, Parameters], folder: Path
 ) -> dict[str, Parameters]:
     """Return the next points of a surrogate's design, none where its error or budget is reached.
 
@@ -83,7 +83,7 @@ def further_points(
         The study.
     spec : SurrogateSpec
         The surrogate.
-    known : mapping
+    so_far : mapping
         All points so far, by id; their runs must be there.
     folder : Path
         Results of the study.
@@ -94,8 +94,8 @@ def further_points(
     from sim.surrogates.refusals import Refusal
     from sim.surrogates.sample import sample_points
 
-    first = {key: known[key] for key in study.series[spec.series]}
-    added = spec.added_points(known)
+    first = {key: so_far[key] for key in study.series[spec.series]}
+    added = spec.added_points(so_far)
     members = first | added
     sample = sample_points(gather_results(study, folder, spec.series, members), spec)
     # Further points may be those that a mean lacks.
@@ -106,11 +106,11 @@ def further_points(
     # The median, as the first run of all may have compiled the engine.
     ratios = [hours[key] / _hours(point) for key, point in members.items()]
     factor = float(np.median(ratios)) or 1.0
-    left = spec.budget - float(hours[list(added)].sum())
+    hours_left = spec.budget - float(hours[list(added)].sum())
     batch = {}
-    for key, point in spec.next_batch(known).items():
-        left -= factor * _hours(point)
-        if left < 0:
+    for key, point in spec.next_batch(so_far).items():
+        hours_left -= factor * _hours(point)
+        if hours_left < 0:
             break
         batch[key] = point
     return batch

@@ -76,7 +76,7 @@ def _fixed(rows: xr.Dataset, spec: SurrogateSpec) -> dict[str, Any]:
     varied = {axis.name for axis in spec.axes}
     names = [name for name in SYSTEMS[spec.system].model_fields if name not in NUMERICAL | varied]
     values = {name: list(dict.fromkeys(rows[name].values.tolist())) for name in names}
-    return {name: found[0] for name, found in values.items() if len(found) == 1}
+    return {name: every[0] for name, every in values.items() if len(every) == 1}
 
 
 def points_of_mean(sample: xr.Dataset, regimes: tuple[str, ...]) -> np.ndarray:
@@ -143,5 +143,5 @@ def _moderate(variances: np.ndarray, freedom: np.ndarray) -> np.ndarray:
         return np.full(len(variances), np.exp(logs.mean()))
     prior = brentq(lambda x: float(polygamma(1, x)) - excess, 1e-3, 1e4)
     common = np.exp(logs.mean() + digamma(prior) - np.log(prior))
-    known = np.nan_to_num(variances) * freedom
-    return (2 * prior * common + known) / (2 * prior + freedom)
+    own = np.nan_to_num(variances) * freedom
+    return (2 * prior * common + own) / (2 * prior + freedom)

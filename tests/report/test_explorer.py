@@ -9,7 +9,7 @@ import pytest
 
 from sim.dataset.results import load_results
 from sim.report.explorer import compressed, drawing_program, explorer_data
-from sim.report.runs import run_rows
+from sim.report.runs import run_rows, varied_parameters
 from sim.study.plottable import numbers
 from tests.made.figures import make_figures
 
@@ -25,7 +25,7 @@ def systems(dataset):
     runs = run_rows(dataset, [])
     for run in runs:
         run["page"] = f"pages/{run['point']}.html" if run["number"] == 1 else ""
-    return explorer_data(dataset, runs)
+    return explorer_data(dataset, runs, varied_parameters(dataset))
 
 
 def column(systems, system: str, name: str) -> dict:

@@ -1,4 +1,4 @@
-"""Kinds of plot that ship: each file declares one by the call that a plug-in makes.
+"""Kinds of plot that ship: their files declare them by the call that a plug-in makes.
 
 They import nothing that draws: study files are checked against their keys.
 """
