@@ -42,6 +42,8 @@ _FILES = {
     ".svg": ("image/svg+xml", "figure"),
     ".gif": ("image/gif", "animation"),
     ".html": ("text/html", "report"),
+    ".png": ("image/png", "still picture of an animation"),
+    ".txt": ("text/plain", "caption of a figure"),
 }
 
 

@@ -33,7 +33,6 @@ TESTED = (
     "tests/surrogates/test_posterior.py::test_a_posterior_is_what_arviz_reads",
     "tests/figures/test_plots.py",
     "tests/report/test_results.py",
-    "tests/report/test_export.py",
     "tests/report/test_crate.py",
     "tests/test_api.py",
 )
