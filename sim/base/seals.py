@@ -71,8 +71,9 @@ def checked_read(path: Path, kind: str, replaceable: bool, sealed: bool = False)
     OSError
         When the system does not give its bytes, as without permission; the file stays as it is.
     """
+    missing = InputError(f"{path}: no such {kind}; rerun the study to make it")
     if not os.path.lexists(path):
-        raise InputError(f"{path}: no such {kind}; rerun the study to make it")
+        raise missing
     if path.suffix in (".yaml", ".yml"):
         raise InputError(
             f"{path}: a YAML file, where a {kind} (*.nc) is expected; talus points lists "
@@ -82,7 +83,8 @@ def checked_read(path: Path, kind: str, replaceable: bool, sealed: bool = False)
         try:
             open_regular(path).close()
         except FileNotFoundError:
-            raise ValueError("no file, or a link to none") from None
+            # Removed in the meantime, unless it is a link.
+            raise (ValueError("a link to no file") if path.is_symlink() else missing) from None
         if sealed and is_damaged(path):
             raise ValueError("its checksum is wrong or missing")
         yield
@@ -91,7 +93,7 @@ def checked_read(path: Path, kind: str, replaceable: bool, sealed: bool = False)
     except UNREADABLE as error:
         if is_of_system(error):
             raise
-        if sealed and isinstance(error, (OSError, RuntimeError)) and not is_damaged(path):
+        if isinstance(error, (OSError, RuntimeError)) and path.is_file() and not is_damaged(path):
             # Of an error of the system, the library says "HDF error".
             reason = f"cannot be read, though its checksum is right ({error})"
             raise OSError(errno.EIO, reason, str(path)) from None

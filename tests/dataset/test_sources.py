@@ -6,7 +6,6 @@ import socket
 import subprocess
 import sys
 import threading
-import time
 from pathlib import Path
 
 import numpy as np
@@ -243,19 +242,33 @@ def test_a_cluster_without_workers_is_told_and_not_waited_for(files, monkeypatch
     assert "has no worker; waiting for one" in capsys.readouterr().err
 
 
+IS_READING, GO_ON = threading.Event(), threading.Event()
+
+
+def wait_to_read(part: object) -> None:
+    """Stand for the reading of files by a worker that is told to end."""
+    IS_READING.set()
+    GO_ON.wait()
+
+
 def test_workers_that_end_while_they_read_are_told(files, monkeypatch):
     distributed = pytest.importorskip("distributed")
     monkeypatch.setattr(sources, "WORKER_TIMEOUT", 0.1)
-    options = {"n_workers": 1, "processes": False, "protocol": "tcp://", "dashboard_address": None}
+    monkeypatch.setattr(sources, "read_batch", wait_to_read)
+    options = {"n_workers": 1, "threads_per_worker": 1, "processes": False}
+    options |= {"protocol": "tcp://", "dashboard_address": None}
     with distributed.LocalCluster(**options) as cluster:
 
-        def end_workers(part):
+        def end_workers() -> None:
+            IS_READING.wait()
             cluster.scale(0)
-            return time.sleep(1)
+            GO_ON.set()
 
-        monkeypatch.setattr(sources, "read_batch", end_workers)
+        ending = threading.Thread(target=end_workers)
+        ending.start()
         with pytest.raises(InputError, match="--dask-scheduler: got"):
-            read_files(files, scheduler=cluster.scheduler_address)
+            read_files(files, processes=len(files), scheduler=cluster.scheduler_address)
+        ending.join()
 
 
 def test_another_program_is_no_scheduler(files, monkeypatch):

@@ -222,9 +222,9 @@ study: drill
 series:
   - name: beds
     system: belt
-    base: {beads: 10, width: 5, steps_per_cycle: 1000, transient: 2, average: 4, replicates: 2}
-    grid: {frequency: [40, 50]}
-decide: {precision: 0.05, budget: 1, replicates: 12}
+    base: {beads: 40, width: 10, steps_per_cycle: 1000, transient: 20, average: 400, replicates: 2}
+    grid: {frequency: [25, 26]}
+decide: {precision: 0.01, budget: 1, replicates: 10}
 """
 
 
