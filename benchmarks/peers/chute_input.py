@@ -1,67 +1,36 @@
 """The chute as LAMMPS commands: springs with dashpots, Coulomb friction, a frictional plane."""
 
-from math import cos, log, pi, radians, sin, sqrt
+from math import cos, radians, sin
 
 import numpy as np
 
 from benchmarks.peers.settings import Settings
-from sim.laws.hertz import effective_modulus
+from sim.engines.lammps.deck import damping_rate
 from sim.parameters import ChuteParameters
 
 #: Height of the cell above the highest particle at first (it follows it), in diameters.
 HEADROOM = 1.0
 
-
-def damping_rate(stiffness: float, mass: float, restitution: float) -> float:
-    """Return γ (1/s) of F = K δ - m γ v that gives this restitution where the overlap ends."""
-    lost = -log(restitution)
-    return 2.0 * sqrt(stiffness / mass) * lost / sqrt(pi**2 + lost**2)
-
-
-def tangential_model(p: ChuteParameters) -> tuple[float, float]:
-    """Return K_t (N/m) and the tangential damping rate over the normal one.
-
-    Spring and dashpot are our very law. For Walton and Braun's, which LAMMPS does not have, these
-    are the usual choices of its manual.
-    """
-    if p.law == "spring_dashpot":
-        return p.tangential_ratio * p.stiffness, 0.0
-    return 2.0 / 7.0 * p.stiffness, 0.5
-
-
-def hertz_model(p: ChuteParameters, friction: float) -> str:
-    """Return our law ``hertz`` as LAMMPS says it, of material with Young's modulus and ν.
-
-    Its ``damping tsuji`` takes the restitution into a polynomial whose damping is too weak; that of
-    ``coeff_restitution`` is ours. The plane is of the same material.
-    """
-    poisson = 2.0 * (1.0 - p.tangential_ratio) / (2.0 - p.tangential_ratio)
-    modulus = 2.0 * (1.0 - poisson**2) * effective_modulus(p)
-    return (
-        f"hertz/material {modulus:.17g} {p.restitution:.17g} {poisson:.17g} "
-        f"damping coeff_restitution tangential mindlin/force NULL 0 {friction:.17g}"
-    )
+#: Tangential stiffness and damping rate over the normal ones.
+TANGENTIAL, SHEAR_DAMPING = 2.0 / 7.0, 0.5
 
 
 def contact_commands(p: ChuteParameters) -> tuple[list[str], str]:
     """Return the commands of the pairs' law, and the plane's as ``fix wall/gran`` takes it.
 
-    The plane meets a particle with its whole mass, a partner with half of it, hence two rates.
+    LAMMPS does not have Walton and Braun's law: these are the usual choices of its manual. The
+    plane meets a particle with its whole mass, a partner with half of it, hence two rates.
     """
-    if p.law == "hertz":
-        pairs = ["pair_style granular", f"pair_coeff * * {hertz_model(p, p.friction)}"]
-        return pairs, hertz_model(p, p.friction_plane)
-    pair = damping_rate(p.stiffness, 0.5 * p.mass, p.restitution)
-    plane = damping_rate(p.stiffness, p.mass, p.restitution)
-    tangential, shear_damping = tangential_model(p)
+    pair, plane = damping_rate(p, 0.5 * p.mass), damping_rate(p, p.mass)
+    tangential = TANGENTIAL * p.stiffness
     pairs = [
         f"pair_style gran/hooke/history {p.stiffness:.17g} {tangential:.17g} {pair:.17g} "
-        f"{shear_damping * pair:.17g} {p.friction:.17g} 1",
+        f"{SHEAR_DAMPING * pair:.17g} {p.friction:.17g} 1",
         "pair_coeff * *",
     ]
     return pairs, (
         f"hooke {p.stiffness:.17g} {plane:.17g} damping mass_velocity tangential linear_history "
-        f"{tangential:.17g} {shear_damping:g} {p.friction_plane:.17g}"
+        f"{tangential:.17g} {SHEAR_DAMPING:g} {p.friction_plane:.17g}"
     )
 
 

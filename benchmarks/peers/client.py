@@ -3,12 +3,11 @@
 import json
 import os
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
 import numpy as np
-
-from benchmarks.peers.environment import peer_python
 
 WORKER = Path(__file__).parent / "worker.py"
 
@@ -17,7 +16,7 @@ class Client:
     """A LAMMPS process that stays alive between requests; use it in a ``with`` statement."""
 
     def __init__(self):
-        command = [str(peer_python()), str(WORKER)]
+        command = [sys.executable, str(WORKER)]
         self.process = subprocess.Popen(
             command,
             stdin=subprocess.PIPE,

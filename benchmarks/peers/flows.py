@@ -8,8 +8,7 @@ from pathlib import Path
 
 from benchmarks.peers.belt_input import belt_request, belt_state
 from benchmarks.peers.chute_input import chute_request, chute_state
-from benchmarks.peers.environment import CACHE
-from benchmarks.peers.settings import Settings
+from benchmarks.peers.settings import CACHE, Settings
 from sim.engine.identity import source_hash
 from sim.engine.systems import build
 from sim.parameters import Parameters, parse_point, point_id

@@ -2,8 +2,9 @@
 
 import json
 from dataclasses import asdict, dataclass
+from pathlib import Path
 
-from benchmarks.peers.environment import CACHE
+CACHE = Path(__file__).parent / ".cache"
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,7 @@ import yaml
 
 from benchmarks.peers.belt_input import belt_state, resting_request, shaking
 from benchmarks.peers.client import Client
-from benchmarks.peers.environment import CACHE, peer_python
-from benchmarks.peers.settings import chosen
+from benchmarks.peers.settings import CACHE, chosen
 from sim.engine.systems import build
 from sim.parameters import BeltParameters, point_id
 from sim.study.load import load_study
@@ -84,7 +83,6 @@ def theirs(points: list[BeltParameters]) -> tuple[float, list[float]]:
     Their particles are made beforehand, and they sample nothing on their way.
     """
     states = [build(p, 0).snapshot() for p in points]
-    peer_python()
     started = time.perf_counter()
     clients = SimpleQueue()
 
