@@ -179,7 +179,8 @@ def read_summary(path: Path) -> dict[str, Any] | None:
         try:
             length = int(words[1])
             file.seek(max(0, end - length))
-            text = file.read(length)
+            # A damaged length may be more than memory holds.
+            text = file.read(min(length, end))
             return json.loads(text) if ending.startswith(_END % (length, crc32(text))) else None
         except (ValueError, OverflowError):
             return None

@@ -72,7 +72,7 @@ def error_message(**series) -> str:
         (
             {"grid": {"mu": [3]}},
             "grid.mu: unknown key, got [3]; did you mean friction? allowed: friction "
-            "and 40 more (talus schema has all)",
+            "and 42 more (talus schema has all)",
         ),
         (
             {"base": {"depth": "lhs(1,20,10)"}},
