@@ -48,7 +48,7 @@ def caption(data: FigureData, notes: Sequence[str]) -> str:
         parameters_sentence(rows, spec.system, spec.named),
         protocol_sentence(rows, spec.system),
         *others,
-        *mean_sentences(rows, spec.options.get("regimes")),
+        *answer_sentences(rows, spec.options.get("regimes")),
         caveat_sentence(rows),
         failure_sentence(rows),
     )
@@ -254,10 +254,10 @@ def _unsteady_counts(rows: pd.DataFrame) -> list[str]:
     return [f"{points_text(count)} {_REGIMES[regime]}" for regime, count in counts.items()]
 
 
-def mean_sentences(rows: pd.DataFrame, regimes: Sequence[str] | None) -> list[str]:
-    """Count the flows not shown to be steady in a mean over flows of some regimes, and the others.
+def answer_sentences(rows: pd.DataFrame, regimes: Sequence[str] | None) -> list[str]:
+    """Count the flows not shown to be steady in an answer from flows of some regimes, and others.
 
-    Empty without ``regimes``: what is shown is no such mean.
+    Empty without ``regimes``: what is shown is no such answer.
     """
     if regimes is None:
         return []
@@ -265,8 +265,8 @@ def mean_sentences(rows: pd.DataFrame, regimes: Sequence[str] | None) -> list[st
     others = rows[~is_part & (rows["completed"] > 0)]["regime"].value_counts()
     counts = [f"{points_text(count)} {_REGIMES.get(name, name)}" for name, count in others.items()]
     return [
-        unsteady_sentence(rows[is_part], "counted all the same"),
-        f"Not counted: {', '.join(counts)}." if counts else "",
+        unsteady_sentence(rows[is_part], "part of the answer all the same"),
+        f"Not part of the answer: {', '.join(counts)}." if counts else "",
     ]
 
 

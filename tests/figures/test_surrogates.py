@@ -97,7 +97,7 @@ def test_predicted_stands_beside_run(drawn):
         (speed.leave_one_out["run"] - speed.leave_one_out["mean"]).values, rel=1e-6
     )
     caption = (folder / "figures" / "speed-agreement.caption.txt").read_text()
-    assert f"Not counted: {16 - len(rows)} points at rest." in caption
+    assert f"Not part of the answer: {16 - len(rows)} points at rest." in caption
 
 
 def test_a_picture_is_out_of_date_once_its_surrogate_has_changed(drawn):

@@ -1,6 +1,6 @@
 """Plug-ins in tests: their additions are removed after each test."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 
 from sim.base import additions, plugins
@@ -21,9 +21,10 @@ def restore_plugins() -> Iterator[None]:
         additions.notify_listeners()
 
 
-def plugin_claims() -> list:
-    """Return the claims of plug-ins alone, in place of `sim.claims.claim.claims`."""
-    return [addition.value for addition in additions.additions("judge").values()]
+def plugin_claims(systems: Collection[str]) -> list:
+    """Return the claims of plug-ins on systems alone, in place of `sim.claims.claim.claims`."""
+    claims = [addition.value for addition in additions.additions("judge").values()]
+    return [claim for claim in claims if claim.system in systems]
 
 
 @contextmanager
