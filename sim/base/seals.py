@@ -82,9 +82,13 @@ def checked_read(path: Path, kind: str, replaceable: bool, sealed: bool = False)
     try:
         try:
             open_regular(path).close()
-        except FileNotFoundError:
-            # Removed in the meantime, unless it is a link.
-            raise (ValueError("a link to no file") if path.is_symlink() else missing) from None
+        except OSError as error:
+            has_no_target = isinstance(error, FileNotFoundError)
+            if has_no_target and not path.is_symlink():
+                raise missing from None  # removed in the meantime
+            if has_no_target or not is_of_system(error):
+                raise ValueError("no file, or a link to none") from None
+            raise
         if sealed and is_damaged(path):
             raise ValueError("its checksum is wrong or missing")
         yield

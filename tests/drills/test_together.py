@@ -61,7 +61,7 @@ def test_processes_in_one_folder_end_in_the_bits_of_one_alone(rounds, tmp_path, 
     results = tmp_path / "results"
     assert start("alone", "batch", "alone/study", stdin=texts[0]).wait() == 0
     runs = results / "together" / "runs"
-    for _ in range(int(os.environ.get("R", rounds))):
+    for _ in range(rounds):
         shutil.rmtree(results, ignore_errors=True)
         # Another study has some of the runs, which vanish while they are taken.
         others = results / "other" / "runs"

@@ -251,9 +251,7 @@ def decided(tree: Path) -> tuple[dict, dict[str, str]]:
     return {name: bought[name] for name in ("amounts", "rounds")}, runs
 
 
-@pytest.mark.parametrize(
-    "kills", [pytest.param(int(os.environ.get("K", "10")), marks=pytest.mark.long)]
-)
+@pytest.mark.parametrize("kills", [pytest.param(10, marks=pytest.mark.long)])
 def test_kills_between_rounds_of_decisions_change_nothing(kills, tmp_path, request):
     drill, alone = Drill(tmp_path / "killed"), tmp_path / "alone"
     request.addfinalizer(drill.end)
