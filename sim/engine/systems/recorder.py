@@ -191,9 +191,12 @@ class Recorder:
         }
 
     def _energies(self, series: dict[str, np.ndarray]) -> dict[str, float]:
-        """Return mean powers over the window and the relative energy error over the whole run."""
+        """Return mean powers over the window and the relative energy error over the whole run.
+
+        Nothing where the engine does not tell all terms of the ledger.
+        """
         ledger, last = self.system.ledger, self.sample_count - 1
-        if not ledger.terms:
+        if not ledger.terms.keys() <= series.keys():
             return {}
         if last < 1:
             return dict.fromkeys(("energy_residual", *ledger.powers.values()), np.nan)

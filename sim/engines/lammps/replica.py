@@ -13,7 +13,6 @@ from scipy.spatial import cKDTree
 from sim.engine.boundary.drive import plane_velocity
 from sim.engine.dynamics.spheres import unrotated_orientations
 from sim.engine.dynamics.status import OK, OVERLAP, REASONS, BlowUp
-from sim.engine.observe.samples import Ledger
 from sim.engine.systems import leap_frog
 from sim.engine.systems.chute import Chute, PlaneFlow
 from sim.engine.systems.conveyor import Conveyor
@@ -31,8 +30,6 @@ class LammpsFlow(PlaneFlow):
     ``place`` (2, N) is the place along x in LAMMPS' frame then (m), and the number of its cell.
     """
 
-    # It does not tell what contacts store and lose.
-    ledger = Ledger({}, (), {})
     state_names: ClassVar[tuple[str, ...]] = (
         *("spheres", "flow", "travelled", "lost", "work_done", "adopted", "place", "restart"),
     )

