@@ -141,8 +141,8 @@ def _draw(data: FigureData, kind: PlotKind) -> tuple[Figure | Animation, Figure]
     drawn = kind.draw(data)
     figure = drawn.figure if isinstance(drawn, Animation) else drawn
     (axes, *_) = figure.axes
-    # A message is there already where the axes are off.
-    if axes.axison and not data.rows["completed"].any():
+    is_message = bool(axes.texts) and not axes.axison
+    if not (is_message or data.rows["completed"].any()):
         axes.text(0.5, 0.5, "no point completed", ha="center", transform=axes.transAxes)
     settle(figure)
     return drawn, figure
