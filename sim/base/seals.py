@@ -181,12 +181,11 @@ def read_summary(path: Path) -> dict[str, Any] | None:
         if len(words) != 4 or words[0] != b"summary":
             return None
         try:
-            length = int(words[1])
-            file.seek(max(0, end - length))
-            # A damaged length may be more than memory holds.
-            text = file.read(min(length, end))
+            length = min(int(words[1]), end)
+            file.seek(end - length)
+            text = file.read(length)
             return json.loads(text) if ending.startswith(_END % (length, crc32(text))) else None
-        except (ValueError, OverflowError):
+        except ValueError:
             return None
 
 

@@ -183,7 +183,7 @@ def _contents(spec: FigureSpec, results: Results) -> tuple[FigureData, PlotKind,
         return data, kind, data.rows
     data = kind.select(data)
     table = kind.table(data)
-    if (table.select_dtypes("number").abs() > LARGEST).any(axis=None):
+    if (table.infer_objects().select_dtypes("number").abs() > LARGEST).any(axis=None):
         kind = _message_kind(kind, _TOO_LARGE)
     return data, kind, table
 

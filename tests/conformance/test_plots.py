@@ -166,7 +166,7 @@ def test_a_kind_draws_its_picture_data_and_caption(wanted, state, found, tmp_pat
 @pytest.mark.parametrize("wanted", FORMS)
 def test_a_number_that_no_axis_holds_is_told(wanted, value, found, tmp_path):
     spec, dataset = found(wanted)
-    copy = tmp_path / "huge.nc"
+    copy = dataset.with_name("dataset-huge.nc")
     shutil.copy(dataset, copy)
     with edit_file(copy) as file:
         for name in ("velocity", "velocity_half_width", "acceleration"):
