@@ -227,9 +227,8 @@ class Plan:
         Raises
         ------
         InputError
-            When another workflow has the lock, or an engine is not installed.
+            When another workflow has the lock.
         """
-        self.require_engines()
         self._batches.parent.mkdir(parents=True, exist_ok=True)
         lock = lock_of(self.folder / ".lock")
         try:

@@ -290,6 +290,14 @@ def test_an_error_of_a_deck_is_one_line_that_names_deck_and_log(monkeypatch):
         assert Path(part.partition(": ")[2]).exists()
 
 
+def test_a_process_that_was_killed_is_one_line():
+    system = build(point(**SMALL), 0)
+    system.advance()
+    system._process._process.kill()
+    with pytest.raises(InputError, match=r"LAMMPS: ended with code -9; deck: .*; log: "):
+        system.advance()
+
+
 def test_particles_that_are_lost_are_a_blow_up():
     system = build(point(**SMALL), 0)
     system.spheres.velocity[2] = -1e5

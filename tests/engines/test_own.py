@@ -48,4 +48,4 @@ def test_a_plug_in_adds_an_engine(tmp_path):
     assert done.returncode == 0, done.stderr
     first, second = done.stdout.splitlines()
     assert first == "mine. True"
-    assert second.endswith("bumps: got 1.0; allowed: 0 with engine: mine")
+    assert second.endswith("bumps: got 1; allowed: 0 with engine: mine")

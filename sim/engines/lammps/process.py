@@ -91,6 +91,7 @@ class Process:
         )
         self._number, self._last_lines = 0, [""]
         self._workers: list[psutil.Process] = []
+        self._working_time = 0.0
         self.close = weakref.finalize(self, _close, self._process, self.folder)
 
     def run(self, commands: Iterable[str]) -> None:
@@ -118,12 +119,12 @@ class Process:
         self._fail()
 
     def _fail(self) -> None:
+        code = self._process.wait()
         errors = [line for line in self._last_lines if line.startswith("ERROR")]
-        reason = (errors or self._last_lines)[-1].partition(" (src/")[0]
+        reason = errors[-1].partition(" (src/")[0] if errors else f"ended with code {code}"
         if any(text in reason for text in BLOW_UPS):
             raise BlowUp(f"LAMMPS: {reason.rpartition(': ')[2]}")
         self.close.detach()
-        self._process.wait()
         raise InputError(f"LAMMPS: {reason}; deck: {self.folder / DECK}; log: {self.folder / LOG}")
 
     def set_up(self, commands: list[str]) -> None:
@@ -152,8 +153,11 @@ class Process:
 
     def working_time(self) -> float:
         """Return the processor time (s) of all its processes so far."""
-        times = [one.cpu_times() for one in self._workers]
-        return sum(time.user + time.system for time in times)
+        # A process that has ended is found out when it gets its next command.
+        with suppress(psutil.Error):
+            times = [one.cpu_times() for one in self._workers]
+            self._working_time = sum(time.user + time.system for time in times)
+        return self._working_time
 
 
 def _close(process: Any, folder: Path) -> None:
