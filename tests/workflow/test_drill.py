@@ -258,7 +258,7 @@ def test_kills_between_rounds_of_decisions_change_nothing(kills, tmp_path, reque
     begin = time.monotonic()
     assert start_deciding(alone).wait() == 0, (alone / "drill.log").read_text()
     seconds, log = time.monotonic() - begin, drill.tree / "drill.log"
-    assert log != alone / "drill.log" and max(decided(alone)[0]["rounds"].values()) > 1
+    assert max(decided(alone)[0]["rounds"].values()) > 1
     while kills:
         process = start_deciding(drill.tree)
         drill.sessions.add(process.pid)
