@@ -183,7 +183,8 @@ def _contents(spec: FigureSpec, results: Results) -> tuple[FigureData, PlotKind,
         return data, kind, data.rows
     data = kind.select(data)
     table = kind.table(data)
-    if (table.infer_objects().select_dtypes("number").abs() > LARGEST).any(axis=None):
+    numbers = table.infer_objects().select_dtypes("number").to_numpy(float)
+    if (np.abs(numbers) > LARGEST).any():
         kind = _message_kind(kind, _TOO_LARGE)
     return data, kind, table
 
