@@ -280,8 +280,7 @@ def unsteady_sentence(rows: pd.DataFrame, mark: str = "drawn all the same") -> s
     unsteady = _unsteady_counts(shown[~is_open])
     if is_open.any():
         unsteady.append(f"{points_text(is_open.sum())} whose runs are too short to tell")
-    lead = f"Not surely steady, and {mark}" if mark else "Shown although not surely steady"
-    return f"{lead}: {', '.join(unsteady)}." if unsteady else ""
+    return f"Not surely steady, and {mark}: {', '.join(unsteady)}." if unsteady else ""
 
 
 def caveat_sentence(rows: pd.DataFrame) -> str:

@@ -173,7 +173,9 @@ def test_a_number_that_no_axis_holds_is_told(wanted, value, found, tmp_path):
             file[name][:] = np.where(np.isfinite(file[name][:]), value, np.nan)
     *_, table, caption = render(spec, copy, tmp_path)
     is_huge = (pd.read_csv(table).select_dtypes("number").abs() > 1e100).any(axis=None)
-    assert ("Nothing is drawn: a number of its data is beyond 1e+100." in caption.read_text()) == is_huge
+    assert (
+        "Nothing is drawn: a number of its data is beyond 1e+100." in caption.read_text()
+    ) == is_huge
 
 
 def test_every_kind_is_drawn():

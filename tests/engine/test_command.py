@@ -1,5 +1,6 @@
 """The commands: batches, interrupts, one small point per set of kernels to warm."""
 
+import io
 import json
 import os
 import signal
@@ -8,6 +9,7 @@ import sys
 
 import pytest
 
+from sim.engine import command
 from sim.engine.command import save_and_end, variants, warm
 from sim.engine.progress import progress_file
 from sim.parameters import canonical_values, parse_point, point_id
@@ -75,13 +77,25 @@ def test_one_that_no_machine_can_compute_keeps_no_other_from_it(tmp_path):
     assert process.stderr.startswith("error: ") and "cannot be computed" in process.stderr
 
 
-def test_an_error_of_the_program_is_in_the_log(tmp_path):
+def test_an_error_of_the_system_is_one_line_in_the_log_as_well(tmp_path):
     (tmp_path / "runs" / f"{IDS[0]}.nc").mkdir(parents=True)
-    process = batch(tmp_path, complete([BELT]), env=os.environ | {"TALUS_CHECKPOINT_SECONDS": "60"})
-    assert process.returncode == 1
+    process = batch(tmp_path, complete([BELT]))
+    assert (process.returncode, process.stderr.count("\n")) == (1, 1)
+    log = (tmp_path / "logs" / "runs" / f"{IDS[0]}.log").read_text()
+    assert process.stderr in log and "Traceback" not in log
+
+
+def test_an_error_of_the_program_is_in_the_log(tmp_path, monkeypatch, capsys):
+    def fail(*arguments, **options):
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(command, "_run_one", fail)
+    monkeypatch.setattr(sys, "stdin", io.StringIO(json.dumps(complete([BELT]))))
+    monkeypatch.setattr(signal, "signal", lambda number, handler: None)
+    assert command.batch(tmp_path) == 1
     log = tmp_path / "logs" / "runs" / f"{IDS[0]}.log"
     assert "Traceback" in log.read_text()
-    assert str(log) in process.stderr
+    assert str(log) in capsys.readouterr().err
 
 
 def point(**values):

@@ -133,7 +133,7 @@ def test_a_caption_tells_what_is_not_steady_where_no_marker_does(plot):
         spec, results = made(plot, at_frictions(*points))
         return find_kind(spec.kind).notes(figure_data(results, spec))
 
-    sentence = "Shown although not surely steady: 2 points still accelerating."
+    sentence = "Not surely steady, and drawn all the same: 2 points still accelerating."
     assert sentence in told(steady, speeding, speeding)
     assert "steady" not in " ".join(told(steady, steady, steady))
 

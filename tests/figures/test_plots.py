@@ -233,8 +233,11 @@ def test_captions_of_profiles_count_flows_that_are_not_shown_to_be_steady(second
     for others in (steady, gaining):
         *_, data = drawn(plot, sliced(3, scalars=(steady, others)))
         told[others["regime"]] = " ".join(find_kind(data.spec.kind).notes(data))
-    assert "not surely steady" not in told["steady"]
-    assert "although not surely steady: 1 point still accelerating." in told["accelerating"]
+    assert "ot surely steady" not in told["steady"]
+    assert (
+        "Not surely steady, and drawn all the same: 1 point still accelerating."
+        in told["accelerating"]
+    )
 
 
 def test_profiles_against_each_other_leave_out_slices_that_are_not_known_or_not_between():

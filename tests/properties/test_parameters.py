@@ -27,8 +27,8 @@ AMOUNTS = {"replicates", "average", "limit", "target"}
 JOINT_RULE = re.compile(
     r"allowed: (a run of at most|a value that gives|a divisor of"
     r"|at least (transient|sample_interval)|.*width - 3"
-    r"|.* with (damping_mass|integrator|law|shape): |a value that lets|0 or at "
-    r"|false without a trajectory|50 unless law is drag|random, unless there are bumps)"
+    r"|.* with (damping_mass|engine|integrator|law|shape): |a value that lets|0 or at "
+    r"|false without a trajectory|50 unless law is drag|random, unless there are bumps|1 unless engine is)"
 )
 
 

@@ -248,7 +248,7 @@ def test_figures_open_from_claims_and_lead_back(page):
 
 
 def test_pictures_and_data_are_downloaded(page, tmp_path):
-    page.locator("#figure-walton_2 summary").click()
+    page.locator("#figure-walton_2 > summary").click()
     for text, name in (("SVG", "walton_2.svg"), ("CSV", "walton_2.csv")):
         with page.expect_download() as download:
             page.locator("#figure-walton_2 a", has_text=text).click()
