@@ -136,9 +136,7 @@ def test_too_few_points_are_refused():
     x = design(16, 2)
     words = ["undetermined"] * 14 + ["steady"] * 2
     spec = SurrogateSpec("speed", "wide", "velocity", "chute", AXES[:2])
-    with pytest.raises(
-        InputError, match="as 2 of 16 points .* and 4 are needed; there are 2 steady, 14"
-    ):
+    with pytest.raises(InputError, match=r"as 2 of 16 points .* and 4 are needed; there are 2"):
         fit_surrogate(spec, made_sample(x, smooth(x), regime=words))
 
 
