@@ -138,6 +138,20 @@ def test_energy_adds_up_and_the_plane_carries_the_weight(changes):
     assert normal_force == pytest.approx(system.weight[1], rel=0.1)
 
 
+def test_a_plane_of_two_frequencies_is_where_the_formula_says():
+    """A sin(ωt + φ) + B sin(kωt + ψ), with amplitudes of its own along and across."""
+    amplitudes = {"amplitude": 0.5, "amplitude_along": 0.4, "phase_along": 70}
+    drive = vibration(one_particle(**COMBINED[-1] | amplitudes), (0.0, 0.0, -GRAVITY))
+    time = np.linspace(0, 1 / FREQUENCY, 40)
+    second = np.sin(3 * RATE * time + np.radians(40))
+    for axis, first, of_second in (
+        (0, 0.4 * np.sin(RATE * time + np.radians(70)), 0.3),
+        (1, 0.5 * np.sin(RATE * time), 0.2),
+    ):
+        place = DIAMETER * (first + of_second * second)
+        assert plane_position(drive, axis, time) == pytest.approx(place, abs=1e-15)
+
+
 def test_the_velocity_of_the_plane_is_the_derivative_of_its_place():
     point = one_particle(**COMBINED[-1], phase_along=70)
     drive = vibration(point, (0.0, 0.0, -GRAVITY))
