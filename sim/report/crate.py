@@ -131,7 +131,7 @@ def _author(crate: Any, author: Mapping[str, Any]) -> Any:
     known = {"givenName": given, "familyName": family, "affiliation": author.get("affiliation")}
     return _entity(
         crate,
-        str(author.get("orcid") or f"#{name.replace(' ', '-')}"),
+        str(author.get("orcid") or f"#author-{name.replace(' ', '-')}"),
         "Organization" if "name" in author else "Person",
         name=name,
         **{key: str(value) for key, value in known.items() if value},

@@ -152,7 +152,8 @@ def ask(study_path: Path, results: Path, share: float, cores: int) -> list[str]:
     Raises
     ------
     InputError
-        When no point is known to both, the dataset is missing, or a package is.
+        When no point is known to both, the dataset is missing, or a package is; when a point did
+        not run, after what the others say is printed.
     """
     for name, value, is_allowed, allowed in (
         ("--share", share, 0 < share <= 1, "a number > 0 and <= 1"),
@@ -165,7 +166,8 @@ def ask(study_path: Path, results: Path, share: float, cores: int) -> list[str]:
     dataset = load_current(study, folder).dataset
     known = {key: twin for key, twin in twins(study).items() if point_id(twin) not in study.points}
     if not known and not opinion_of(study, dataset, folder).pairs:
-        raise InputError(f"{study_path}: {OTHER} knows none of its points: docs/second_engine.md")
+        reason = "knows none of its points, as of their laws: docs/second_engine.md"
+        raise InputError(f"{study_path}: {OTHER} {reason}")
     # The same sample each time, so that another call goes on.
     keys = np.random.default_rng(0).permutation(sorted(known))
     chosen = [known[str(key)] for key in keys[: ceil(share * len(known))]]
@@ -175,8 +177,11 @@ def ask(study_path: Path, results: Path, share: float, cores: int) -> list[str]:
     opinion = opinion_of(study, dataset, folder)
     headings = ("point", f"{OWN} (m/s)", f"{OTHER} (m/s)", "ratio", "p")
     lines = align_table(headings, opinion.rows, {"p"})
-    problems = [f"not run: see {folder / 'logs' / 'runs'}"] if failed else []
-    return [*lines, "", opinion.sentence, *problems]
+    lines += ["", opinion.sentence]
+    if failed:
+        print("\n".join(lines))
+        raise InputError(f"{study_path}: some points did not run: see {folder / 'logs' / 'runs'}")
+    return lines
 
 
 def _run(points: list[Parameters], folder: Path, cores: int) -> bool:

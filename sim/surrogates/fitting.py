@@ -26,8 +26,8 @@ def fit_surrogate(spec: SurrogateSpec, sample: xr.Dataset) -> Surrogate:
         raise Refusal(
             f"surrogate {spec.name}: no mean, as {chosen.sum()} of {len(regimes)} points of series "
             f"{spec.series} count ({' or '.join(spec.regimes)}) and {FEWEST_POINTS} are needed; "
-            f"there are {counts}; longer runs settle more flows, and the key regimes may name "
-            "others"
+            f"there are {counts}; longer runs settle more flows, or the study may count others, "
+            "as regimes: [steady, mixed, undetermined]"
         )
     x = unit_cube(spec.axes, {axis.name: sample[axis.name].values for axis in spec.axes})
     process = fit(

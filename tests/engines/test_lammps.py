@@ -290,10 +290,22 @@ def test_an_error_of_a_deck_is_one_line_that_names_deck_and_log(monkeypatch):
         assert Path(part.partition(": ")[2]).exists()
 
 
-def test_a_command_of_mpi_that_is_not_there_is_one_line(monkeypatch):
-    monkeypatch.setenv("TALUS_MPIEXEC", "no-such-command --here")
-    with pytest.raises(InputError, match="environment: TALUS_MPIEXEC: got 'no-such-command'"):
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [("no-such-command --here", "no-such-command"), (" ", " "), ("srun '", "srun '")],
+)
+def test_a_command_of_mpi_that_is_not_there_is_one_line(words, told, monkeypatch):
+    monkeypatch.setenv("TALUS_MPIEXEC", words)
+    with pytest.raises(InputError, match="environment: TALUS_MPIEXEC: got ") as caught:
         build(point(**SMALL, ranks=2), 0).advance()
+    assert told in str(caught.value)
+
+
+def test_a_command_of_mpi_that_starts_nothing_leaves_a_log(monkeypatch):
+    monkeypatch.setenv("TALUS_MPIEXEC", "false")
+    with pytest.raises(InputError, match="LAMMPS: ended with code 1; deck: ") as caught:
+        build(point(**SMALL, ranks=2), 0).advance()
+    assert Path(str(caught.value).rpartition("log: ")[2]).exists()
 
 
 def test_a_process_that_was_killed_is_one_line():

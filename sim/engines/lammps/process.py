@@ -49,9 +49,13 @@ def _command(ranks: int) -> list[str]:
     program = str(Path(spec.origin).with_name("lmp"))
     if ranks == 1:
         return [program]
-    start = shlex.split(os.environ.get(VARIABLE) or str(_of_mpich("mpiexec") or "mpiexec"))
-    if shutil.which(start[0]) is None:
-        raise InputError.of_value("environment", VARIABLE, start[0], "a command that starts MPI")
+    words = os.environ.get(VARIABLE) or str(_of_mpich("mpiexec") or "mpiexec")
+    start = []
+    with suppress(ValueError):  # an open quotation mark
+        start = shlex.split(words)
+    if not start or shutil.which(start[0]) is None:
+        program = start[0] if start else words
+        raise InputError.of_value("environment", VARIABLE, program, "a command that starts MPI")
     return [*start, "-n", str(ranks), program]
 
 
@@ -87,16 +91,22 @@ class Process:
     def __init__(self, ranks: int = 1):
         command = _command(ranks)
         self.folder = Path(tempfile.mkdtemp(prefix="talus-lammps-"))
-        self._process = subprocess.Popen(
-            [*command, "-nonbuf", "-nocite", "-log", LOG],
-            cwd=self.folder,
-            env=_environment(),
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            preexec_fn=_ignore_signals,
-        )
+        try:
+            self._process = subprocess.Popen(
+                [*command, "-nonbuf", "-nocite", "-log", LOG],
+                cwd=self.folder,
+                env=_environment(),
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                text=True,
+                preexec_fn=_ignore_signals,
+                # The starter of MPI has its own handlers: signals to the group must not meet it.
+                start_new_session=True,
+            )
+        except OSError as error:
+            shutil.rmtree(self.folder, ignore_errors=True)
+            raise InputError(f"LAMMPS: {command[0]} does not start: {error.strerror}") from None
         self._number, self._last_lines = 0, [""]
         self._workers: list[psutil.Process] = []
         self._working_time = 0.0
@@ -133,12 +143,15 @@ class Process:
         if any(text in reason for text in BLOW_UPS):
             raise BlowUp(f"LAMMPS: {reason.rpartition(': ')[2]}")
         self.close.detach()
+        with (self.folder / LOG).open("a", encoding="utf-8") as log:
+            log.writelines(f"{line}\n" for line in self._last_lines)
         raise InputError(f"LAMMPS: {reason}; deck: {self.folder / DECK}; log: {self.folder / LOG}")
 
     def set_up(self, commands: list[str]) -> None:
         """Write and run the commands of a deck, and prepare for steps."""
         (self.folder / DECK).write_text("\n".join([*commands, ""]))
-        self.run([*commands, "run 0 post no"])
+        # Each sample would add to a log; the last lines are written when it fails.
+        self.run([*commands, "run 0 post no", "log none"])
         main = psutil.Process(self._process.pid)
         # Found once: it takes a look at all processes of the machine.
         self._workers = [main, *main.children(recursive=True)]
