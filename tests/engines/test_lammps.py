@@ -221,16 +221,18 @@ def test_a_run_file_has_what_is_told_and_nothing_else(tmp_path):
         assert file["base_normal"][:].mean() == pytest.approx(weight, rel=0.5)
 
 
-def test_a_killed_run_goes_on(tmp_path):
-    p = point(**SMALL | {"average": 200})
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_a_run_that_is_ended_with_its_group_goes_on(ranks, tmp_path):
+    p = point(**SMALL | {"average": 200, "ranks": ranks})
     path = tmp_path / "point.yaml"
     path.write_text(yaml.safe_dump(canonical_values(p)))
     words = [sys.executable, "-m", "sim", "run", str(path), "-o", str(tmp_path / "run.nc")]
     settings = os.environ | {"TALUS_CHECKPOINT_SECONDS": "0.1", "PYTHONPATH": str(ROOT)}
     state = tmp_path / ".run.nc.state"
-    process = subprocess.Popen(words, env=settings, cwd=tmp_path, stderr=subprocess.PIPE)
+    options = {"env": settings, "cwd": tmp_path, "stderr": subprocess.PIPE}
+    process = subprocess.Popen(words, **options, start_new_session=True)
     wait_until(state.exists)
-    process.send_signal(signal.SIGTERM)
+    os.killpg(process.pid, signal.SIGTERM)
     process.communicate()
     assert process.returncode == 143 and not (tmp_path / "run.nc").exists()
     done = subprocess.run(words, env=settings, cwd=tmp_path, capture_output=True, text=True)
