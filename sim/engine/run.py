@@ -164,9 +164,9 @@ def _summary_line(parameters: Parameters, records: list[Record]) -> str:
     )
     counts = Counter(str(values["regime"]) for values in scalars).most_common()
     regimes = ", ".join(f"{count} {regime}" if counts[1:] else regime for regime, count in counts)
-    return (
-        f"{name}: {_velocity(velocities.mean(), half_width)}, {regimes}; {len(records)} replicates"
-    )
+    # The point's own regime is found later, from all replicates together.
+    velocity = _velocity(velocities.mean(), half_width)
+    return f"{name}: {velocity}; {len(records)} replicates, each by itself: {regimes}"
 
 
 def _velocity(value: float, half_width: float) -> str:

@@ -194,7 +194,7 @@ def test_the_last_line_counts_the_regimes_of_the_replicates(tmp_path, caplog):
     counts = Counter(read(tmp_path / "run.nc")["regime"]).most_common()
     assert sum(count for _, count in counts) == 6 and len(counts) > 1
     told = ", ".join(f"{count} {regime}" for regime, count in counts)
-    assert caplog.messages[-2].endswith(f" m/s, {told}; 6 replicates")
+    assert caplog.messages[-2].endswith(f" m/s; 6 replicates, each by itself: {told}")
 
 
 def test_a_run_file_of_the_same_point_is_kept_and_no_other(tmp_path, capsys):
