@@ -306,8 +306,8 @@ def claims(systems: Collection[str] = tuple(SYSTEMS)) -> list[Claim]:
         if every[name].system in systems:
             _declare_claims(every[name])
     order = {name: number for number, name in enumerate(every)}
-    asked = [claim for claim in _registered() if claim.system in systems]
-    return sorted(asked, key=lambda claim: order.get(claim.paper, len(order)))
+    of_systems = [claim for claim in _registered() if claim.system in systems]
+    return sorted(of_systems, key=lambda claim: order.get(claim.paper, len(order)))
 
 
 def _registered() -> list[Claim]:

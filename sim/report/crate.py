@@ -128,13 +128,13 @@ def _author(crate: Any, author: Mapping[str, Any]) -> Any:
     """Add an author of a citation to a crate."""
     given, family = str(author.get("given-names", "")), str(author.get("family-names", ""))
     name = str(author.get("name", f"{given} {family}".strip()))
-    known = {"givenName": given, "familyName": family, "affiliation": author.get("affiliation")}
+    details = {"givenName": given, "familyName": family, "affiliation": author.get("affiliation")}
     return _entity(
         crate,
         str(author.get("orcid") or f"#author-{name.replace(' ', '-')}"),
         "Organization" if "name" in author else "Person",
         name=name,
-        **{key: str(value) for key, value in known.items() if value},
+        **{key: str(value) for key, value in details.items() if value},
     )
 
 

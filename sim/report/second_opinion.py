@@ -50,14 +50,14 @@ class Opinion:
     @cached_property
     def pooled(self) -> Mean:
         """Geometric mean of all ratios, weighted by their errors."""
-        known = [one for one in self.ratios.values() if one.half_width > 0 and one.value > 0]
-        if not known:
+        ratios = [one for one in self.ratios.values() if one.half_width > 0 and one.value > 0]
+        if not ratios:
             return Mean(np.nan, np.nan, np.nan)
         # Few degrees of freedom make an error too small as often as too large: intervals weigh.
-        widths = np.array([one.half_width / one.value for one in known])
+        widths = np.array([one.half_width / one.value for one in ratios])
         weight = widths**-2.0
-        mean = exp((weight * [log(one.value) for one in known]).sum() / weight.sum())
-        freedom = sum(one.freedom for one in known)
+        mean = exp((weight * [log(one.value) for one in ratios]).sum() / weight.sum())
+        freedom = sum(one.freedom for one in ratios)
         return Mean(mean, mean * weight.sum() ** -0.5 / float(student(freedom)), freedom)
 
     @cached_property
@@ -164,13 +164,15 @@ def ask(study_path: Path, results: Path, share: float, cores: int) -> list[str]:
     study = load_study(study_path, results)
     folder = results / study.name
     dataset = load_current(study, folder).dataset
-    known = {key: twin for key, twin in twins(study).items() if point_id(twin) not in study.points}
-    if not known and not opinion_of(study, dataset, folder).pairs:
+    candidates = {
+        key: twin for key, twin in twins(study).items() if point_id(twin) not in study.points
+    }
+    if not candidates and not opinion_of(study, dataset, folder).pairs:
         reason = "knows none of its points, as of their laws: docs/second_engine.md"
         raise InputError(f"{study_path}: {OTHER} {reason}")
     # The same sample each time, so that another call goes on.
-    keys = np.random.default_rng(0).permutation(sorted(known))
-    chosen = [known[str(key)] for key in keys[: ceil(share * len(known))]]
+    keys = np.random.default_rng(0).permutation(sorted(candidates))
+    chosen = [candidates[str(key)] for key in keys[: ceil(share * len(candidates))]]
     for twin in chosen:
         engine_of(twin)
     failed = _run(chosen, folder, cores)

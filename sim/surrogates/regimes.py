@@ -79,7 +79,7 @@ class Regimes:
 
 
 def has_known_regime(regime: np.ndarray, counted: tuple[str, ...] = ()) -> np.ndarray:
-    """Return where a regime (n,) is known: not of `UNKNOWN`, unless the mean counts it."""
+    """Return for each regime (n,) whether it is certain, or of `UNKNOWN` but counted."""
     return ~np.isin(regime.astype(str), sorted(set(UNKNOWN) - set(counted)))
 
 

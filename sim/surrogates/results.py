@@ -23,8 +23,9 @@ def find_surrogate(folder: Path, name: str | None = None) -> Surrogate:
     files = {path.stem: path for path in sorted((folder / "surrogates").glob("*.nc"))}
     if name in files:
         return load_surrogate(files[str(name)])
-    refusals = [text for path in files.values() if (text := refusal_in(path))]
-    surrogates = [load_surrogate(path) for path in files.values() if not refusal_in(path)]
+    reasons = {path: refusal_in(path) for path in files.values()}
+    refusals = [text for text in reasons.values() if text]
+    surrogates = [load_surrogate(path) for path, text in reasons.items() if not text]
     fitting = [one for one in surrogates if name in (None, one.observable)]
     # One that was refused may be of the observable.
     if len(fitting) + len(refusals) != 1:
