@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from sim.base.statistics import CONFIDENCE, MANY, student
+from sim.surrogates.threads import on_one_thread
 
 #: Most points from which lengths are fitted; the process goes through all of them.
 _MOST_FITTED = 500
@@ -65,6 +66,7 @@ class Process:
     theta: np.ndarray = field(default_factory=lambda: np.zeros(0))
     widening: float = 1.0
 
+    @on_one_thread
     def predict(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return means and their standard deviations (m,) at points (m, d)."""
         parts = [self._predict(x[start : start + _CHUNK]) for start in range(0, len(x), _CHUNK)]
@@ -76,6 +78,7 @@ class Process:
         spread = np.sqrt(np.maximum(0.0, error**2 - self._scatter))
         return self._offset + self._scale * mean, self._scale * spread
 
+    @on_one_thread
     def left_out(self) -> LeftOut:
         """Return each point as the others predict it, lengths unchanged, without `widening`.
 
@@ -117,6 +120,7 @@ class Process:
         kernel = _kernel(self.x.shape[1], self.has_scatter).clone_with_theta(self.theta)
         return self.regressor(kernel, slice(None), optimizer=None)
 
+    @on_one_thread
     def regressor(self, kernel: Any, part: Any, **options: Any) -> Any:
         """Return the regressor of scikit-learn through a part of the points, values scaled."""
         from sklearn.exceptions import ConvergenceWarning
