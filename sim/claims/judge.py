@@ -14,6 +14,7 @@ from sim.claims.readings import (
     GRID,
     combined_readings,
     is_regridded,
+    model_readings,
     reading_label,
     readings_of,
 )
@@ -31,7 +32,10 @@ def judge(results: Results) -> list[Judgement]:
         key = claim.system, id(readings)
         if key not in evidence_by_readings:
             evidence_by_readings[key] = list(_evidence(results, points, claim.system, readings))
-        variants = tuple(_variants(claim, readings, evidence_by_readings[key]))
+        if claim.kind == "model":
+            variants = tuple(_experiments(results, claim, readings))
+        else:
+            variants = tuple(_variants(claim, readings, evidence_by_readings[key]))
         headline = reading_label(claim.system, readings.headline, readings)
         judgements.append(Judgement(claim, variants, headline))
     return judgements
@@ -48,6 +52,14 @@ def _evidence(
             yield reading, Evidence(regridded, protocol, runs, points)
 
 
+def _experiments(results: Results, claim: Claim, readings: Readings) -> Iterator[Variant]:
+    """Yield a claim about the model under each reading of it."""
+    for changes in model_readings(results, claim.system, readings):
+        label = reading_label(claim.system, changes, readings)
+        checks = run_experiment(claim, changes)
+        yield Variant(MODEL, label, checks, control=readings.control_reason(changes))
+
+
 def _variants(
     claim: Claim,
     readings: Readings,
@@ -59,12 +71,6 @@ def _variants(
     reading uses the same points under both. Nor does another profile grid, if the claim uses no
     profile. Alternatives of the claim are judged under each reading of the runs.
     """
-    if claim.kind == "model":
-        for changes in readings.model:
-            label = reading_label(claim.system, changes, readings)
-            checks = run_experiment(claim, changes)
-            yield Variant(MODEL, label, checks, control=readings.control_reason(changes))
-        return
     keys: set[tuple[Any, ...]] = set()
     grids = set()
     for reading, evidence in evidence_by_reading:

@@ -1,6 +1,6 @@
 """Readings of the papers: the headline reading, the open choices and the controls."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -49,6 +49,19 @@ def combined_readings(results: Results, system: str, readings: Readings) -> list
     ordered = [readings.headline, *(one for one in runs if one != readings.headline)]
     grids = [{}, *({GRID: name} for name in readings.grids)]
     return [one | grid for one in ordered for grid in grids]
+
+
+def model_readings(
+    results: Results, system: str, readings: Readings
+) -> Sequence[Mapping[str, Any]]:
+    """Return the readings at which experiments on the model are made.
+
+    The engine is compiled for each, which takes long: a study that has runs of none has the default
+    alone.
+    """
+    names = {name for changes in readings.model for name in changes}
+    has_runs = any(names & one.keys() for one in _readings_with_runs(results, system, readings))
+    return readings.model if has_runs else [{}]
 
 
 def _readings_with_runs(

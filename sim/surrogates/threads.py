@@ -1,7 +1,7 @@
 """Linear algebra of surrogates on one thread.
 
-Their matrices are small: the threads of BLAS wait for each other longer than they compute, above all
-beside other work (twelve times the processor time with two threads on two busy cores).
+Their matrices are small: the threads of BLAS wait for each other longer than they compute (twelve
+times the processor time with two threads on two busy cores).
 """
 
 from collections.abc import Callable

@@ -15,7 +15,14 @@ from sim.claims.evidence import Evidence
 from sim.claims.judge import _variants
 from sim.claims.judgement import MODEL, Judgement, Variant
 from sim.claims.points import Points
-from sim.claims.readings import DEFAULT, GRID, combined_readings, reading_label, readings_of
+from sim.claims.readings import (
+    DEFAULT,
+    GRID,
+    combined_readings,
+    model_readings,
+    reading_label,
+    readings_of,
+)
 from sim.claims.verdict import (
     INCONCLUSIVE,
     NOT_REPRODUCED,
@@ -316,6 +323,14 @@ def test_base_rows_of_another_cell_or_stiffness_are_readings():
     ]
 
 
+def test_the_model_is_judged_under_its_readings_where_the_study_has_runs_of_any():
+    flow, readings = {"velocity": 0.1}, readings_of("chute")
+    usual = made_results(made_point("chute", flow), made_point("chute", flow, cell=5))
+    assert model_readings(usual, "chute", readings) == [{}]
+    other = made_results(made_point("chute", flow), made_point("chute", flow, friction_cap="after"))
+    assert model_readings(other, "chute", readings) == readings.model
+
+
 def test_readings_without_the_runs_of_a_claim_are_left_out(monkeypatch):
     monkeypatch.setitem(vars(readings_of("chute")), "model", [{}])
     results = made_results(
@@ -443,7 +458,8 @@ def test_the_contact_law_is_judged_under_its_readings_too(monkeypatch):
     ]
     chute = Readings(model=[{}, *readings])
     (first,) = [claim for claim in claims() if claim.id == "W1"]
-    variants = judge._variants(first, chute, [])
+    results = made_results(made_point("chute", {"velocity": 0.1}, friction_cap="after"))
+    variants = judge._experiments(results, first, chute)
     verdicts = {variant.reading: variant.verdict(()) for variant in variants}
     assert verdicts == {
         DEFAULT: REPRODUCED,
