@@ -38,6 +38,7 @@ from sim.report.runs import (
 from sim.report.second_opinion import opinion_of
 from sim.study.load import Study, load_study
 from sim.study.papers import papers
+from sim.surrogates.refusals import refusal_in
 
 
 def build(study_path: str | Path, results: str | Path = "results") -> Path:
@@ -99,12 +100,18 @@ def render(
     """
     dataset = results.dataset
     caveats = Counter(str(text) for text in dataset["caveat"].values if text).most_common()
+    refusals = _refusals(study, figures.parent)
+    specs = {
+        name: spec
+        for name, spec in study.entries.items()
+        if spec.options.get("answer") not in refusals
+    }
     runs = run_rows(dataset, [text for text, _ in caveats])
     for run in runs:
         run["plots"] = [
             name
-            for name, spec in study.plots.items()
-            if spec.is_fed_by(run["system"], run["series"])
+            for name, spec in specs.items()
+            if name in study.plots and spec.is_fed_by(run["system"], run["series"])
         ]
         run["adopted"], _ = results.adopted.get(run["point"], ("", ""))
         page = Path("pages") / f"{run['point']}.html"
@@ -113,13 +120,19 @@ def render(
     varied, settings = varied_columns(dataset, parameters)
     all_rows = claim_rows(claims, runs, study.figures)
     rows = [row for row in all_rows if row["paper"] in papers()]
-    entries = figure_entries(study.entries.values(), figures, rows, address)
+    entries = figure_entries(specs.values(), figures, rows, address)
     order = _page_order(study, entries, rows)
     return template("report.html.j2").render(
         study=study,
         study_files={file.name: file.read_text(encoding="utf-8") for file in study.sources},
         summary=_summary(dataset, runs) | {"adopted": len(results.adopted)},
         caveats=caveats,
+        # The reason of a surrogate ends those of the questions to it.
+        refusals=[
+            text
+            for text in refusals.values()
+            if not any(text != other and text.endswith(other) for other in refusals.values())
+        ],
         verdicts=VERDICTS,
         outcomes=VERDICTS | REPORTED,
         claims=rows,
@@ -169,6 +182,12 @@ def _page_order(
             *(["claims"] if gallery and has_tested else []),
         ]
     return {"own": is_own, "gallery": gallery, "parts": parts}
+
+
+def _refusals(study: Study, folder: Path) -> dict[str, str]:
+    """Return why questions have no answer, by the file of the answer."""
+    texts = {question.file: refusal_in(folder / question.file) for question in study.questions}
+    return {file: text for file, text in texts.items() if text}
 
 
 def _summary(dataset: xr.Dataset, runs: list[dict[str, Any]]) -> dict[str, Any]:
