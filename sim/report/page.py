@@ -39,6 +39,7 @@ from sim.report.second_opinion import opinion_of
 from sim.study.load import Study, load_study
 from sim.study.papers import papers
 from sim.surrogates.refusals import refusal_in
+from sim.surrogates.storage import load as load_surrogate
 
 
 def build(study_path: str | Path, results: str | Path = "results") -> Path:
@@ -121,6 +122,11 @@ def render(
     all_rows = claim_rows(claims, runs, study.figures)
     rows = [row for row in all_rows if row["paper"] in papers()]
     entries = figure_entries(specs.values(), figures, rows, address)
+    surrogates = [
+        load_surrogate(figures.parent / one.file)
+        for one in study.surrogates
+        if one.file not in refusals
+    ]
     order = _page_order(study, entries, rows)
     return template("report.html.j2").render(
         study=study,
@@ -150,7 +156,7 @@ def render(
         checks=engine_checks(rows),
         state=state_of(runs),
         runs=runs,
-        explorer=compressed(explorer_data(dataset, runs, parameters)),
+        explorer=compressed(explorer_data(dataset, runs, parameters, surrogates)),
         drawing_program=drawing_program(),
         varied=varied,
         settings=settings,
