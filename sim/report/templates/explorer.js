@@ -149,8 +149,7 @@
   }
 
   function position(name, log, values) {
-    const usable = log && values.every((value) => value === null || value > 0);
-    return channel(name, { scale: usable ? { type: "log", nice: false, padding: 8 } : { zero: false, padding: 8 } });
+    return channel(name, { scale: log && values.every((value) => value > 0) ? { type: "log", nice: false, padding: 8 } : { zero: false, padding: 8 } });
   }
 
   function specification(choice, rows) {
@@ -163,6 +162,12 @@
     if (colour) {
       const isScale = isNumber(columns[colour]) && distinct(columns[colour]).length > MOST_COLOURS;
       encoding.color = channel(colour, isScale ? { scale: { scheme: "viridis" } } : { type: "nominal" });
+    }
+    // No axis of logarithms holds the whole of a bar that reaches 0.
+    const floor = (axis) => (encoding[axis].scale.type === "log" ? Math.min(...at(choice.get(axis))) / 2 : -Infinity);
+    const floors = { x: floor("x"), y: floor("y") };
+    for (const one of data) for (const axis of ["x", "y"]) {
+      if (`${axis}_low` in one) one[`${axis}_low`] = Math.max(one[`${axis}_low`], floors[axis]);
     }
     const bars = ["x", "y"].filter((axis) => data.length <= MOST_BARS && data.some((one) => `${axis}_half` in one)).map((axis) => ({
       mark: { type: "rule", opacity: 0.5 },
@@ -179,6 +184,7 @@
       encoding: {
         ...encoding,
         size: choice.get("size") ? channel(choice.get("size"), { scale: { range: [15, 400] } }) : { value: 45 },
+        opacity: { value: 1 },
         // As in figures, no bar shows through an open mark.
         fill: { condition: { test: "datum.regime === 'steady'", ...paint }, value: ink("--page") },
         tooltip: [
@@ -191,7 +197,7 @@
     const line = { mark: { type: "line", opacity: 0.6 }, encoding };
     const sections = shownCurves(choice);
     section.querySelector("[data-notes]").textContent = sections.map((one) => one.note).join(" ");
-    const layer = [...sections.flatMap((one) => curveLayers(one, encoding, colour)), ...bars, ...(choice.has("lines") ? [line] : []), marks];
+    const layer = [...sections.flatMap((one) => curveLayers(one, encoding, colour, floors.y)), ...bars, ...(choice.has("lines") ? [line] : []), marks];
     const panels = choice.get("panels");
     const isNarrow = section.clientWidth < 600;
     const space = section.clientWidth - 75 - (!isNarrow && (colour || choice.get("size")) ? 140 : 0);
@@ -211,9 +217,9 @@
     return curves.filter((one) => one.x === choice.get("x") && one.y === choice.get("y"));
   }
 
-  function curveLayers(curve, encoding, colour) {
+  function curveLayers(curve, encoding, colour, floor) {
     const mine = colour in curve.rows[0] && colour !== curve.x ? encoding.color : { value: ink("--soft") };
-    const rows = encoding.y.scale.type === "log" ? curve.rows.filter((row) => row.low > 0) : curve.rows;
+    const rows = curve.rows.filter((row) => row.mean > floor).map((row) => ({ ...row, low: Math.max(row.low, floor) }));
     const shared = { x: encoding.x, color: mine, detail: { field: "part" } };
     const height = (field) => ({ ...encoding.y, field });
     const layer = (mark, more) => ({ data: { values: rows }, mark, encoding: { ...shared, ...more } });
@@ -239,8 +245,8 @@
     const [text, line] = [ink("--text"), ink("--line")];
     return {
       background: "transparent", view: { stroke: line }, font: "system-ui, sans-serif",
-      axis: { labelColor: text, titleColor: text, gridColor: line, domainColor: text, tickColor: text, labelFontSize: 12, titleFontSize: 13, titleFontWeight: 400, labelOverlap: true },
-      legend: { labelColor: text, titleColor: text, labelFontSize: 12, titleFontWeight: 400, titleLimit: 130, orient: isNarrow ? "bottom" : "right", gradientOpacity: 1, symbolOpacity: 1 },
+      axis: { labelColor: text, titleColor: text, gridColor: line, domainColor: text, tickColor: text, labelFontSize: 12, titleFontSize: 13, titleFontWeight: 400, labelOverlap: true, labelSeparation: 8 },
+      legend: { labelColor: text, titleColor: text, labelFontSize: 12, titleFontWeight: 400, titleLimit: 130, orient: isNarrow ? "bottom" : "right", gradientOpacity: 1, symbolOpacity: 1, ...(isNarrow ? { columns: 2 } : {}) },
       header: { labelColor: text, titleColor: text, labelFontSize: 12 },
     };
   }
@@ -253,6 +259,7 @@
     const options = { actions: false, ast: true, renderer: "canvas", tooltip: { theme: isDark() ? "dark" : "light" } };
     const result = await vegaEmbed(picture, specification(choice, rows), options);
     view?.finalize();
+    picture.classList.toggle("dark", isDark());
     view = result.view;
     width = section.clientWidth;
     view.addEventListener("click", (_, item) => {
