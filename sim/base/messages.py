@@ -26,6 +26,9 @@ SHORT = 60
 #: Most names that a message lists.
 MOST_NAMES = 12
 
+#: Fewest names like another that are listed in place of all.
+_FEWEST = 3
+
 _QUOTED = re.compile(r"'([^']*)'")
 
 _WITH_UNIT = re.compile(r"([-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)\s*(\D.*)")
@@ -255,15 +258,18 @@ def one_of(name: Any, options: Collection[str]) -> str:
 def near(name: str, options: Collection[str], most: int = MOST_NAMES) -> str:
     """Return options separated by commas: all if they are few, else those most like a name.
 
-    Where none is like it, the first ones stand for all.
+    Where none is like it, the first ones stand for all; one or two, which `did_you_mean` names,
+    are no list.
 
-    >>> near("friction", ["friction", "fraction", "depth"], most=2)
-    'friction, fraction and 1 more (talus schema has all)'
+    >>> near("depth", ["friction", "fraction", "depth"], most=2)
+    '3 names (talus schema has all)'
     """
     if len(options) <= most:
         return ", ".join(options)
-    similar = difflib.get_close_matches(name, options, n=most)
-    named = similar or names_meant(name, options) or list(options)[: most - 2]
+    similar = difflib.get_close_matches(name, options, n=most) or names_meant(name, options)
+    if 0 < len(similar) < _FEWEST:
+        return f"{len(options)} names (talus schema has all)"
+    named = similar or list(options)[: most - 2]
     return f"{', '.join(named)} and {len(options) - len(named)} more (talus schema has all)"
 
 
