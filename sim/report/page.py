@@ -208,6 +208,8 @@ def _summary(dataset: xr.Dataset, runs: list[dict[str, Any]]) -> dict[str, Any]:
         "regimes": Counter(run["regime"] for run in runs).most_common(),
         "steps": int(dataset["steps"].sum()),
         "wall_time": float(dataset["wall_time"].sum()),
+        # Not every engine tells it.
+        "loop_time": float(dataset["loop_time"].sum()) if "loop_time" in dataset else 0.0,
         "missing_energy": float(missing_energy.where(is_sound).max()),
         "with_caveat": int((~is_sound).sum()),
         "dates": _dates(dataset.attrs["first_run"], dataset.attrs["last_run"]),
