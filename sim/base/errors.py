@@ -1,13 +1,19 @@
 """The one exception that users of Talus see, and the short form of values in its message."""
 
-import re
 import reprlib
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
-#: A question before what is allowed.
-_QUESTION = re.compile(r"did you mean [^?]*\? ")
+
+class Choice(NamedTuple):
+    """What is allowed in place of a name: the names, in words, after a question for one of them.
+
+    The question is "did you mean friction? ", or empty.
+    """
+
+    question: str
+    names: str
 
 
 class InputError(Exception):
@@ -21,7 +27,7 @@ class InputError(Exception):
         super().__init__("".join(c if c.isprintable() else " " for c in message))
 
     @classmethod
-    def of_value(cls, source: str | Path, key: str, value: Any, allowed: str) -> Self:
+    def of_value(cls, source: str | Path, key: str, value: Any, allowed: str | Choice) -> Self:
         """Build the message ``FILE: KEY: got VALUE; allowed ALLOWED``.
 
         Parameters
@@ -32,13 +38,11 @@ class InputError(Exception):
             Full path of the key (``series[0].grid.depth[1]``); ``""`` for the file as a whole.
         value : object
             The value at this key; long values are shortened.
-        allowed : str
-            The accepted values, in words. A question before them, "did you mean friction?", goes
-            before "allowed", too.
+        allowed : str or Choice
+            The accepted values, in words.
         """
         where = f"{source}: {key}" if key else f"{source}"
-        question = match[0] if (match := _QUESTION.match(allowed)) else ""
-        values = allowed.removeprefix(question)
+        question, values = allowed if isinstance(allowed, Choice) else ("", allowed)
         return cls(f"{where}: got {in_short(value)}; {question}allowed: {values}")
 
     @classmethod

@@ -13,7 +13,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails, ValidationError
 
 from sim.base.additions import plain_name
-from sim.base.errors import InputError, in_short, key_path
+from sim.base.errors import Choice, InputError, in_short, key_path
 from sim.base.synonyms import names_meant
 from sim.base.units import conversion
 
@@ -25,6 +25,9 @@ SHORT = 60
 
 #: Most names that a message lists.
 MOST_NAMES = 12
+
+#: Fewest names like another that are listed in place of all.
+_FEWEST = 3
 
 _QUOTED = re.compile(r"'([^']*)'")
 
@@ -129,8 +132,8 @@ def input_error(
     if entry["type"].startswith("union_tag"):
         kinds = _models_in(owner.model_fields[_name(entry)].annotation)
         tag = entry["input"].get(_TAG)
-        allowed = one_of(tag, [tag for kind in kinds for tag in _tags(kind)])
-        return InputError.of_value(source, f"{path}.{_TAG}", tag, allowed)
+        every = one_of(tag, [tag for kind in kinds for tag in _tags(kind)])
+        return InputError.of_value(source, f"{path}.{_TAG}", tag, every)
     allowed = _allowed(entry, owner)
     if entry["type"] == "int_type" and isinstance(got, float):
         # The value keeps its decimal point, which is the mistake.
@@ -138,7 +141,7 @@ def input_error(
     if hint := _hint(owner, _name(entry), got):
         # A hint replaces what takes long to read, but not the few options of a choice.
         are_few = 0 < len(_options(entry)) <= MOST_NAMES
-        is_short = len(allowed) < SHORT and not _options(entry)
+        is_short = not _options(entry) and len(allowed) < SHORT
         allowed = f"{allowed}; {hint}" if are_few or is_short else hint
     return InputError.of_value(source, path, got, allowed)
 
@@ -188,7 +191,7 @@ def _name(entry: ErrorDetails) -> str:
     return next((part for part in reversed(entry["loc"]) if isinstance(part, str)), "")
 
 
-def _allowed(entry: ErrorDetails, owner: type[BaseModel]) -> str:
+def _allowed(entry: ErrorDetails, owner: type[BaseModel]) -> str | Choice:
     """Return the accepted values, in words, for the field of an error."""
     name = _name(entry)
     # In models with lists of values (grids), the ranges are those of the single values.
@@ -240,30 +243,33 @@ def _converted(text: str, unit: str) -> str:
     return f": {float(match[1]) * factor:.12g}" if match and factor else ""
 
 
-def one_of(name: Any, options: Collection[str]) -> str:
+def one_of(name: Any, options: Collection[str]) -> Choice:
     """Return what is allowed in place of a name: all options if they are few, else the nearest.
 
     Anything but a text is near to no option.
 
     >>> one_of("hertzian", ["drag", "hertz"])
-    'did you mean hertz? one of drag, hertz'
+    Choice(question='did you mean hertz? ', names='one of drag, hertz')
     """
     word = name if isinstance(name, str) else ""
-    return f"{did_you_mean(word, options)}one of {near(word, options)}"
+    return Choice(did_you_mean(word, options), f"one of {near(word, options)}")
 
 
 def near(name: str, options: Collection[str], most: int = MOST_NAMES) -> str:
     """Return options separated by commas: all if they are few, else those most like a name.
 
-    Where none is like it, the first ones stand for all.
+    Where none is like it, the first ones stand for all; one or two, which `did_you_mean` names,
+    are no list.
 
-    >>> near("friction", ["friction", "fraction", "depth"], most=2)
-    'friction, fraction and 1 more (talus schema has all)'
+    >>> near("depth", ["friction", "fraction", "depth"], most=2)
+    '3 names (talus schema has all)'
     """
     if len(options) <= most:
         return ", ".join(options)
-    similar = difflib.get_close_matches(name, options, n=most)
-    named = similar or names_meant(name, options) or list(options)[: most - 2]
+    similar = difflib.get_close_matches(name, options, n=most) or names_meant(name, options)
+    if 0 < len(similar) < _FEWEST:
+        return f"{len(options)} names (talus schema has all)"
+    named = similar or list(options)[: most - 2]
     return f"{', '.join(named)} and {len(options) - len(named)} more (talus schema has all)"
 
 

@@ -103,6 +103,9 @@ def parse_yaml(text: str, source: str) -> Any:
         return loader.construct_document(node)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
+        if mark and text[mark.index - mark.column :].lstrip(" ").startswith("\t"):
+            problem = f"line {mark.line + 1} begins with a tab; YAML wants spaces"
+            raise InputError(f"{source}: {problem}") from None
         line = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
         problem = (error.problem or "")[:_MAX_PROBLEM]
         raise InputError(f"{source}: {line}not readable as YAML: {problem}") from None

@@ -24,6 +24,12 @@ _SMALL, _USUAL = 7.5, 9.0
 #: Room around the values for their intervals, relative to the range of the values.
 _MARGIN = 0.6
 
+#: No values.
+NONE = pd.Series(dtype=float)
+
+#: How far bars may extend an axis beyond this room, and the room of a cap, relative to the range.
+_EXTENSION, _CAP = 0.4, 0.02
+
 
 def set_log(axes: Axes, axis: str) -> None:
     """Make the axis ``"x"`` or ``"y"`` logarithmic, with plain numbers at its ticks."""
@@ -137,23 +143,41 @@ def _readable_labels(
     return sorted(chosen)
 
 
-def limit_axis(axes: Axes, axis: str, values: pd.Series) -> None:
+def limit_axis(
+    axes: Axes,
+    axis: str,
+    values: pd.Series,
+    half_widths: pd.Series = NONE,
+    others: pd.Series = NONE,
+) -> None:
     """Limit an axis to a margin around the values: intervals of two replicates may be very wide.
 
-    ``axis`` is ``"x"`` or ``"y"`` and must not be logarithmic.
+    ``axis`` is ``"x"`` or ``"y"`` and must not be logarithmic. ``others`` are further coordinates
+    on it, of foreign data.
     """
-    if values.empty:
+    if values.empty and others.empty:
         return
-    least, most = _axis_limits(values)
+    least, most = _axis_limits(values, half_widths, others)
     low, high = getattr(axes, f"get_{axis}lim")()
     getattr(axes, f"set_{axis}lim")(max(low, least), min(high, most))
 
 
-def _axis_limits(values: pd.Series) -> tuple[float, float]:
-    """Return the lowest and the highest limit of a linear axis around values."""
-    low, high = values.min(), values.max()
-    room = _MARGIN * (high - low or abs(high) or 1.0)
-    return max(low - room, 0.0) if low >= 0 else low - room, high + room
+def _axis_limits(
+    values: pd.Series, half_widths: pd.Series, others: pd.Series
+) -> tuple[float, float]:
+    """Return the lowest and the highest limit of a linear axis.
+
+    It has a margin around values, and bars that go a little beyond it extend it.
+    """
+    known = pd.concat([values, others])
+    low, high, half = known.min(), known.max(), half_widths.fillna(0)
+    size = high - low or abs(high) or 1.0
+    least, most = low - _MARGIN * size, high + _MARGIN * size
+    least = max(least, 0.0) if low >= 0 else least
+    lowest, highest, room = values - half, values + half, _EXTENSION * size
+    lowest, highest = lowest[lowest >= least - room], highest[highest <= most + room]
+    # The cap at the end of a bar is whole.
+    return min([least, *lowest - _CAP * size]), max([most, *highest + _CAP * size])
 
 
 def has_cut_bars(
@@ -161,7 +185,7 @@ def has_cut_bars(
 ) -> bool:
     """Return whether an error bar leaves the axes, where `mark_cut_bars` puts a caret.
 
-    ``others`` are further coordinates on the axis, of foreign data.
+    The arguments are those of `limit_axis`.
     """
     if values.empty:
         return False
@@ -169,7 +193,7 @@ def has_cut_bars(
     lowest, highest = (values - half).min(), (values + half).max()
     if logarithmic:
         return bool(lowest <= 0)
-    least, most = _axis_limits(pd.concat([values, others]))
+    least, most = _axis_limits(values, half_widths, others)
     return bool(lowest < least or highest > most)
 
 

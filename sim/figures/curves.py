@@ -193,9 +193,8 @@ def _set_axes(data: FigureData, shown: Panels, quantities: dict[str, Quantity]) 
         axes.autoscale_view()
         for axis, quantity in quantities.items():
             if axis not in log:
-                limit_axis(
-                    axes, axis, pd.concat([quantity.value[chosen], foreign_values(data, axis)])
-                )
+                shown_values = quantity.value[chosen], quantity.half_width[chosen]
+                limit_axis(axes, axis, *shown_values, foreign_values(data, axis))
         if data.spec.axes:
             set_run_ticks(axes, data, data.spec.axes[0], width_of(shown))
         elif "x" not in log:

@@ -18,7 +18,14 @@ from matplotlib.figure import Figure
 from sim.dataset import observed
 from sim.figures.caption import points_text
 from sim.figures.data import FigureData, parameter_columns, varying_parameters
-from sim.figures.quantity import Quantity, label_with_unit, replicate_means, scale_of, unit_of
+from sim.figures.quantity import (
+    Quantity,
+    observable_text,
+    parameter_text,
+    replicate_means,
+    scale_of,
+    unit_of,
+)
 from sim.figures.style import (
     escape_label,
     settings,
@@ -26,7 +33,7 @@ from sim.figures.style import (
 )
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import PROTOCOLS
-from sim.study.plot_contents import name_in_words, parameter_phrase
+from sim.study.plot_contents import name_in_words
 from sim.study.plottable import Observable, numbers
 
 #: Size (inches) of a plot with one panel, size of each of several, and the most panels in a row.
@@ -120,16 +127,14 @@ def rows_of_points(
 
 def observable_label(data: FigureData, observable: Observable) -> str:
     """Return the axis label of an observable: its name and unit."""
-    unit = unit_of(observable.unit, data.spec.options["units"], data.spec.system)
-    return wrap_label(label_with_unit(name_in_words(observable.name), unit))
+    units, system = data.spec.options["units"], data.spec.system
+    return wrap_label(observable_text(observable.name, observable.unit, units, system))
 
 
 def parameter_label(system: str, name: str) -> str:
     """Return the axis label of a parameter, in the unit of study files."""
-    row = field_info(SYSTEMS[system])[name]
-    unit = row.scale or row.unit_text.strip()
-    text = wrap_label(label_with_unit(parameter_phrase(system, name), unit))
-    return with_subscript(text, row.symbol)
+    text = wrap_label(parameter_text(system, name))
+    return with_subscript(text, field_info(SYSTEMS[system])[name].symbol)
 
 
 def wrap_label(text: str) -> str:

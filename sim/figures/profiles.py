@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from sim.base.statistics import student_half_width
 from sim.figures import belt_profiles
-from sim.figures.axes import has_cut_bars, limit_axis, mark_cut_bars, set_log
+from sim.figures.axes import NONE, has_cut_bars, limit_axis, mark_cut_bars, set_log
 from sim.figures.caption import unsteady_sentence
 from sim.figures.data import FigureData
 from sim.figures.foreign_data import (
@@ -183,8 +183,8 @@ def _limit_axes(data: FigureData, shown: Panels, drawn: pd.DataFrame) -> None:
     for axes, _ in shown:
         axes.autoscale_view()
         for axis in {"x", "y"} - set(data.spec.options["log"]):
-            means_on_axis = drawn.get(axis, pd.Series(dtype=float))
-            limit_axis(axes, axis, pd.concat([means_on_axis, foreign_values(data, axis)]))
+            shown_values = drawn.get(axis, NONE), drawn.get(f"{axis}_half", NONE)
+            limit_axis(axes, axis, *shown_values, foreign_values(data, axis))
     for axes, _ in shown:
         mark_cut_bars(axes)
 

@@ -11,6 +11,7 @@ from sim.base.errors import InputError
 from sim.base.statistics import student_half_width
 from sim.figures.data import FigureData, parameter_columns, velocity_table
 from sim.parameters import SYSTEMS, field_info
+from sim.study.plot_contents import name_in_words, parameter_phrase
 
 #: Natural unit by SI unit: powers of diameter, gravity and mass, and how it is written.
 _NATURAL = {
@@ -195,6 +196,21 @@ def scale_of(unit: str, units: str, rows: pd.DataFrame) -> pd.Series:
     length, gravity, mass = powers
     scale = rows["diameter"] ** length * rows["gravity"] ** gravity * rows["mass"] ** mass
     return pd.Series(scale, rows.index, dtype=float)
+
+
+def parameter_text(system: str, name: str) -> str:
+    """Return the label of a parameter, in the unit of study files.
+
+    >>> parameter_text("belt", "amplitude")
+    'amplitude A_z/⟨d⟩'
+    """
+    row = field_info(SYSTEMS[system])[name]
+    return label_with_unit(parameter_phrase(system, name), row.scale or row.unit_text.strip())
+
+
+def observable_text(name: str, unit: str, units: str, system: str) -> str:
+    """Return the label of an observable in an SI unit: its name and its unit, as of `unit_of`."""
+    return label_with_unit(name_in_words(name), unit_of(unit, units, system))
 
 
 def label_with_unit(text: str, unit: str) -> str:

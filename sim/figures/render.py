@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from sim.base.errors import InputError
+from sim.base.errors import Choice, InputError
 from sim.base.files import atomic_write
 from sim.base.messages import one_of
 from sim.dataset.results import Results, load_results, require_known_options
@@ -66,7 +66,8 @@ def find_spec(name: str, plots: Mapping[str, FigureSpec] | None = None) -> Figur
     specs = {**FIGURES, **(plots or {})}
     if name not in specs:
         hint = "" if plots is not None else "; a plot of a study needs --study STUDY.yaml"
-        raise InputError.of_value("figure", "name", name, one_of(name, specs) + hint)
+        question, names = one_of(name, specs)
+        raise InputError.of_value("figure", "name", name, Choice(question, names + hint))
     return specs[name]
 
 

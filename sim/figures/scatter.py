@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
-from sim.figures.axes import has_cut_bars, limit_axis, mark_cut_bars
+from sim.figures.axes import NONE, has_cut_bars, limit_axis, mark_cut_bars
 from sim.figures.binned import GROUPS, draw_running_mean
 from sim.figures.caption import bar_notes
 from sim.figures.data import FigureData
@@ -60,11 +60,12 @@ def draw(data: FigureData) -> Figure:
         Colours(shade).explain(figure, [axes for axes, _ in shown])
     foreign = draw_foreign_data(data, shown)
     for axes, _ in shown:
-        for axis, (variable, _) in zip("xy", coordinates(data), strict=True):
+        for axis, (variable, quantity) in zip("xy", coordinates(data), strict=True):
             variable.scale(axes, axis, _TICKS)
             if not variable.log and not variable.choices:
                 known = variable.values[drawable(data, data.rows).index]
-                limit_axis(axes, axis, pd.concat([known, foreign_values(data, axis)]))
+                half_widths = quantity.half_width[known.index] if quantity else NONE
+                limit_axis(axes, axis, known, half_widths, foreign_values(data, axis))
         mark_cut_bars(axes)
     label_axes(figure, shown, x.label, y.label)
     legend(data, figure, shown, foreign=foreign)

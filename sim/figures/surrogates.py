@@ -13,9 +13,10 @@ from sim.figures.axes import set_log
 from sim.figures.configuration import COLOURS
 from sim.figures.data import FigureData
 from sim.figures.plot import SINGLE_SIZE, parameter_label, wrap_label
-from sim.figures.quantity import label_with_unit, unit_of
+from sim.figures.quantity import observable_text
 from sim.figures.style import LEVEL, cycle_style, legend_above, settings
 from sim.figures.surrogate_rows import (
+    EVEN,
     MAP_STEPS,
     NEAR,
     agreement_rows,
@@ -31,11 +32,7 @@ from sim.figures.surrogate_rows import (
     surface_rows,
     with_units,
 )
-from sim.study.plot_contents import name_in_words
 from sim.surrogates.surrogate import Surrogate
-
-#: Probability of the regimes of the mean below which another is likelier.
-_EVEN = 0.5
 
 #: Looks of error bars in sections, of error bars of predictions, and of the line of a regime.
 _RUNS: dict[str, Any] = {
@@ -59,7 +56,7 @@ def draw_section(data: FigureData) -> Figure:
         rows = section_rows(surrogate, axis, chosen)
         x, mean, half_width = rows[axis.name], rows["mean"], rows["half_width"]
         axes.fill_between(x, mean - half_width, mean + half_width, color=colour, alpha=0.15, lw=0)
-        likely = rows["probability"] >= _EVEN
+        likely = rows["probability"] >= EVEN
         axes.plot(x, mean.where(likely), color=colour, label=label)
         axes.plot(x, mean.where(~likely), color=colour, dashes=(4, 2), linewidth=1)
         near = near_rows(surrogate, axis, chosen)
@@ -115,8 +112,8 @@ def draw_surface(data: FigureData) -> Figure:
         parts = (rows[name].to_numpy().reshape(MAP_STEPS, MAP_STEPS) for name in columns)
         across, up, mean, chance = parts
         filled = axes.contourf(across, up, mean, levels=levels, cmap=COLOURS)
-        if chance.min() < _EVEN < chance.max():
-            axes.contour(across, up, chance, [_EVEN], colors="black", linewidths=1.8)
+        if chance.min() < EVEN < chance.max():
+            axes.contour(across, up, chance, [EVEN], colors="black", linewidths=1.8)
         for is_in_mean, runs in run_rows(surrogate, chosen).groupby("in_mean"):
             axes.plot(runs[x.name], runs[y.name], clip_on=False, **_dot(bool(is_in_mean)))
         if chosen:
@@ -216,5 +213,5 @@ def agreement_notes(data: FigureData) -> list[str]:
 
 
 def _label(surrogate: Surrogate) -> str:
-    unit = unit_of(surrogate.unit, "si", surrogate.system)
-    return wrap_label(label_with_unit(name_in_words(surrogate.observable), unit))
+    text = observable_text(surrogate.observable, surrogate.unit, "si", surrogate.system)
+    return wrap_label(text)

@@ -9,6 +9,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
 from sim.base.additions import plain_name, shipped
+from sim.base.errors import Choice
 from sim.parameters import fields
 from sim.parameters.roles import amount, declare, numerics
 
@@ -56,7 +57,7 @@ def drift_bound(target: float) -> float:
     return min(max(0.1, 5 * target), 0.25)
 
 
-def broken_rule(key: str, value: Any, allowed: str) -> PydanticCustomError:
+def broken_rule(key: str, value: Any, allowed: str | Choice) -> PydanticCustomError:
     """Return the error of a rule on several parameters, reported for ``key``."""
     # In a list, as pydantic would render a text, and not every text of a file can be encoded.
     context = {"key": key, "got": [value], "allowed": allowed}

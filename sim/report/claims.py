@@ -156,7 +156,7 @@ def claim_rows(
 def _cost(
     claim: Mapping[str, Any], runs: Mapping[str, Mapping[str, Any]]
 ) -> dict[str, float] | None:
-    """Return number and core time (s) of the points behind the checks of the headline reading."""
+    """Return number and wall time (s) of the points behind the checks of the headline reading."""
     headline_variants = [
         variant for variant in claim["variants"] if variant["reading"] in claim["headings"]
     ]

@@ -56,7 +56,8 @@ def read_citation(path: Path) -> dict[str, Any]:
         When the file is missing, or lacks one of them.
     """
     if not path.is_file():
-        raise InputError(f"{path}: no such file; --crate takes authors and licence from it")
+        message = f"no such file in {path.absolute().parent}, where the command was called"
+        raise InputError(f"{path}: {message}; --crate takes authors and licence from it")
     given = read_yaml(path)
     citation = given if isinstance(given, dict) else {}
     for key, (kind, allowed) in _KEYS.items():

@@ -7,20 +7,28 @@ loads nothing from elsewhere.
 import base64
 import gzip
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from importlib.metadata import version
 from math import isfinite
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from sim.base.files import atomic_write
 from sim.base.statistics import student_half_width
 from sim.engine.identity import cache_directory
-from sim.figures.quantity import label_with_unit, unit_of
-from sim.parameters import SYSTEMS, field_info
+from sim.figures.quantity import observable_text, parameter_text
+from sim.figures.surrogate_rows import (
+    EVEN,
+    held_note,
+    regime_note,
+    section_rows,
+    shown_settings,
+)
 from sim.study.plottable import numbers
+from sim.surrogates.surrogate import Surrogate
 
 #: Significant digits of the numbers.
 _DIGITS = 4
@@ -36,6 +44,7 @@ def explorer_data(
     dataset: xr.Dataset,
     runs: Sequence[Mapping[str, Any]],
     varied: Mapping[str, Mapping[str, np.ndarray]],
+    surrogates: Sequence[Surrogate] = (),
 ) -> dict[str, Any]:
     """Return what the explorer shows of the points of a dataset, by system.
 
@@ -47,15 +56,21 @@ def explorer_data(
         Its table of runs, see `sim.report.runs.run_rows`, with the ``page`` of each point.
     varied : mapping
         The parameters that vary, see `sim.report.runs.varied_parameters`.
+    surrogates : sequence of Surrogate
+        The surrogates of the study.
 
     Returns
     -------
     dict
-        By system ``columns`` and ``links``. A column has a ``name``, a ``label`` with its unit, a
-        ``kind`` (``parameter``, ``observable`` or ``word``) and its ``values``, one per point and
-        ``None`` where unknown; the series of a point are a list. An observable is a mean over
-        replicates; its ``half`` is half the width of the 95 % interval. ``links`` lead to the page
-        of a point, or to its row in the table of runs.
+        By system ``columns``, ``links`` and ``curves``. A column has a ``name``, a ``label`` with
+        its unit, a ``kind`` (``parameter``, ``observable`` or ``word``) and its ``values``, one per
+        point and ``None`` where unknown; the series of a point are a list. An observable is a mean
+        over replicates; its ``half`` is half the width of the 95 % interval. ``links`` lead to the
+        page of a point, or to its row in the table of runs. ``curves`` are sections of surrogates:
+        ``y`` is the observable, ``x`` the parameter, and ``note`` says what is held. ``rows`` have
+        the value of the parameter, ``mean``, ``low`` and ``high`` of the 95 % band, ``likely``:
+        whether the regimes of the mean are, the number of the ``part`` of the line in which this is
+        the same, and words that are chosen.
     """
     systems = {}
     for system in dict.fromkeys(run["system"] for run in runs):
@@ -69,6 +84,12 @@ def explorer_data(
         systems[system] = {
             "columns": columns,
             "links": [run["page"] or f"#run-{run['number']}" for run in rows],
+            "curves": [
+                section
+                for surrogate in surrogates
+                if surrogate.system == system
+                for section in _curves(surrogate)
+            ],
         }
     return systems
 
@@ -77,12 +98,11 @@ def _parameters(varied: Mapping[str, np.ndarray], system: str) -> list[dict[str,
     """Return the columns of the parameters that differ between the points of a system."""
     columns = []
     for name, values in varied.items():
-        declared, is_number = field_info(SYSTEMS[system])[name], values.dtype.kind in "fi"
-        unit = declared.scale or ("" if declared.unit == "1" else declared.unit)
+        is_number = values.dtype.kind in "fi"
         columns.append(
             {
                 "name": name,
-                "label": label_with_unit(f"{name} {declared.symbol}".strip(), unit),
+                "label": parameter_text(system, name),
                 "kind": "parameter" if is_number else "word",
                 "values": _numbers(values) if is_number else [str(value) for value in values],
             }
@@ -108,10 +128,9 @@ def _observables(
             means = np.array([each.mean() if each.size else np.nan for each in finite])
             halves = np.array([float(student_half_width(each)) for each in finite])
         if len(np.unique(means[np.isfinite(means)])) > 1:
-            unit = unit_of(observable.unit, "si", system)
             column = {
                 "name": name,
-                "label": label_with_unit(name.replace("_", " "), unit),
+                "label": observable_text(name, observable.unit, "si", system),
                 "kind": "observable",
                 "values": _numbers(means),
             }
@@ -121,9 +140,39 @@ def _observables(
     return columns
 
 
+def _curves(surrogate: Surrogate) -> Iterator[dict[str, Any]]:
+    """Yield a section along each parameter of a surrogate."""
+    lead = f"Line and band: surrogate {surrogate.name} and its 95 % interval"
+    lead += f", for each {' and '.join(surrogate.choices)}." if surrogate.choices else "."
+    for axis in surrogate.numeric:
+        table = pd.concat(
+            [section_rows(surrogate, axis, chosen) for chosen in shown_settings(surrogate)]
+        )
+        likely = table["probability"] >= EVEN
+        table["low"] = table["mean"] - table["half_width"]
+        table["high"] = table["mean"] + table["half_width"]
+        rows = table[[axis.name, "mean", "low", "high"]].map(_rounded)
+        is_first = (likely != likely.shift()) | (table[axis.name].diff() < 0)
+        rows = rows.assign(likely=likely, part=is_first.cumsum())
+        rows = rows.assign(**{name: table[name].map(str) for name in surrogate.choices})
+        notes = [lead, held_note(surrogate, axis.name)]
+        if not likely.all():
+            notes.append(regime_note(surrogate, "The line is dashed where"))
+        yield {
+            "x": axis.name,
+            "y": surrogate.observable,
+            "note": " ".join(filter(None, notes)),
+            "rows": rows.to_dict("records"),
+        }
+
+
 def _numbers(values: np.ndarray) -> list[float | None]:
     """Return numbers of a few digits, ``None`` where they are not finite."""
-    return [float(f"{value:.{_DIGITS}g}") if isfinite(value) else None for value in values]
+    return [_rounded(value) if isfinite(value) else None for value in values]
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.{_DIGITS}g}")
 
 
 def compressed(data: Any) -> str:

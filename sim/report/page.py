@@ -38,6 +38,8 @@ from sim.report.runs import (
 from sim.report.second_opinion import opinion_of
 from sim.study.load import Study, load_study
 from sim.study.papers import papers
+from sim.surrogates.refusals import refusal_in
+from sim.surrogates.storage import load as load_surrogate
 
 
 def build(study_path: str | Path, results: str | Path = "results") -> Path:
@@ -99,12 +101,18 @@ def render(
     """
     dataset = results.dataset
     caveats = Counter(str(text) for text in dataset["caveat"].values if text).most_common()
+    refusals = _refusals(study, figures.parent)
+    specs = {
+        name: spec
+        for name, spec in study.entries.items()
+        if spec.options.get("answer") not in refusals
+    }
     runs = run_rows(dataset, [text for text, _ in caveats])
     for run in runs:
         run["plots"] = [
             name
-            for name, spec in study.plots.items()
-            if spec.is_fed_by(run["system"], run["series"])
+            for name, spec in specs.items()
+            if name in study.plots and spec.is_fed_by(run["system"], run["series"])
         ]
         run["adopted"], _ = results.adopted.get(run["point"], ("", ""))
         page = Path("pages") / f"{run['point']}.html"
@@ -113,13 +121,24 @@ def render(
     varied, settings = varied_columns(dataset, parameters)
     all_rows = claim_rows(claims, runs, study.figures)
     rows = [row for row in all_rows if row["paper"] in papers()]
-    entries = figure_entries(study.entries.values(), figures, rows, address)
+    entries = figure_entries(specs.values(), figures, rows, address)
+    surrogates = [
+        load_surrogate(figures.parent / one.file)
+        for one in study.surrogates
+        if one.file not in refusals
+    ]
     order = _page_order(study, entries, rows)
     return template("report.html.j2").render(
         study=study,
         study_files={file.name: file.read_text(encoding="utf-8") for file in study.sources},
         summary=_summary(dataset, runs) | {"adopted": len(results.adopted)},
         caveats=caveats,
+        # The reason of a surrogate ends those of the questions to it.
+        refusals=[
+            text
+            for text in refusals.values()
+            if not any(text != other and text.endswith(other) for other in refusals.values())
+        ],
         verdicts=VERDICTS,
         outcomes=VERDICTS | REPORTED,
         claims=rows,
@@ -137,7 +156,7 @@ def render(
         checks=engine_checks(rows),
         state=state_of(runs),
         runs=runs,
-        explorer=compressed(explorer_data(dataset, runs, parameters)),
+        explorer=compressed(explorer_data(dataset, runs, parameters, surrogates)),
         drawing_program=drawing_program(),
         varied=varied,
         settings=settings,
@@ -171,6 +190,12 @@ def _page_order(
     return {"own": is_own, "gallery": gallery, "parts": parts}
 
 
+def _refusals(study: Study, folder: Path) -> dict[str, str]:
+    """Return why questions have no answer, by the file of the answer."""
+    texts = {question.file: refusal_in(folder / question.file) for question in study.questions}
+    return {file: text for file, text in texts.items() if text}
+
+
 def _summary(dataset: xr.Dataset, runs: list[dict[str, Any]]) -> dict[str, Any]:
     """Return the numbers of the first screen: runs, results, cost and versions."""
     is_completed, is_sound = dataset["status"] == "completed", dataset["caveat"] == ""
@@ -183,6 +208,8 @@ def _summary(dataset: xr.Dataset, runs: list[dict[str, Any]]) -> dict[str, Any]:
         "regimes": Counter(run["regime"] for run in runs).most_common(),
         "steps": int(dataset["steps"].sum()),
         "wall_time": float(dataset["wall_time"].sum()),
+        # Not every engine tells it.
+        "loop_time": float(dataset["loop_time"].sum()) if "loop_time" in dataset else 0.0,
         "missing_energy": float(missing_energy.where(is_sound).max()),
         "with_caveat": int((~is_sound).sum()),
         "dates": _dates(dataset.attrs["first_run"], dataset.attrs["last_run"]),

@@ -8,9 +8,13 @@ from typing import Any
 import xarray as xr
 
 from sim.base.errors import InputError
+from sim.dataset.results import load_current
 from sim.report.points import align_table
 from sim.study.load import load_study
+from sim.study.surrogate import SurrogateSpec
+from sim.surrogates.refusals import refusal_in
 from sim.surrogates.results import find_surrogate
+from sim.surrogates.storage import load
 from sim.surrogates.surrogate import Surrogate
 
 
@@ -42,9 +46,10 @@ def predict(
     Raises
     ------
     InputError
-        When there is no such surrogate, or a value is missing or out of range.
+        When there is no such surrogate, or a value is missing or out of range, or the study file
+        has changed since the study was run.
     """
-    folder = source if source.is_dir() else results / load_study(source, None).name
+    folder = source if source.is_dir() else _current_folder(source, results)
     surrogate = find_surrogate(folder, of)
     answer = surrogate(extrapolate=extrapolate, **_values(surrogate, at))
     rows = _rows(answer, surrogate.regimes.names)
@@ -60,6 +65,25 @@ def predict(
         }
         return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False)
     return "\n".join(_lines(surrogate, rows, outside))
+
+
+def _current_folder(source: Path, results: Path) -> Path:
+    """Return the results of a study file; dataset and surrogates must be those that it asks for."""
+    study = load_study(source, results)
+    folder = results / study.name
+    load_current(study, folder)
+    for spec in study.surrogates:
+        path = folder / spec.file
+        if not path.is_file() or not (refusal_in(path) or _is_of(spec, load(path))):
+            message = f"{source}: surrogate {spec.name}: not as in {folder}; run the study again"
+            raise InputError(message)
+    return folder
+
+
+def _is_of(spec: SurrogateSpec, surrogate: Surrogate) -> bool:
+    """Return whether a surrogate is what a study asks for."""
+    asked = spec.observable, spec.axes, spec.regimes
+    return asked == (surrogate.observable, surrogate.axes, surrogate.mean_regimes)
 
 
 def _values(surrogate: Surrogate, at: Sequence[str]) -> dict[str, Any]:

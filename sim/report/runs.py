@@ -11,6 +11,7 @@ import xarray as xr
 from sim.dataset.caveats import UNSOUND_SHARE
 from sim.dataset.replicates import outcomes
 from sim.dataset.results import Results
+from sim.figures.quantity import label_with_unit
 from sim.parameters import SYSTEMS, Parameters, default_of, field_info
 from sim.parameters.roles import amount_parameters
 from sim.parameters.variables import VARIABLES
@@ -113,8 +114,8 @@ def varied_columns(
         indices = (dataset["system"] == system).values.nonzero()[0]
         for name, values in values_by_name.items():
             declared, is_number = field_info(SYSTEMS[system])[name], values.dtype.kind == "f"
-            unit = declared.scale or _unit_text(declared.unit)
-            heading = f"{declared.symbol or name} ({unit})" if unit else declared.symbol or name
+            unit = declared.scale or declared.unit_text.strip()
+            heading = label_with_unit(declared.symbol or name, unit)
             empty = [""] * dataset.sizes["point"]
             column = columns.setdefault(
                 name, {"heading": heading, "number": is_number, "texts": empty, "rank": [1, 0]}

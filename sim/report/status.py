@@ -59,7 +59,8 @@ class PointStatus:
     progress : Progress or None
         Last progress report of its run, while it is running or interrupted.
     core_seconds : float
-        Core time (s) of the run of a point that is done, failed or adopted, wherever it was made.
+        Wall time (s) of the run of a point that is done, failed or adopted, wherever it was made,
+        times its cores; with compiling and waiting.
     outdated : bool
         Whether other numerics made its run file.
     caveat : str
@@ -155,7 +156,7 @@ class StudyStatus:
 
     @property
     def core_seconds(self) -> float:
-        """Core time (s) of the points that are done, failed or adopted."""
+        """Wall time (s), times cores, of the points that are done, failed or adopted."""
         return sum(point.core_seconds for point in self.points.values())
 
     @property

@@ -154,7 +154,9 @@ def _closing_lines(status: StudyStatus) -> list[str]:
     lines = []
     about = "at most" if status.at_most else "about"
     if status.is_over:
-        lines.append(f"time of all runs {duration(status.core_seconds)}")
+        lines.append(
+            f"time of all runs {duration(status.core_seconds)}, with compiling and waiting"
+        )
     elif status.seconds_left is None:
         time = duration(status.core_seconds_left)
         lines.append(f"nothing is running; core time left {about} {time}")

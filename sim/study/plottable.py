@@ -4,6 +4,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+from sim.base.errors import Choice
 from sim.base.messages import MOST_NAMES, did_you_mean, near, one_of
 from sim.parameters import SYSTEMS
 from sim.parameters.variables import Variable, observable_variables, plotted_name, variables_of
@@ -82,7 +83,7 @@ def every_name() -> list[str]:
 
 
 #: Function: key of a plot, its value, allowed values → error to raise.
-PlotErrorMaker = Callable[[str, Any, str], Exception]
+PlotErrorMaker = Callable[[str, Any, str | Choice], Exception]
 
 
 def find_observable(
@@ -130,10 +131,11 @@ def require_parameter(
                 key, name, f"a parameter of the {system}; this is one of the {others[0]}"
             )
         names, most = [field for field in fields if field != "system"], MOST_NAMES // 2
-        allowed = f"{did_you_mean(name, [*names, *observables])}a parameter of the {system} that "
-        allowed += f"the points vary: {near(name, varied or names, most)}"
+        allowed = f"a parameter of the {system} that the points vary: "
+        allowed += near(name, varied or names, most)
         if observables:
             allowed += f"; or an observable: {near(name, observables, most)}"
-        raise plot_error(key, name, allowed)
+        question = did_you_mean(name, [*names, *observables])
+        raise plot_error(key, name, Choice(question, allowed))
     if key in ("x", "y") and fields[name].annotation not in (int, float):
         raise plot_error(key, name, "a parameter that is a number; curves and panels take any")

@@ -2,8 +2,8 @@
 
 from collections.abc import Iterator
 
-from sim.base.errors import InputError
-from sim.base.messages import did_you_mean
+from sim.base.errors import Choice, InputError
+from sim.base.messages import did_you_mean, one_of
 from sim.base.words import count_text
 from sim.parameters import SYSTEMS, field_info
 from sim.study.calibration import MOST_MEASUREMENTS, CalibrateFile, CalibrationSpec
@@ -29,7 +29,7 @@ class _Asked(Question):
         name = self.entry.surrogate
         if name not in named:
             allowed = "one of " + ", ".join(named) if named else "the name of a surrogate"
-            raise self.error("surrogate", name, did_you_mean(name, named) + allowed)
+            raise self.error("surrogate", name, Choice(did_you_mean(name, named), allowed))
         for axis in named[name].axes:
             if not axis.is_number:
                 got = f"{name}, which varies {axis.name}"
@@ -108,8 +108,7 @@ class CalibrationQuestion(_Asked):
         axes = {axis.name: axis for axis in surrogate.axes}
         for name, (low, high) in self.entry.parameters.items():
             if name not in axes:
-                allowed = did_you_mean(name, axes) + "one of " + ", ".join(axes)
-                raise self.error(f"parameters.{name}", [low, high], allowed)
+                raise self.error(f"parameters.{name}", [low, high], one_of(name, axes))
             if low < axes[name].low or high > axes[name].high:
                 ends = f"[{axes[name].low:g}, {axes[name].high:g}]"
                 allowed = f"a range within {ends}, that of surrogate {surrogate.name}"

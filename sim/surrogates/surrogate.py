@@ -183,8 +183,8 @@ class Surrogate:
     def _require_fixed(self, name: str, value: Any) -> None:
         """Refuse a parameter that no point varies, unless its value is that of all points."""
         if name not in self.fixed:
-            allowed = one_of(name, [axis.name for axis in self.axes])
-            raise InputError.of_value(self.name, "parameter", name, allowed)
+            names = one_of(name, [axis.name for axis in self.axes])
+            raise InputError.of_value(self.name, "parameter", name, names)
         if np.ndim(value) or value != self.fixed[name]:
             allowed = f"{self.fixed[name]}, as all its points have"
             raise InputError.of_value(self.name, name, value, allowed)

@@ -32,3 +32,12 @@ def test_anchors_and_merge_keys_are_no_duplicates(tmp_path):
     path = tmp_path / "point.yaml"
     path.write_text("<<: &base {system: chute, depth: 2}\ndepth: 3\n")
     assert load_point(path).depth == 3
+
+
+@pytest.mark.parametrize("text", ["system: chute\n\tdepth: 1\n", "system: chute\n  \tdepth: 1\n"])
+def test_a_tab_before_a_key_is_named(tmp_path, text):
+    path = tmp_path / "point.yaml"
+    path.write_text(text)
+    with pytest.raises(InputError) as error:
+        load_point(path)
+    assert str(error.value) == f"{path}: line 2 begins with a tab; YAML wants spaces"

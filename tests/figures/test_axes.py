@@ -3,10 +3,11 @@
 from itertools import pairwise
 
 import numpy as np
+import pandas as pd
 import pytest
 from matplotlib.markers import CARETDOWN, CARETLEFT, CARETRIGHT, CARETUP
 
-from sim.figures.axes import mark_cut_bars, set_ticks
+from sim.figures.axes import has_cut_bars, limit_axis, mark_cut_bars, set_ticks
 from sim.figures.style import canvas
 
 
@@ -39,6 +40,22 @@ def test_bars_along_x_end_in_carets_at_the_sides():
         for line in axes.get_lines()[before:]
     }
     assert carets == {(0, 2, CARETLEFT), (4, 2, CARETRIGHT), (4, 3, CARETRIGHT)}
+
+
+def test_bars_that_go_a_little_out_extend_the_axis_and_wide_ones_are_cut():
+    values, halves = pd.Series([1.0, 2.0, 3.0]), pd.Series([1.2, 9.0, 1.3])
+    _, axes = canvas()
+    axes.errorbar([1, 2, 3], values, yerr=halves, linestyle="none")
+    limit_axis(axes, "y", values, halves)
+    low, high = axes.get_ylim()
+    assert -0.3 < low < -0.2 and 4.3 < high < 4.4
+    before = len(axes.get_lines())
+    mark_cut_bars(axes)
+    carets = {line.get_xdata()[0] for line in axes.get_lines()[before:]}
+    assert carets == {2}
+    none = pd.Series(dtype=float)
+    assert has_cut_bars(values, halves, none, logarithmic=False)
+    assert not has_cut_bars(values[[0, 2]], halves[[0, 2]], none, logarithmic=False)
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,10 @@ from sim.report.page import render
 from sim.study.catalogue import FIGURES
 from sim.study.figure_spec import FigureSpec
 from sim.study.load import load_study
+from sim.study.surrogate import SurrogateSpec
+from sim.surrogates.storage import save
 from tests.made.figures import make_figures
+from tests.made.surrogates import AXES, made_surrogate
 
 ANIMATION = "animation_made"
 
@@ -163,7 +166,7 @@ def register_animation(folder: Path) -> Iterator[str]:
 
 
 def make_page(folder: Path) -> Path:
-    """Write a report with verdicts, figures, an animation and boundaries; return its file."""
+    """Write a report with all that there can be, a surrogate included; return its file."""
     study_path, results = make_figures(folder)
     made = results / "made"
     study = load_study(study_path, results)
@@ -172,8 +175,12 @@ def make_page(folder: Path) -> Path:
     bounds = load_study(folder / "onset.yaml", results)
     with register_animation(made / "figures") as name:
         study = replace(
-            study, boundaries=bounds.boundaries, entries=study.entries | {name: FIGURES[name]}
+            study,
+            boundaries=bounds.boundaries,
+            entries=study.entries | {name: FIGURES[name]},
+            surrogates=(SurrogateSpec("speed", "wide", "velocity", "chute", AXES[:2]),),
         )
+        save(made_surrogate(), made / study.surrogates[0].file)
         page = render(
             study,
             replace(load_results(made / "dataset.nc"), boundaries=pd.DataFrame([BOUNDARY_ROW])),

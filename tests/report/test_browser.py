@@ -377,6 +377,42 @@ def test_picture_and_rows_of_the_explorer_are_downloaded(page, tmp_path):
     assert len(lines) == 1 + int(section.locator("output").inner_text().split()[0])
 
 
+def drawn(section: Locator, folder: Path) -> str:
+    """Return the picture of the explorer as SVG."""
+    with section.page.expect_download() as download:
+        section.locator("[data-save=svg]").click()
+    download.value.save_as(folder / "picture.svg")
+    return (folder / "picture.svg").read_text()
+
+
+def test_the_explorer_shows_the_section_of_a_surrogate(page, tmp_path):
+    section = opened_explorer(page)
+    section.locator("select[name=system]").select_option("chute")
+    section.locator("select[name=x]").select_option("friction")
+    note = section.locator("[data-notes]")
+    expect(note).to_have_text(re.compile("surrogate speed and its 95 % interval. Held: n = 6"))
+    assert all(f"mark-{one}" in drawn(section, tmp_path) for one in ("area", "line"))
+    section.locator("[name=logy]").check()
+    assert "mark-area" in drawn(section, tmp_path)
+    section.locator("select[name=panels]").select_option("regime")
+    expect(note).to_have_text("")
+    assert "mark-area" not in drawn(section, tmp_path)
+
+
+def test_few_values_have_distinct_colours_and_steady_marks_are_filled(page, tmp_path):
+    section = opened_explorer(page)
+    section.locator("select[name=system]").select_option("belt")
+    section.locator("select[name=colour]").select_option("vibration_angle")
+    picture = drawn(section, tmp_path)
+    assert "role-legend-symbol" in picture and "role-legend-gradient" not in picture
+    marks = re.findall(
+        r'regime: (\w+)[^"]*" .*?="point" .*? fill="([^"]+)" stroke="([^"]+)"', picture
+    )
+    assert {regime for regime, _, _ in marks} > {"steady"}
+    assert all((fill == line) == (regime == "steady") for regime, fill, line in marks)
+    assert len({line for _, _, line in marks}) == 3
+
+
 def test_a_click_on_a_mark_leads_to_its_row(page):
     section = opened_explorer(page)
     section.locator("select[name=system]").select_option("belt")

@@ -110,7 +110,10 @@ def test_a_crate_without_authors_is_refused_before_anything_is_copied(
     study, _ = finished
     monkeypatch.chdir(tmp_path)
     message = refusal(capsys, "publish", str(study), "--crate")
-    assert message == "error: CITATION.cff: no such file; --crate takes authors and licence from it"
+    assert message == (
+        f"error: CITATION.cff: no such file in {tmp_path}, where the command was called; --crate "
+        "takes authors and licence from it"
+    )
     assert not (tmp_path / "results" / "published").exists()
 
 

@@ -12,6 +12,7 @@ from sim.report.explorer import compressed, drawing_program, explorer_data
 from sim.report.runs import run_rows, varied_parameters
 from sim.study.plottable import numbers
 from tests.made.figures import make_figures
+from tests.made.surrogates import made_surrogate
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +26,7 @@ def systems(dataset):
     runs = run_rows(dataset, [])
     for run in runs:
         run["page"] = f"pages/{run['point']}.html" if run["number"] == 1 else ""
-    return explorer_data(dataset, runs, varied_parameters(dataset))
+    return explorer_data(dataset, runs, varied_parameters(dataset), [made_surrogate()])
 
 
 def column(systems, system: str, name: str) -> dict:
@@ -69,6 +70,27 @@ def test_parameters_that_do_not_vary_are_left_out(dataset, systems):
                 values = dataset[one["name"]].values[(dataset["system"] == system).values]
                 assert len(set(values)) > 1, one["name"]
     assert column(systems, "belt", "frequency")["label"] == "frequency f\N{NO-BREAK SPACE}(Hz)"
+
+
+def test_labels_are_those_of_figures(systems):
+    labels = {one["label"] for one in systems["belt"]["columns"]}
+    assert {"amplitude A_z/⟨d⟩", "vibration angle α\N{NO-BREAK SPACE}(°)"} <= labels
+
+
+def test_a_surrogate_is_cut_along_each_of_its_parameters(systems):
+    assert systems["belt"]["curves"] == []
+    curves = {one["x"]: one for one in systems["chute"]["curves"]}
+    assert set(curves) == {"friction", "depth"}
+    assert curves["depth"]["note"] == (
+        "Line and band: surrogate speed and its 95 % interval. Held: μ = 0.5."
+    )
+    surrogate = made_surrogate()
+    for row in curves["depth"]["rows"][::40]:
+        answer = surrogate(friction=0.5, depth=row["depth"])
+        mean, half = answer["mean"].item(), answer["half_width"].item()
+        expected = pytest.approx([mean - half, mean, mean + half], rel=2e-3)
+        assert [row["low"], row["mean"], row["high"]] == expected
+        assert row["likely"]
 
 
 def test_compressed_data_and_program_can_be_read_again(systems):

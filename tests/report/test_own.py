@@ -14,6 +14,7 @@ from sim.report.page import build
 from sim.report.publish import publish
 from sim.report.runs import state_of
 from sim.study.load import load_study
+from sim.surrogates import answers
 from tests.made.report import write_claims
 from tests.made.runs import write_run
 from tests.report.test_page import Page
@@ -32,10 +33,21 @@ plots:
 """
 
 
-def made(folder: Path, figures: str = "", judged: bool = True) -> tuple[Path, Path]:
+#: Questions that too few steady points leave without an answer.
+QUESTIONS = """\
+surrogate:
+  - {name: speed, series: flows, observable: velocity}
+sensitivity:
+  - {name: matters, surrogate: speed}
+"""
+
+
+def made(
+    folder: Path, figures: str = "", judged: bool = True, questions: str = ""
+) -> tuple[Path, Path]:
     """Make a study of one's own with a run that failed and one that slows, up to its claims."""
     study_path = folder / "own.yaml"
-    study_path.write_text(STUDY.replace("FIGURES", figures))
+    study_path.write_text(STUDY.replace("FIGURES", figures) + questions)
     study, results = load_study(study_path, folder), folder
     for number, point in enumerate(study.points.values()):
         slows = {"acceleration": ("replicate", [-2.0])} if number == 1 else {}
@@ -47,6 +59,7 @@ def made(folder: Path, figures: str = "", judged: bool = True) -> tuple[Path, Pa
             arrays=slows,
         )
     dataset = build_dataset(study_path, results)
+    answers.build(study_path, results)
     draw_figures(
         list(study.figures), dataset, dataset.parent / "figures", code="x", study_path=study_path
     )
@@ -80,6 +93,16 @@ def test_the_state_and_the_plots_come_first(page):
     assert sections(page)[:4] == ["summary", "plots", "facts", "runs"]
     assert {one["id"] for one in page.all("figure")} == {"figure-velocity", "figure-map"}
     assert "<Where> it flows" in page.text and not page.all("where")
+
+
+def test_a_question_without_an_answer_is_one_line_and_has_no_picture(tmp_path):
+    study_path, results = made(tmp_path, questions=QUESTIONS)
+    page = Page(build(study_path, results).read_text(encoding="utf-8"))
+    assert page.text.count("no mean, as 2 of 4 points of series flows count") == 1
+    pictures = [one["id"] for one in page.all("figure")]
+    assert pictures == ["figure-velocity", "figure-map"]
+    links = {one["href"] for one in page.all("a") if one.get("href", "").startswith("#figure-")}
+    assert links == {f"#{name}" for name in pictures}
 
 
 def test_claims_are_not_shown_where_no_figure_of_the_papers_is(page):

@@ -51,7 +51,9 @@ def test_a_study_that_is_over_says_what_it_took(folder):
         folder.finish(key)
     status = folder.survey()
     assert status.is_over and status.seconds_left == 0.0
-    assert as_text(status) == "made: A made-up study\n5 points: 5 done\n\ntime of all runs 7.5 s"
+    assert as_text(status) == "made: A made-up study\n5 points: 5 done\n\n" + (
+        "time of all runs 7.5 s, with compiling and waiting"
+    )
 
 
 def test_points_with_a_caveat_are_counted(folder):

@@ -71,8 +71,8 @@ def error_message(**series) -> str:
         ),
         (
             {"grid": {"mu": [3]}},
-            "grid.mu: unknown key, got [3]; did you mean friction? allowed: friction "
-            "and 42 more (talus schema has all)",
+            "grid.mu: unknown key, got [3]; did you mean friction? allowed: 43 names "
+            "(talus schema has all)",
         ),
         (
             {"base": {"depth": "lhs(1,20,10)"}},

@@ -6,8 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from sim.base.errors import InputError
 from sim.dataset.build import build
 from sim.figures.render import find_spec, render
+from sim.report.predict import predict
 from sim.study.load import load_study
 from sim.surrogates import answers, calibration
 from sim.surrogates.posterior import summarize
@@ -74,6 +76,43 @@ def folder(tmp_path_factory) -> Path:
     lines = answers.build(place / "study.yaml", place)
     assert lines[1].startswith("calibration beads: friction = 0.5")
     return place / "asked"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "name", "message"),
+    [
+        (
+            "points: 16",
+            "points: 8",
+            "speed",
+            "point chute-depth5-.*: not as in .*; run the study again",
+        ),
+        (
+            "surrogate: [{name: speed",
+            "surrogate: [{regimes: [mixed], name: speed",
+            "speed",
+            "surrogate speed",
+        ),
+        (
+            "name: speed",
+            "name: pace",
+            "pace",
+            "surrogate pace: not as in .*asked; run the study again",
+        ),
+    ],
+)
+def test_predictions_of_a_study_that_has_changed_are_refused(folder, old, new, name, message):
+    place = folder.parent
+    changed = place / "changed.yaml"
+    changed.write_text(STUDY.replace(old, new).replace("surrogate: speed", f"surrogate: {name}"))
+
+    def ask(file: Path) -> str:
+        at = ("friction=0.5", "restitution=0.8", "angle=16")
+        return predict(file, at, None, False, "table", place)
+
+    assert "velocity" in ask(place / "study.yaml")
+    with pytest.raises(InputError, match=message):
+        ask(changed)
 
 
 def table(folder: Path, name: str, index: str) -> pd.DataFrame:

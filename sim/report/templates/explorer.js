@@ -7,8 +7,10 @@
   const output = form.querySelector("output");
   // Longest list of values to choose from; most points whose bars can be told apart.
   const MOST_VALUES = 12, MOST_BARS = 2000;
+  // Most values of a number that have a colour each.
+  const MOST_COLOURS = 8;
   const CHANNELS = ["x", "y", "colour", "size", "panels"];
-  let systems, system, columns, links, view, drawing = Promise.resolve();
+  let systems, system, columns, links, curves, view, drawing = Promise.resolve();
 
   async function inflate(id) {
     const bytes = Uint8Array.from(atob(document.getElementById(id).textContent), (c) => c.charCodeAt(0));
@@ -48,7 +50,7 @@
 
   function buildForm(name) {
     system = name;
-    ({ columns, links } = systems[name]);
+    ({ columns, links, curves } = systems[name]);
     columns = Object.fromEntries(columns.map((column) => [column.name, column]));
     const all = Object.values(columns);
     const numbers = all.filter(isNumber).map((column) => [column.name, column.label]);
@@ -147,8 +149,7 @@
   }
 
   function position(name, log, values) {
-    const usable = log && values.every((value) => value === null || value > 0);
-    return channel(name, { scale: usable ? { type: "log", nice: false, padding: 8 } : { zero: false, padding: 8 } });
+    return channel(name, { scale: log && values.every((value) => value > 0) ? { type: "log", nice: false, padding: 8 } : { zero: false, padding: 8 } });
   }
 
   function specification(choice, rows) {
@@ -158,7 +159,16 @@
     const at = (name) => data.map((one) => one[name]);
     const encoding = { x: position(x, choice.has("logx"), at(x)), y: position(y, choice.has("logy"), at(y)) };
     const colour = choice.get("colour");
-    if (colour) encoding.color = channel(colour, isNumber(columns[colour]) ? { scale: { scheme: "viridis" } } : {});
+    if (colour) {
+      const isScale = isNumber(columns[colour]) && distinct(columns[colour]).length > MOST_COLOURS;
+      encoding.color = channel(colour, isScale ? { scale: { scheme: "viridis" } } : { type: "nominal" });
+    }
+    // No axis of logarithms holds the whole of a bar that reaches 0.
+    const floor = (axis) => (encoding[axis].scale.type === "log" ? Math.min(...at(choice.get(axis))) / 2 : -Infinity);
+    const floors = { x: floor("x"), y: floor("y") };
+    for (const one of data) for (const axis of ["x", "y"]) {
+      if (`${axis}_low` in one) one[`${axis}_low`] = Math.max(one[`${axis}_low`], floors[axis]);
+    }
     const bars = ["x", "y"].filter((axis) => data.length <= MOST_BARS && data.some((one) => `${axis}_half` in one)).map((axis) => ({
       mark: { type: "rule", opacity: 0.5 },
       encoding: {
@@ -168,14 +178,15 @@
       },
     }));
     const names = [...new Set([...Object.keys(data[0] ?? {}).filter((name) => name in columns), x, y])];
+    const paint = colour ? { ...encoding.color, legend: null } : { value: ink("--link") };
     const marks = {
       mark: { type: "point", filled: false, strokeWidth: 1.5, cursor: "pointer" },
       encoding: {
         ...encoding,
         size: choice.get("size") ? channel(choice.get("size"), { scale: { range: [15, 400] } }) : { value: 45 },
-        fill: colour ? { ...encoding.color, legend: null } : { value: ink("--link") },
         opacity: { value: 1 },
-        fillOpacity: { condition: { test: "datum.regime === 'steady'", value: 0.85 }, value: 0 },
+        // As in figures, no bar shows through an open mark.
+        fill: { condition: { test: "datum.regime === 'steady'", ...paint }, value: ink("--page") },
         tooltip: [
           ...names.map((name) => channel(name)),
           ...["x", "y"].filter((a) => data.some((one) => `${a}_half` in one)).map((a) => ({ field: `${a}_half`, title: `± of ${choice.get(a)}` })),
@@ -184,7 +195,9 @@
     };
     if (!colour) marks.encoding.stroke = { value: ink("--link") };
     const line = { mark: { type: "line", opacity: 0.6 }, encoding };
-    const layer = [...bars, ...(choice.has("lines") ? [line] : []), marks];
+    const sections = shownCurves(choice);
+    section.querySelector("[data-notes]").textContent = sections.map((one) => one.note).join(" ");
+    const layer = [...sections.flatMap((one) => curveLayers(one, encoding, colour, floors.y)), ...bars, ...(choice.has("lines") ? [line] : []), marks];
     const panels = choice.get("panels");
     const isNarrow = section.clientWidth < 600;
     const space = section.clientWidth - 75 - (!isNarrow && (colour || choice.get("size")) ? 140 : 0);
@@ -196,6 +209,24 @@
       config: theme(isNarrow),
       ...(panels ? { facet: { ...channel(panels), type: "nominal" }, columns: columnsOfPanels, spec: one } : one),
     };
+  }
+
+  // Panels hold other values than a section does.
+  function shownCurves(choice) {
+    if (choice.get("panels")) return [];
+    return curves.filter((one) => one.x === choice.get("x") && one.y === choice.get("y"));
+  }
+
+  function curveLayers(curve, encoding, colour, floor) {
+    const mine = colour in curve.rows[0] && colour !== curve.x ? encoding.color : { value: ink("--soft") };
+    const rows = curve.rows.filter((row) => row.mean > floor).map((row) => ({ ...row, low: Math.max(row.low, floor) }));
+    const shared = { x: encoding.x, color: mine, detail: { field: "part" } };
+    const height = (field) => ({ ...encoding.y, field });
+    const layer = (mark, more) => ({ data: { values: rows }, mark, encoding: { ...shared, ...more } });
+    return [
+      layer({ type: "area", opacity: 0.18 }, { y: height("low"), y2: { field: "high" } }),
+      layer({ type: "line" }, { y: height("mean"), strokeDash: { condition: { test: "datum.likely", value: [1, 0] }, value: [4, 3] } }),
+    ];
   }
 
   const ink = (name) => {
@@ -214,8 +245,8 @@
     const [text, line] = [ink("--text"), ink("--line")];
     return {
       background: "transparent", view: { stroke: line }, font: "system-ui, sans-serif",
-      axis: { labelColor: text, titleColor: text, gridColor: line, domainColor: text, tickColor: text, labelFontSize: 12, titleFontSize: 13, titleFontWeight: 400, labelOverlap: true },
-      legend: { labelColor: text, titleColor: text, labelFontSize: 12, titleFontWeight: 400, titleLimit: 130, orient: isNarrow ? "bottom" : "right" },
+      axis: { labelColor: text, titleColor: text, gridColor: line, domainColor: text, tickColor: text, labelFontSize: 12, titleFontSize: 13, titleFontWeight: 400, labelOverlap: true, labelSeparation: 8 },
+      legend: { labelColor: text, titleColor: text, labelFontSize: 12, titleFontWeight: 400, titleLimit: 130, orient: isNarrow ? "bottom" : "right", gradientOpacity: 1, symbolOpacity: 1, ...(isNarrow ? { columns: 2 } : {}) },
       header: { labelColor: text, titleColor: text, labelFontSize: 12 },
     };
   }
@@ -228,6 +259,7 @@
     const options = { actions: false, ast: true, renderer: "canvas", tooltip: { theme: isDark() ? "dark" : "light" } };
     const result = await vegaEmbed(picture, specification(choice, rows), options);
     view?.finalize();
+    picture.classList.toggle("dark", isDark());
     view = result.view;
     width = section.clientWidth;
     view.addEventListener("click", (_, item) => {
