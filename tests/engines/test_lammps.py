@@ -318,6 +318,23 @@ def test_a_process_that_was_killed_is_one_line():
         system.advance()
 
 
+def test_the_next_start_removes_what_a_killed_run_has_left(monkeypatch, tmp_path):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    pid = os.fork()
+    if not pid:
+        system = build(point(**SMALL), 0)
+        system.advance()
+        os.kill(os.getpid(), signal.SIGKILL)
+    os.waitpid(pid, 0)
+    (left,) = tmp_path.iterdir()
+    other = build(point(**SMALL, friction=0.2), 0)
+    other.advance()
+    assert left.exists()
+    system = build(point(**SMALL), 0)
+    system.advance()
+    assert not left.exists() and len(list(tmp_path.iterdir())) == 2
+
+
 def test_particles_that_are_lost_are_a_blow_up():
     system = build(point(**SMALL), 0)
     system.spheres.velocity[2] = -1e5
