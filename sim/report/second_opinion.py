@@ -36,15 +36,10 @@ QUANTITIES = ("velocity", "velocity_half_width", "independent_samples")
 
 @dataclass(frozen=True)
 class Opinion:
-    """Points that Talus and another engine have run: id -> mean velocities of both."""
+    """Points that two engines have run: their names; id in Talus -> mean velocities of both."""
 
-    engine: str
+    names: tuple[str, str]
     pairs: Mapping[str, Pair]
-
-    @property
-    def names(self) -> tuple[str, str]:
-        """Names of both engines."""
-        return OWN, plain_name(self.engine)
 
     @cached_property
     def ratios(self) -> dict[str, Mean]:
@@ -106,7 +101,7 @@ class Opinion:
 
 
 def opinions_of(study: Study, dataset: xr.Dataset, folder: Path) -> list[Opinion]:
-    """Return what each engine that was asked says of a study, from its dataset and its folder."""
+    """Return what each engine that was asked says of a study, see `opinion_of`."""
     every = (opinion_of(study, dataset, folder, other) for other in other_engines().values())
     return [opinion for opinion in every if opinion.pairs]
 
@@ -114,29 +109,24 @@ def opinions_of(study: Study, dataset: xr.Dataset, folder: Path) -> list[Opinion
 def opinion_of(study: Study, dataset: xr.Dataset, folder: Path, other: str) -> Opinion:
     """Return what another engine says of a study, from its dataset and the runs in its folder."""
     places = {str(key): place for place, key in enumerate(dataset["point"].values)}
+
+    def mean(name: str) -> Mean | None:
+        if name in places:
+            return _mean_in(dataset.isel(point=places[name]))
+        path = folder / "runs" / f"{name}.nc"
+        return _mean_of_run(path) if path.is_file() else None
+
     pairs = {}
     for key, twin in twins(study, other).items():
-        name = point_id(twin)
-        path = folder / "runs" / f"{name}.nc"
-        engine = getattr(twin, "engine", "")
-        # Where the study has both, each pair counts once.
-        if key not in places or (name in places and engine == OWN):
-            continue
-        if name in places:
-            second = _mean_in(dataset, places[name])
-        elif path.is_file():
-            second = _mean_of_run(path)
-        else:
-            continue
-        first = _mean_in(dataset, places[key])
+        is_own = getattr(twin, "engine", "") == OWN
+        own, asked = (point_id(twin), key) if is_own else (key, point_id(twin))
+        first, second = mean(own), mean(asked)
         if first and second:
-            sides = (second, first) if engine == OWN else (first, second)
-            pairs[key] = Pair(twin.system, {}, *sides)
-    return Opinion(other, pairs)
+            pairs[own] = Pair(twin.system, {}, first, second)
+    return Opinion((OWN, plain_name(other)), pairs)
 
 
-def _mean_in(dataset: xr.Dataset, place: int) -> Mean | None:
-    row = dataset.isel(point=place)
+def _mean_in(row: xr.Dataset) -> Mean | None:
     is_done = row["status"].values == "completed"
     columns = [row[name].values[is_done].astype(float) for name in QUANTITIES]
     return mean_of(*columns) if is_done.any() else None
@@ -174,27 +164,26 @@ def ask(study_path: Path, results: Path, share: float, cores: int, engine: str =
         the dataset is missing, or a package is; when a point did not run, after what the others say
         is printed.
     """
-    for name, value, is_allowed, allowed in (
-        ("--share", share, 0 < share <= 1, "a number > 0 and <= 1"),
-        ("--cores", cores, cores >= 1, "an integer >= 1"),
-    ):
-        if not is_allowed:
-            raise InputError.of_value(name, "", value, allowed)
+    if not 0 < share <= 1:
+        raise InputError.of_value("--share", "", share, "a number > 0 and <= 1")
+    if cores < 1:
+        raise InputError.of_value("--cores", "", cores, "an integer >= 1")
     study = load_study(study_path, results)
     folder = results / study.name
     # The study has loaded its plug-ins.
     others = other_engines()
-    name = engine or (next(iter(others)) if len(others) == 1 else None)
-    if name not in others:
-        raise InputError.of_value("--engine", "", name, one_of(name, others))
-    other = others[name]
+    if not engine and len(others) == 1:
+        (engine,) = others
+    if engine not in others:
+        raise InputError.of_value("--engine", "", engine or None, one_of(engine, others))
+    other = others[engine]
     dataset = load_current(study, folder).dataset
     candidates = {
         key: twin for key, twin in twins(study, other).items() if point_id(twin) not in study.points
     }
     if not candidates and not opinion_of(study, dataset, folder, other).pairs:
         reason = "knows none of its points, as of their laws: docs/second_engine.md"
-        raise InputError(f"{study_path}: {name} {reason}")
+        raise InputError(f"{study_path}: {engine} {reason}")
     # The same sample each time, so that another call goes on.
     keys = np.random.default_rng(0).permutation(sorted(candidates))
     chosen = [candidates[str(key)] for key in keys[: ceil(share * len(candidates))]]

@@ -26,7 +26,7 @@ def opinions(ratio: float, seed: int = 1, points: int = 40) -> Opinion:
     """Made points whose means scatter by 1 % about a ratio."""
     noise = np.random.default_rng(seed).normal(0, 0.01, (points, 2))
     made = {str(k): pair(1 + a, ratio * (1 + b), 0.01) for k, (a, b) in enumerate(noise)}
-    return Opinion("lammps", made)
+    return Opinion(("talus", "lammps"), made)
 
 
 def test_the_pooled_ratio_is_that_of_all_points_and_its_interval_holds_it():
@@ -48,7 +48,7 @@ def test_equal_engines_are_told_apart_in_five_of_a_hundred_cases_and_others_alwa
 
 
 def test_points_without_an_interval_say_nothing():
-    unknown = Opinion("lammps", {"a": pair(1.0, 2.0, np.nan, np.nan)})
+    unknown = Opinion(("talus", "lammps"), {"a": pair(1.0, 2.0, np.nan, np.nan)})
     assert unknown.sentence.startswith("No point has an interval")
     assert unknown.rows[0][-1] == "not known"
 
