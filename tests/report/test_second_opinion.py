@@ -1,5 +1,7 @@
 """A second opinion: which points it can be asked on, what all points together say, the report."""
 
+import re
+
 import numpy as np
 import pytest
 import yaml
@@ -14,6 +16,7 @@ from sim.report.second_opinion import Opinion, ask
 from sim.report.status import survey
 from sim.study.load import load_study
 from sim.study.twins import twin_of, twins
+from tests.made.processes import ROOT
 
 SHARED = {"law": "spring_dashpot", "depth": 1, "cell": 5, "transient": 2, "average": 4}
 
@@ -88,6 +91,14 @@ def test_a_sample_is_run_told_shown_and_no_orphan(study, capfd):
     assert len(ask(study, results, share=1, cores=2)) == 5
     page = build_report(study, results).read_text(encoding="utf-8")
     assert 'id="second-opinion"' in page and "over 2 points" in page
+
+
+def test_the_docs_say_what_the_published_flows_give():
+    lines = ask(ROOT / "benchmarks" / "engines.yaml", ROOT / "benchmarks", share=1, cores=1)
+    text = (ROOT / "docs" / "validation.md").read_text(encoding="utf-8")
+    assert f"*{lines[-1]}*" in text
+    for line in lines[1:-2]:
+        assert " | ".join(re.split(r"  +", line)[1:]) in text
 
 
 def test_another_engine_than_those_that_there_are_is_one_line(study):
