@@ -477,6 +477,9 @@ def _add_result_options(parsers: dict[str, Parser]) -> None:
         help="of the points that both engines know (default: 0.05)",
     )
     opinion.add_argument("--cores", type=int, default=1, metavar="N", help="runs at a time")
+    opinion.add_argument(
+        "--engine", default="", metavar="NAME", help="that is asked (default: the only other one)"
+    )
     compare = parsers["compare"]
     for name, letter in (("first", "A"), ("second", "B")):
         compare.add_argument(

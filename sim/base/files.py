@@ -57,28 +57,35 @@ def atomic_write(path: Path, durable: bool = True) -> Iterator[Path]:
 def temporary_folder(path: Path) -> Iterator[Path]:
     """Yield a new, empty folder beside ``path``, which nobody else can write; it is removed after.
 
-    All files that appear whole are written in such a folder. Its name cannot be foretold, so nobody
-    can have put a link in the place of what is written. Folders that killed processes have left
-    for the same ``path`` are removed first.
+    All files that appear whole are written in such a folder, see `part_folder`.
 
     Raises ``OSError`` where a library cannot write; it says so where the disk is full.
     """
     try:
-        remove_leftovers(path)
-        name = tempfile.mkdtemp(".part", f".{path.name}.{os.getpid()}.", path.parent)
+        folder = part_folder(path)
     except OSError as error:
         raise OSError(error.errno, error.strerror, str(path)) from error
     try:
-        yield Path(name)
+        yield folder
     except (OSError, RuntimeError) as error:
         # Of a full disk, libraries say "HDF error" or "permission denied".
-        if number := _shortage(Path(name)):
+        if number := _shortage(folder):
             raise OSError(number, os.strerror(number), str(path)) from error
         if isinstance(error, RuntimeError) and "NetCDF" in str(error):
             raise OSError(errno.EIO, f"cannot be written ({error})", str(path)) from error
         raise
     finally:
-        shutil.rmtree(name, ignore_errors=True)
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def part_folder(path: Path) -> Path:
+    """Make a new, empty folder beside ``path``, which nobody else can write.
+
+    Its name cannot be foretold, so nobody can have put a link in the place of what is written.
+    Folders that killed processes have left for the same ``path`` are removed first.
+    """
+    remove_leftovers(path)
+    return Path(tempfile.mkdtemp(".part", f".{path.name}.{os.getpid()}.", path.parent))
 
 
 def remove_leftovers(path: Path) -> None:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from keyword import iskeyword
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
 from pydantic import BeforeValidator, Field, create_model
 
@@ -119,6 +119,13 @@ class Choice:
     usual: tuple[str, ...]
     role: Role
     kept: bool
+
+    @classmethod
+    def declared(cls, name: str, *models: type[Parameters]) -> Self:
+        """Return the choice that systems declare, all with the options that ship."""
+        field: Any = models[0].model_fields[name]
+        role, kept = field.json_schema_extra.role, name in models[0].fixed_parameters
+        return cls(name, field.description, models, get_args(field.annotation), role, kept)
 
     def add(self, name: str, option: Option) -> None:
         """Add an option of the plug-in that is being loaded.

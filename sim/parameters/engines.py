@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from importlib.util import find_spec
-from typing import Any, ClassVar, get_args
+from typing import Any, ClassVar
 
 from sim.base.additions import attribute_errors_to, plain_name
 from sim.base.errors import InputError
@@ -11,17 +11,9 @@ from sim.base.require import require_line, require_names, require_positive
 from sim.parameters.choices import Choice, Option
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.conveyor import ConveyorParameters
-from sim.parameters.spheres import SphereParameters
 
 #: The choice of an engine.
-ENGINE = Choice(
-    "engine",
-    "program that computes the flow",
-    (ChuteParameters, ConveyorParameters),
-    get_args(SphereParameters.model_fields["engine"].annotation),
-    "physics",
-    kept=True,
-)
+ENGINE = Choice.declared("engine", ChuteParameters, ConveyorParameters)
 
 
 @dataclass(frozen=True)

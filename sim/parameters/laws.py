@@ -3,25 +3,18 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, get_args
+from typing import Any, ClassVar
 
 from sim.base.require import require_count, require_positive, require_switch
 from sim.parameters.choices import Choice, Option
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.conveyor import ConveyorParameters
-from sim.parameters.spheres import SMALL_OVERLAP, SphereParameters
+from sim.parameters.spheres import SMALL_OVERLAP
 
 __all__ = ["LAW", "SMALL_OVERLAP", "Law", "law"]
 
 #: The choice of a contact law.
-LAW = Choice(
-    "law",
-    "contact law",
-    (ChuteParameters, ConveyorParameters),
-    get_args(SphereParameters.model_fields["law"].annotation),
-    "reading",
-    kept=True,
-)
+LAW = Choice.declared("law", ChuteParameters, ConveyorParameters)
 
 
 @dataclass(frozen=True)

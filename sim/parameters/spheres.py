@@ -415,12 +415,16 @@ class SphereParameters(Parameters):
         speed = self.option("engine").speed
         return speed * RATE * (max(RATE_DEPTH, self.depth) / RATE_DEPTH) ** RATE_EXPONENT
 
+    @property
+    def refusals(self) -> list[tuple[str, str]]:
+        """What the engine cannot do of the point: parameters, and what they may be in words."""
+        with attribute_errors_to("engine", plain_name(self.engine)):
+            return list(self.option("engine").refuses(self))
+
     def require_rules(self) -> None:
         """Raise for values that do not go together."""
         super().require_rules()
-        with attribute_errors_to("engine", plain_name(self.engine)):
-            refused = list(self.option("engine").refuses(self))
-        for name, allowed in refused:
+        for name, allowed in self.refusals:
             allowed += f" with engine: {plain_name(self.engine)}"
             raise broken_rule(name, getattr(self, name), allowed)
         if self.option("law").one_mass:

@@ -35,7 +35,7 @@ from sim.report.runs import (
     varied_columns,
     varied_parameters,
 )
-from sim.report.second_opinion import opinion_of
+from sim.report.second_opinion import opinions_of
 from sim.study.load import Study, load_study
 from sim.study.papers import papers
 from sim.surrogates.refusals import refusal_in
@@ -162,7 +162,7 @@ def render(
         settings=settings,
         parameters=parameter_rows(dataset),
         boundaries=boundary_rows(study, results.boundaries),
-        opinion=opinion_of(study, dataset, figures.parent),
+        opinions=opinions_of(study, dataset, figures.parent),
         energy_limit=CLOSED_SHARE,
         provenance=_provenance(dataset) | _adopted_provenance(results) | _plugin_provenance(study),
     )

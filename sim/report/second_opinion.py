@@ -1,6 +1,7 @@
 """What another engine says of points of a study: runs of a sample of them, and one test of all."""
 
 import json
+import os
 import subprocess
 import sys
 from collections.abc import Mapping
@@ -13,7 +14,10 @@ import numpy as np
 import xarray as xr
 from scipy.stats import combine_pvalues
 
+from sim.base.additions import plain_name
 from sim.base.errors import InputError
+from sim.base.messages import one_of
+from sim.base.plugins import VARIABLE
 from sim.base.statistics import CONFIDENCE, student
 from sim.base.words import count_text
 from sim.dataset.compare import Mean, Pair, mean_of, read_side
@@ -24,7 +28,7 @@ from sim.report.numbers import value_with_interval
 from sim.report.points import align_table
 from sim.study.load import load_study
 from sim.study.model import Study
-from sim.study.twins import OTHER, OWN, twins
+from sim.study.twins import OWN, other_engines, twins
 
 #: What is compared, and the numbers of a replicate that its interval takes.
 QUANTITIES = ("velocity", "velocity_half_width", "independent_samples")
@@ -32,8 +36,9 @@ QUANTITIES = ("velocity", "velocity_half_width", "independent_samples")
 
 @dataclass(frozen=True)
 class Opinion:
-    """Points that both engines have run: id -> mean velocities of Talus and the other."""
+    """Points that two engines have run: their names; id in Talus -> mean velocities of both."""
 
+    names: tuple[str, str]
     pairs: Mapping[str, Pair]
 
     @cached_property
@@ -76,7 +81,7 @@ class Opinion:
         verdict = "Nothing tells the engines apart" if agrees else "The engines differ"
         return (
             f"{verdict}: over {count_text(len(self.pairs), 'point')} the ratio of mean velocities, "
-            f"{OTHER} over {OWN}, is {ratio} (p = {self.chance:.2g})."
+            f"{' over '.join(reversed(self.names))}, is {ratio} (p = {self.chance:.2g})."
         )
 
     @property
@@ -95,32 +100,33 @@ class Opinion:
         ]
 
 
-def opinion_of(study: Study, dataset: xr.Dataset, folder: Path) -> Opinion:
-    """Return what the other engine says of a study, from its dataset and the runs in its folder."""
+def opinions_of(study: Study, dataset: xr.Dataset, folder: Path) -> list[Opinion]:
+    """Return what each engine that was asked says of a study, see `opinion_of`."""
+    every = (opinion_of(study, dataset, folder, other) for other in other_engines().values())
+    return [opinion for opinion in every if opinion.pairs]
+
+
+def opinion_of(study: Study, dataset: xr.Dataset, folder: Path, other: str) -> Opinion:
+    """Return what another engine says of a study, from its dataset and the runs in its folder."""
     places = {str(key): place for place, key in enumerate(dataset["point"].values)}
-    pairs = {}
-    for key, twin in twins(study).items():
-        name = point_id(twin)
-        path = folder / "runs" / f"{name}.nc"
-        engine = getattr(twin, "engine", "")
-        # Where the study has both, each pair counts once.
-        if key not in places or (name in places and engine == OWN):
-            continue
+
+    def mean(name: str) -> Mean | None:
         if name in places:
-            second = _mean_in(dataset, places[name])
-        elif path.is_file():
-            second = _mean_of_run(path)
-        else:
-            continue
-        first = _mean_in(dataset, places[key])
+            return _mean_in(dataset.isel(point=places[name]))
+        path = folder / "runs" / f"{name}.nc"
+        return _mean_of_run(path) if path.is_file() else None
+
+    pairs = {}
+    for key, twin in twins(study, other).items():
+        is_own = getattr(twin, "engine", "") == OWN
+        own, asked = (point_id(twin), key) if is_own else (key, point_id(twin))
+        first, second = mean(own), mean(asked)
         if first and second:
-            sides = (second, first) if engine == OWN else (first, second)
-            pairs[key] = Pair(twin.system, {}, *sides)
-    return Opinion(pairs)
+            pairs[own] = Pair(twin.system, {}, first, second)
+    return Opinion((OWN, plain_name(other)), pairs)
 
 
-def _mean_in(dataset: xr.Dataset, place: int) -> Mean | None:
-    row = dataset.isel(point=place)
+def _mean_in(row: xr.Dataset) -> Mean | None:
     is_done = row["status"].values == "completed"
     columns = [row[name].values[is_done].astype(float) for name in QUANTITIES]
     return mean_of(*columns) if is_done.any() else None
@@ -134,8 +140,8 @@ def _mean_of_run(path: Path) -> Mean | None:
     return table["_mean"].iloc[0]
 
 
-def ask(study_path: Path, results: Path, share: float, cores: int) -> list[str]:
-    """Run a sample of a study's points by the other engine; return what it says of them.
+def ask(study_path: Path, results: Path, share: float, cores: int, engine: str = "") -> list[str]:
+    """Run a sample of a study's points by another engine; return what it says of them.
 
     Parameters
     ----------
@@ -148,36 +154,44 @@ def ask(study_path: Path, results: Path, share: float, cores: int) -> list[str]:
         Share of the points that both engines know.
     cores : int
         Runs at a time.
+    engine : str, optional
+        Name of the other engine; empty where there is but one.
 
     Raises
     ------
     InputError
-        When no point is known to both, the dataset is missing, or a package is; when a point did
-        not run, after what the others say is printed.
+        When there is no such engine, or several and none is named; when no point is known to both,
+        the dataset is missing, or a package is; when a point did not run, after what the others say
+        is printed.
     """
-    for name, value, is_allowed, allowed in (
-        ("--share", share, 0 < share <= 1, "a number > 0 and <= 1"),
-        ("--cores", cores, cores >= 1, "an integer >= 1"),
-    ):
-        if not is_allowed:
-            raise InputError.of_value(name, "", value, allowed)
+    if not 0 < share <= 1:
+        raise InputError.of_value("--share", "", share, "a number > 0 and <= 1")
+    if cores < 1:
+        raise InputError.of_value("--cores", "", cores, "an integer >= 1")
     study = load_study(study_path, results)
     folder = results / study.name
+    # The study has loaded its plug-ins.
+    others = other_engines()
+    if not engine and len(others) == 1:
+        (engine,) = others
+    if engine not in others:
+        raise InputError.of_value("--engine", "", engine or None, one_of(engine, others))
+    other = others[engine]
     dataset = load_current(study, folder).dataset
     candidates = {
-        key: twin for key, twin in twins(study).items() if point_id(twin) not in study.points
+        key: twin for key, twin in twins(study, other).items() if point_id(twin) not in study.points
     }
-    if not candidates and not opinion_of(study, dataset, folder).pairs:
+    if not candidates and not opinion_of(study, dataset, folder, other).pairs:
         reason = "knows none of its points, as of their laws: docs/second_engine.md"
-        raise InputError(f"{study_path}: {OTHER} {reason}")
+        raise InputError(f"{study_path}: {engine} {reason}")
     # The same sample each time, so that another call goes on.
     keys = np.random.default_rng(0).permutation(sorted(candidates))
     chosen = [candidates[str(key)] for key in keys[: ceil(share * len(candidates))]]
     for twin in chosen:
         engine_of(twin)
-    failed = _run(chosen, folder, cores)
-    opinion = opinion_of(study, dataset, folder)
-    headings = ("point", f"{OWN} (m/s)", f"{OTHER} (m/s)", "ratio", "p")
+    failed = _run(chosen, study, folder, cores)
+    opinion = opinion_of(study, dataset, folder, other)
+    headings = ("point", *(f"{one} (m/s)" for one in opinion.names), "ratio", "p")
     lines = align_table(headings, opinion.rows, {"p"})
     lines += ["", opinion.sentence]
     if failed:
@@ -186,13 +200,15 @@ def ask(study_path: Path, results: Path, share: float, cores: int) -> list[str]:
     return lines
 
 
-def _run(points: list[Parameters], folder: Path, cores: int) -> bool:
+def _run(points: list[Parameters], study: Study, folder: Path, cores: int) -> bool:
     """Run points as the jobs of the workflow do; return whether one could not be run."""
     command = [sys.executable, str(Path(__file__).parents[1] / "__main__.py"), "batch", str(folder)]
+    plugins = {VARIABLE: os.pathsep.join(plugin.pinned_name for plugin in study.plugins)}
+    environment = os.environ | (plugins if study.plugins else {})
     parts = [points[number::cores] for number in range(cores)]
     jobs = []
     for part in filter(None, parts):
-        job = subprocess.Popen(command, stdin=subprocess.PIPE, text=True)
+        job = subprocess.Popen(command, stdin=subprocess.PIPE, text=True, env=environment)
         if job.stdin:
             job.stdin.write(json.dumps([canonical_values(one) for one in part]))
             job.stdin.close()

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 from functools import cache
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +26,7 @@ from sim.parameters import Parameters, amounts, point_id
 from sim.study.cost import PROCESS_TIME, estimate
 from sim.study.extra_amounts import ExtraAmounts, read_extra_amounts, with_extra_amounts
 from sim.study.load import Study
-from sim.study.twins import twins
+from sim.study.twins import other_engines, twins
 from sim.surrogates.answers import summary_lines
 
 STATES = ("done", "failed", "adopted", "running", "interrupted", "waiting")
@@ -201,7 +202,8 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
         points[key] = replace(points[key], shared=run)
     to_come = rounds_to_come(study, folder)
     stored = {match[1] or match[2] for name in present if (match := RUN_FILES.fullmatch(name))}
-    known = points.keys() | {point_id(one) for one in twins(study).values()}
+    every = (twins(study, other).values() for other in other_engines().values())
+    known = points.keys() | set(map(point_id, chain.from_iterable(every)))
     orphans = () if to_come else tuple(sorted(stored - known))
     time_left = _time_left(points, parameters)
     budget = _budget(study.decide.budget, points, extra) if study.decide else None

@@ -185,19 +185,20 @@ def test_two_processes_give_the_flow_of_one():
     assert one.snapshot()["position"].shape == two.snapshot()["position"].shape
 
 
-def test_a_state_goes_on():
-    system = build(point(depth=2, cell=5), 0)
-    for _ in range(3):
-        system.advance()
-    system._run(100)
+def test_a_state_goes_on_and_storing_it_loses_no_contact():
+    system, never_stored = (build(point(depth=5, cell=5), 0) for _ in range(2))
+    for one in (system, never_stored):
+        one._run(9000)
     state = unpack(pack(flatten({name: getattr(system, name) for name in system.state_names})))
     other = build(system.parameters, 0)
     for name, value in refill({n: getattr(other, n) for n in other.state_names}, state).items():
         setattr(other, name, value)
-    for _ in range(2):
-        first, second = system.advance(), other.advance()
-        assert second["mean_velocity"] == pytest.approx(first["mean_velocity"], rel=1e-3)
-        assert second["potential_energy"] == pytest.approx(first["potential_energy"], rel=1e-3)
+    for one in (system, other, never_stored):
+        one._run(6)
+    velocity = system.spheres.velocity
+    np.testing.assert_allclose(other.spheres.velocity, velocity, atol=1e-12)
+    # Its drag is that of velocities half a step later once; friction that is lost makes 1e-3.
+    np.testing.assert_allclose(never_stored.spheres.velocity, velocity, rtol=0, atol=2e-4)
 
 
 SMALL = {"depth": 1, "cell": 5, "transient": 2, "average": 4}
@@ -316,6 +317,23 @@ def test_a_process_that_was_killed_is_one_line():
     system._process._process.kill()
     with pytest.raises(InputError, match=r"LAMMPS: ended with code -9; deck: .*; log: "):
         system.advance()
+
+
+def test_the_next_start_removes_what_a_killed_run_has_left(monkeypatch, tmp_path):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    pid = os.fork()
+    if not pid:
+        system = build(point(**SMALL), 0)
+        system.advance()
+        os.kill(os.getpid(), signal.SIGKILL)
+    os.waitpid(pid, 0)
+    (left,) = tmp_path.iterdir()
+    other = build(point(**SMALL, friction=0.2), 0)
+    other.advance()
+    assert left.exists()
+    system = build(point(**SMALL), 0)
+    system.advance()
+    assert not left.exists() and len(list(tmp_path.iterdir())) == 2
 
 
 def test_particles_that_are_lost_are_a_blow_up():

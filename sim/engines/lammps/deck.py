@@ -11,11 +11,7 @@ from typing import Any
 import numpy as np
 
 from sim.laws.hertz import effective_modulus
-from sim.parameters.spheres import SphereParameters
-
-#: Skin of its neighbor list, in diameters. It looks at the list in every step, so that no contact
-#: is missed.
-SKIN = 0.2
+from sim.parameters.spheres import SKIN, SphereParameters
 
 #: Height of the cell above the highest particle at first (it follows it), in diameters.
 HEADROOM = 1.0

@@ -9,7 +9,7 @@ import tempfile
 import weakref
 from collections.abc import Iterable
 from contextlib import suppress
-from importlib.metadata import PackageNotFoundError, files, version
+from importlib.metadata import PackageNotFoundError, files
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ import numpy as np
 import psutil
 
 from sim.base.errors import InputError
+from sim.base.files import part_folder
 from sim.engine.dynamics.status import BlowUp
 
 #: Environment variable with the command that starts processes under MPI, to which ``-n RANKS`` is
@@ -35,13 +36,8 @@ VECTORS = ("position", "image", "velocity", "spin", "force", "torque")
 #: Files of a process in its folder.
 DECK, LOG, DATA, RESTART, DUMP = "deck.in", "log.lammps", "start.data", "restart", "dump.bin"
 
-#: Beginning of the line by which it says that it has come to some command.
-_DONE = "talus has come to "
-
-
-def engine_version() -> str:
-    """Return the version of the package of LAMMPS."""
-    return version("lammps")
+#: Line by which it says that it has done all commands so far.
+_DONE = "talus has all"
 
 
 def _command(ranks: int) -> list[str]:
@@ -83,14 +79,15 @@ def _ignore_signals() -> None:
 
 
 class Process:
-    """LAMMPS in ``ranks`` processes, with a folder of its own for its files.
+    """LAMMPS in ``ranks`` processes, with a folder of its own for the files of the run ``name``.
 
-    The folder goes when the process ends, unless it fails.
+    The folder goes when the process ends, unless it fails; one that a killed process has left goes
+    when the run starts again.
     """
 
-    def __init__(self, ranks: int = 1):
+    def __init__(self, name: str, ranks: int):
         command = _command(ranks)
-        self.folder = Path(tempfile.mkdtemp(prefix="talus-lammps-"))
+        self.folder = part_folder(Path(tempfile.gettempdir()) / f"talus-lammps-{name}")
         try:
             self._process = subprocess.Popen(
                 [*command, "-nonbuf", "-nocite", "-log", LOG],
@@ -107,7 +104,7 @@ class Process:
         except OSError as error:
             shutil.rmtree(self.folder, ignore_errors=True)
             raise InputError(f"LAMMPS: {command[0]} does not start: {error.strerror}") from None
-        self._number, self._last_lines = 0, [""]
+        self._last_lines = [""]
         self._workers: list[psutil.Process] = []
         self._working_time = 0.0
         self.close = weakref.finalize(self, _close, self._process, self.folder)
@@ -122,16 +119,14 @@ class Process:
         InputError
             When it has stopped for another reason; the line names its deck and log, which stay.
         """
-        self._number += 1
-        mark = f"{_DONE}{self._number}"
         pipe: Any = self._process
         try:
-            pipe.stdin.write("\n".join([*commands, f'print "{mark}"', ""]))
+            pipe.stdin.write("\n".join([*commands, f'print "{_DONE}"', ""]))
             pipe.stdin.flush()
         except BrokenPipeError:
             self._fail()
         for line in pipe.stdout:
-            if line.rstrip() == mark:
+            if line.rstrip() == _DONE:
                 return
             self._last_lines = [*self._last_lines[-20:], line.strip()]
         self._fail()
@@ -143,6 +138,8 @@ class Process:
         if any(text in reason for text in BLOW_UPS):
             raise BlowUp(f"LAMMPS: {reason.rpartition(': ')[2]}")
         self.close.detach()
+        # By this name the next start leaves it.
+        self.folder = self.folder.rename(self.folder.with_name(self.folder.stem[1:]))
         with (self.folder / LOG).open("a", encoding="utf-8") as log:
             log.writelines(f"{line}\n" for line in self._last_lines)
         raise InputError(f"LAMMPS: {reason}; deck: {self.folder / DECK}; log: {self.folder / LOG}")
@@ -169,7 +166,8 @@ class Process:
 
     def save(self) -> np.ndarray:
         """Return the bytes of a restart file of the present state."""
-        self.run([f"write_restart {RESTART}"])
+        # A list of neighbors of earlier steps would lose the friction of contacts across borders.
+        self.run(["run 0 post no", f"write_restart {RESTART}"])
         return np.fromfile(self.folder / RESTART, np.uint8)
 
     def working_time(self) -> float:

@@ -5,6 +5,7 @@ the steps of a sample follow from what it has at the ends: the mean velocity fro
 forces on the plane from the change of momentum that gravity does not make. Both are exact.
 """
 
+from importlib.metadata import version
 from typing import Any, ClassVar
 
 import numpy as np
@@ -17,7 +18,8 @@ from sim.engine.systems import leap_frog
 from sim.engine.systems.chute import Chute, PlaneFlow
 from sim.engine.systems.conveyor import Conveyor
 from sim.engines.lammps.deck import deck, frame_speed, particle_data
-from sim.engines.lammps.process import DATA, RESTART, Process, engine_version
+from sim.engines.lammps.process import DATA, RESTART, Process
+from sim.parameters import point_id
 
 #: LAMMPS counts the cells that a particle has crossed up to this number, then anew.
 IMAGES = 1024
@@ -52,7 +54,7 @@ class LammpsFlow(PlaneFlow):
         commands.append(f"run {self.parameters.steps}")
         return {
             "engine": "lammps",
-            "engine_version": f"LAMMPS {engine_version()}",
+            "engine_version": f"LAMMPS {version('lammps')}",
             "deck": "\n".join([*commands, ""]),
         }
 
@@ -74,7 +76,7 @@ class LammpsFlow(PlaneFlow):
         return particle_data(self.parameters, self.spheres, velocity)
 
     def _start(self) -> Process:
-        process = Process(self.parameters.ranks)
+        process = Process(point_id(self.parameters), self.parameters.ranks)
         if is_restart := bool(self._restart.size):
             self._restart.tofile(process.folder / RESTART)
         else:
