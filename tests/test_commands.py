@@ -10,7 +10,8 @@ from pkgutil import resolve_name
 
 import pytest
 
-from sim.__main__ import COMMANDS, main, parse, parser
+from sim.__main__ import main
+from sim.base.command_line import COMMANDS, parse, parser
 from tests.made.processes import ROOT, program
 
 STUDY = """\

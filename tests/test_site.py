@@ -10,7 +10,7 @@ import yaml
 
 import sim
 from docs.site.pages import commands, licences, variables
-from sim.__main__ import COMMANDS
+from sim.base.command_line import COMMANDS
 from sim.parameters import SYSTEMS, field_info
 from tests.made.figures import make_built_study
 from tests.made.processes import ROOT

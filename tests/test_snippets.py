@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 import yaml
 
-from sim.__main__ import parse
+from sim.base.command_line import parse
 from sim.base.statistics import student_half_width
 from sim.claims.readings import readings_of
 from sim.parameters import parse_point

@@ -6,7 +6,7 @@ from functools import partial
 from importlib.metadata import Distribution, distribution
 from pathlib import Path
 
-from sim.__main__ import COMMANDS, parser
+from sim.base.command_line import COMMANDS, parser
 from sim.parameters import SYSTEMS
 from sim.parameters.variables import Variable, observable_variables, variables_of
 

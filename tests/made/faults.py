@@ -149,7 +149,7 @@ def _import_all() -> None:
     import sklearn.gaussian_process  # noqa: F401
 
     import sim.surrogates.inquiries  # noqa: F401
-    from sim.__main__ import COMMANDS
+    from sim.base.command_line import COMMANDS
     from sim.engine.command import _compile
     from sim.parameters import BeltParameters
     from sim.study.validate import file_models

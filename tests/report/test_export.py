@@ -11,7 +11,8 @@ import netCDF4
 import numpy as np
 import pytest
 
-from sim.__main__ import main, parse
+from sim.__main__ import main
+from sim.base.command_line import parse
 from sim.engine import run_file
 from sim.engine.systems.recorder import Record
 from sim.parameters import Parameters, point_id
