@@ -1,7 +1,7 @@
 """The program: ``talus COMMAND``, or ``python -m sim COMMAND``.
 
-`sim.base.command_line` reads the command; here its function is called, and what it answers or raises
-becomes output and exit code.
+`sim.base.command_line` reads the command. Here its function is called, and what that answers or
+raises becomes output and exit code.
 """
 
 import sys

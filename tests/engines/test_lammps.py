@@ -4,7 +4,6 @@ import os
 import signal
 import subprocess
 import sys
-from itertools import product
 from math import radians, tan
 from pathlib import Path
 
@@ -123,8 +122,9 @@ def apart(first, second):
     ("law", "partner"), [(law, partner) for law, (_, them) in CASES.items() for partner in them]
 )
 def test_impacts_have_the_digits_of_ours_and_of_plain_python(law, partner):
-    slopes = [0.0, 0.3, 1.0, 4.0, tan(radians(85))]
-    for restitution, slope in product((0.7, 0.95), slopes):
+    steep = tan(radians(85))
+    # From head-on to grazing: each start of LAMMPS takes a quarter of a second.
+    for restitution, slope in ((0.7, 0.0), (0.95, 0.0), (0.7, 0.3), (0.95, 1.0), (0.95, steep)):
         (ours, theirs), plain = rebounds(law, partner, slope, restitution)
         assert apart(ours, theirs) <= CASES[law][1][partner], (restitution, slope)
         for found, expected in zip((ours, theirs), plain, strict=False):
@@ -222,9 +222,9 @@ def test_a_run_file_has_what_is_told_and_nothing_else(tmp_path):
         assert file["base_normal"][:].mean() == pytest.approx(weight, rel=0.5)
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_a_run_that_is_ended_with_its_group_goes_on(ranks, tmp_path):
-    p = point(**SMALL | {"average": 200, "ranks": ranks})
+    p = point(**SMALL | {"average": 60, "ranks": ranks})
     path = tmp_path / "point.yaml"
     path.write_text(yaml.safe_dump(canonical_values(p)))
     words = [sys.executable, "-m", "sim", "run", str(path), "-o", str(tmp_path / "run.nc")]
