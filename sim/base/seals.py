@@ -184,9 +184,10 @@ def read_summary(path: Path) -> dict[str, Any] | None:
             length = min(int(words[1]), end)
             file.seek(end - length)
             text = file.read(length)
-            return json.loads(text) if ending.startswith(_END % (length, crc32(text))) else None
-        except ValueError:
+            summary = json.loads(text) if ending.startswith(_END % (length, crc32(text))) else None
+        except (ValueError, RecursionError):
             return None
+        return summary if isinstance(summary, dict) else None
 
 
 def to_sealed_json(mapping: dict[str, Any]) -> str:
@@ -199,8 +200,7 @@ def to_sealed_json(mapping: dict[str, Any]) -> str:
 def parse_sealed_json(text: str) -> dict[str, Any]:
     """Return the mapping in a text of `to_sealed_json`; raise ``ValueError`` if it has changed."""
     mapping = json.loads(text)
-    checksum = mapping.pop(CHECKSUM, "")
-    if _checksum(mapping) != checksum:
+    if not isinstance(mapping, dict) or mapping.pop(CHECKSUM, "") != _checksum(mapping):
         raise ValueError("the checksum is wrong")
     return mapping
 

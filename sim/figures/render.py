@@ -21,7 +21,7 @@ from sim.dataset.results import Results, load_results, require_known_options
 from sim.figures.caption import caption
 from sim.figures.data import FigureData, figure_data
 from sim.figures.plot import message_figure
-from sim.figures.style import SETTINGS
+from sim.figures.style import SETTINGS, escape_label
 from sim.study.catalogue import FIGURES
 from sim.study.figure_spec import FigureSpec
 from sim.study.plot_kinds import PlotKind, find_kind
@@ -193,7 +193,7 @@ def _message_kind(kind: PlotKind, text: str) -> PlotKind:
     """Return a kind of plot that shows a message in place of data."""
 
     def draw_message(data: FigureData) -> Figure | Animation:
-        figure = message_figure(text)
+        figure = message_figure(escape_label(text))
         return Animation(figure, 1, lambda number: None) if data.spec.animated else figure
 
     return replace(kind, draw=draw_message, notes=lambda data: [f"Nothing is drawn: {text}."])

@@ -1,25 +1,40 @@
-"""Tables of indices as CSV files, with a note of their checksum beside them."""
+"""Tables of indices as CSV files, with a note of their checksum beside them.
+
+A seal at the end would be a row to those who read a CSV file.
+"""
 
 import hashlib
 import io
 from pathlib import Path
-
-import pandas as pd
+from typing import TYPE_CHECKING
 
 from sim.base.files import atomic_write, read_regular
 from sim.base.seals import checked_read
 
+if TYPE_CHECKING:
+    import pandas as pd
 
-def save(table: pd.DataFrame, path: Path) -> None:
+
+def save(table: "pd.DataFrame", path: Path) -> None:
     """Write a table; the file appears complete or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with atomic_write(path) as temporary:
         table.to_csv(temporary, index=False, float_format="%.10g")
+        new = _checksum(temporary.read_bytes())
+        # Until the table takes its place, the one before it is whole, too.
+        before = _checksums(path)[:1]
         with atomic_write(_note(path)) as note:
-            note.write_text(_checksum(temporary.read_bytes()), encoding="ascii")
+            note.write_text(" ".join([new, *before]), encoding="ascii")
 
 
-def load(path: Path) -> pd.DataFrame:
+def read(path: Path) -> bytes | None:
+    """Return the bytes of a table, None where they are not those of its checksum."""
+    content = read_regular(path)
+    is_whole = not _note(path).is_file() or _checksum(content) in _checksums(path)
+    return content if is_whole else None
+
+
+def load(path: Path) -> "pd.DataFrame":
     """Read a table; one of an earlier version has no checksum.
 
     Raises
@@ -28,10 +43,13 @@ def load(path: Path) -> pd.DataFrame:
         When there is no such file, or it is damaged. In the results of a study it is then set
         aside, so that the study makes it again.
     """
+    # Imported here, as most commands need none of it.
+    import pandas as pd
+
     is_of_study = (path.parent.parent / "runs").is_dir()
     with checked_read(path, "sensitivity", replaceable=is_of_study):
-        content = read_regular(path)
-        if _note(path).is_file() and read_regular(_note(path)) != _checksum(content).encode():
+        content = read(path)
+        if content is None:
             raise ValueError("its checksum is wrong")
         texts = {"keep_default_na": False, "na_values": [""], "dtype": {"other": str}}
         return pd.read_csv(io.BytesIO(content), **texts)
@@ -39,6 +57,12 @@ def load(path: Path) -> pd.DataFrame:
 
 def _note(path: Path) -> Path:
     return path.with_name(f".{path.name}.sha256")
+
+
+def _checksums(path: Path) -> list[str]:
+    """Return the checksums in the note of a table, that of the newest first."""
+    note = _note(path)
+    return note.read_text("ascii", "replace").split() if note.is_file() else []
 
 
 def _checksum(content: bytes) -> str:
