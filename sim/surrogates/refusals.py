@@ -5,7 +5,7 @@ from pathlib import Path
 
 from sim.base.errors import InputError
 from sim.base.files import atomic_write
-from sim.base.seals import append_summary, read_summary, seal
+from sim.base.seals import append_summary, is_damaged, read_summary, seal
 from sim.surrogates import tables
 
 #: Key of the reason, and heading of its column in a table.
@@ -45,6 +45,7 @@ def refusal_in(path: Path) -> str:
         return ""
     if path.suffix != ".csv":
         text = (read_summary(path) or {}).get(_KEY, "")
+        text = "" if text and is_damaged(path) else text
     else:
         start = (tables.read(path) or b"")[: 4 * _LONGEST].decode("utf-8", "replace")
         heading, *rows = csv.reader(start.splitlines() or [""])

@@ -22,7 +22,7 @@ from sim.__main__ import main
 from sim.base.errors import InputError
 from sim.base.yaml import MAX_BYTES, parse_yaml
 from sim.study.load import Study, load_study, parse_study
-from tests.made.processes import ROOT, program
+from tests.made.processes import ROOT, program, refusal
 from tests.properties.values import ANYTHING, GIVEN, SCALARS
 
 STUDIES = [
@@ -191,6 +191,21 @@ def test_a_file_of_the_largest_size_is_read(tmp_path):
 def test_names_that_no_file_has(name, command, capsys):
     assert main([*command, name]) == 2
     assert re.fullmatch(r"error: .+\n", capsys.readouterr().err)
+
+
+LONG = "x" * 300
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["compare", LONG, LONG],
+        ["export", f"{LONG}.nc", "-o", "beads.xyz", "--to", "extxyz"],
+        ["points", ROOT / "config" / "quick.yaml", "--results", LONG],
+    ],
+)
+def test_a_name_that_no_file_system_takes_is_bad_input(words, capsys):
+    assert "File name too long" in refusal(capsys, *words)
 
 
 def bomb(first: str, opening: str, closing: str) -> str:
