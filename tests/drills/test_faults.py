@@ -16,6 +16,7 @@ import pytest
 from sim.figures.figure_records import RECORD_FILE
 from sim.parameters import canonical_values, point_id
 from sim.study.load import load_study
+from sim.surrogates.refusals import refusal_in
 from tests.golden import contents
 from tests.made.faults import Calls, Commands, Fault, Outcome, What, faulty_commands
 
@@ -39,8 +40,15 @@ surrogate:
     series: wide
     observable: velocity
     regimes: [steady, accelerating, arrested, mixed, undetermined]
+  - {name: none, series: wide, observable: velocity, regimes: [arrested]}
+sensitivity: [{name: lost, surrogate: none}]
+calibrate:
+  - {name: beads, data: exp.csv, surrogate: none, parameters: {frequency: [30, 60]}}
 decide: {precision: 0.01, budget: 1}
 """
+
+#: Answers that are refused, as no flow is arrested.
+REFUSED = ("surrogates/none.nc", "sensitivity/lost.csv", "calibration/beads.nc")
 
 #: Commands of a study, in their order, each with words and what it writes below the folder.
 RESULTS = "results/faulty"
@@ -56,7 +64,8 @@ STEPS = {
     "questions": ["questions", "faulty.yaml"],
     "claims": ["claims", "faulty.yaml"],
     "figure": [
-        *("figure", "gallas_1a", "speed-frequency", "speed-agreement", DATASET),
+        *("figure", "gallas_1a", "speed-frequency", "speed-agreement", "none-frequency"),
+        *("none-agreement", "lost-indices", "beads-posterior", "beads-predictions", DATASET),
         *("--study", "faulty.yaml", "-o", f"{RESULTS}/figures", "--code", "made"),
     ],
     "report": ["report", "faulty.yaml"],
@@ -66,7 +75,7 @@ STEPS = {
     "decide": ["decide", "faulty.yaml"],
     "status": ["status", "faulty.yaml"],
     "points": ["points", "faulty.yaml"],
-    "predict": ["predict", "faulty.yaml", "--at", "frequency=40"],
+    "predict": ["predict", "faulty.yaml", "--of", "speed", "--at", "frequency=40"],
     "compare": ["compare", RESULTS, RESULTS],
     "orphans": ["orphans", "faulty.yaml"],
     "info": ["info"],
@@ -95,6 +104,7 @@ class Study:
         self.commands, self.tree, self._kept = commands, commands.folder, kept
         self.tree.mkdir()
         (self.tree / "faulty.yaml").write_text(STUDY)
+        (self.tree / "exp.csv").write_text("velocity, velocity_error\n0.05, 0.01\n")
         self._steps: dict[str, Step] = {}
         self._points = [
             point.parameters for point in load_study(self.tree / "faulty.yaml").points.values()
@@ -121,6 +131,8 @@ class Study:
             words = [*words, f"{RESULTS}/runs/{point_id(self._points[0])}.nc"]
         outcome = self.commands.run(words, stdin=stdin)
         assert outcome.code == 0, outcome
+        if name == "questions":
+            assert all(refusal_in(self.tree / RESULTS / file) for file in REFUSED)
         copy(self.tree, after)
         return Step(words, stdin, before, after, outcome)
 
