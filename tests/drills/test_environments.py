@@ -124,4 +124,4 @@ def test_points_and_studies_of_all_kinds(capsys):
     number = sum(map(int, PASSED.findall(done.stdout)))
     assert number >= 20_000
     with capsys.disabled():
-        print(f"\n{number} points, studies and files beside them made up: each read, or refused in one line")
+        print(f"\n{number} made-up points and files: each read, or refused in one line")
