@@ -20,17 +20,18 @@ def save(table: "pd.DataFrame", path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     with atomic_write(path) as temporary:
         table.to_csv(temporary, index=False, float_format="%.10g")
-        new = _checksum(temporary.read_bytes())
         # Until the table takes its place, the one before it is whole, too.
-        before = _checksums(path)[:1]
+        whole = [temporary.read_bytes(), read(path) if path.is_file() else None]
+        checksums = dict.fromkeys(_checksum(one) for one in whole if one is not None)
         with atomic_write(_note(path)) as note:
-            note.write_text(" ".join([new, *before]), encoding="ascii")
+            note.write_text(" ".join(checksums), encoding="ascii")
 
 
 def read(path: Path) -> bytes | None:
     """Return the bytes of a table, None where they are not those of its checksum."""
     content = read_regular(path)
-    is_whole = not _note(path).is_file() or _checksum(content) in _checksums(path)
+    note = _note(path)
+    is_whole = not note.is_file() or _checksum(content) in note.read_text("ascii", "replace")
     return content if is_whole else None
 
 
@@ -57,12 +58,6 @@ def load(path: Path) -> "pd.DataFrame":
 
 def _note(path: Path) -> Path:
     return path.with_name(f".{path.name}.sha256")
-
-
-def _checksums(path: Path) -> list[str]:
-    """Return the checksums in the note of a table, that of the newest first."""
-    note = _note(path)
-    return note.read_text("ascii", "replace").split() if note.is_file() else []
 
 
 def _checksum(content: bytes) -> str:
