@@ -154,10 +154,8 @@ class Study:
         assert not list(self.tree.rglob("*.damaged*")), note
         for path in files(step.before):
             # Between two renames a publication has another name.
-            aside = self.tree / "published" / ".faulty.old" / Path(*path.parts[2:])
-            is_there = (
-                (self.tree / path).exists() or path.parts[0] == "published" and aside.exists()
-            )
+            names = path, Path("published", ".faulty.old", *path.parts[2:])
+            is_there = any((self.tree / name).exists() for name in names)
             assert is_there, f"{path} is gone: {note}"
         for path in files(self.tree):
             trees = step.before, step.after
