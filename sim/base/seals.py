@@ -72,8 +72,11 @@ def checked_read(path: Path, kind: str, replaceable: bool, sealed: bool = False)
         When the system does not give its bytes, as without permission; the file stays as it is.
     """
     missing = InputError(f"{path}: no such {kind}; rerun the study to make it")
-    if not os.path.lexists(path):
-        raise missing
+    try:
+        # Not `lexists`, which takes a file for none where a file system fails.
+        path.lstat()
+    except (FileNotFoundError, NotADirectoryError, ValueError):
+        raise missing from None
     if path.suffix in (".yaml", ".yml"):
         raise InputError(
             f"{path}: a YAML file, where a {kind} (*.nc) is expected; talus points lists "
