@@ -14,6 +14,7 @@ if __name__ == "__main__" and not sys.flags.safe_path:
 
     sys.path.append(str(Path(__file__).absolute().parents[1]))
 
+import errno
 import io
 import logging
 import os
@@ -88,7 +89,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return BROKEN_PIPE
     except (OSError, MemoryError, BrokenExecutor) as error:
         print(f"error: {str(error) or 'out of memory'}", file=sys.stderr)
-        return SYSTEM_ERROR
+        # A name that no file system takes comes from the command line.
+        is_name = isinstance(error, OSError) and error.errno == errno.ENAMETOOLONG
+        return INPUT_ERROR if is_name else SYSTEM_ERROR
     except Exception as error:
         if input_error := plugin_code_error(error):
             print(f"error: {input_error}", file=sys.stderr)

@@ -7,6 +7,7 @@ import re
 import shutil
 import stat
 import tempfile
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -17,6 +18,8 @@ from filelock import FileLock, Timeout
 from sim.base.errors import InputError
 
 log = logging.getLogger("talus")
+
+_DAY = 86400
 
 
 @contextmanager
@@ -89,15 +92,18 @@ def part_folder(path: Path) -> Path:
 
 
 def remove_leftovers(path: Path) -> None:
-    """Remove what killed processes have left of writing ``path``."""
+    """Remove what killed processes have left of writing ``path``, and empty folders of others."""
     pattern = re.compile(rf"\.{re.escape(path.name)}\.(\d+)\.(?:\w+\.)?part")
     with os.scandir(path.parent) as entries:
-        leftovers = [
-            entry
-            for entry in entries
-            if (match := pattern.fullmatch(entry.name)) and not _is_alive(match[1])
-        ]
-    for entry in leftovers:
+        parts = [entry for entry in entries if entry.name.endswith(".part")]
+    for entry in parts:
+        match = pattern.fullmatch(entry.name)
+        if not match or _is_alive(match[1]):
+            # Perhaps of a process of another machine: a day later it has no use for an empty one.
+            with suppress(OSError):
+                if entry.stat(follow_symlinks=False).st_mtime < time.time() - _DAY:
+                    Path(entry.path).rmdir()
+            continue
         if entry.is_dir(follow_symlinks=False):
             shutil.rmtree(entry.path, ignore_errors=True)
         else:

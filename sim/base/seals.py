@@ -72,8 +72,11 @@ def checked_read(path: Path, kind: str, replaceable: bool, sealed: bool = False)
         When the system does not give its bytes, as without permission; the file stays as it is.
     """
     missing = InputError(f"{path}: no such {kind}; rerun the study to make it")
-    if not os.path.lexists(path):
-        raise missing
+    try:
+        # Not `lexists`, which takes a file for none where a file system fails.
+        path.lstat()
+    except (FileNotFoundError, NotADirectoryError, ValueError):
+        raise missing from None
     if path.suffix in (".yaml", ".yml"):
         raise InputError(
             f"{path}: a YAML file, where a {kind} (*.nc) is expected; talus points lists "
@@ -184,9 +187,10 @@ def read_summary(path: Path) -> dict[str, Any] | None:
             length = min(int(words[1]), end)
             file.seek(end - length)
             text = file.read(length)
-            return json.loads(text) if ending.startswith(_END % (length, crc32(text))) else None
-        except ValueError:
+            summary = json.loads(text) if ending.startswith(_END % (length, crc32(text))) else None
+        except (ValueError, RecursionError):
             return None
+        return summary if isinstance(summary, dict) else None
 
 
 def to_sealed_json(mapping: dict[str, Any]) -> str:
@@ -199,8 +203,7 @@ def to_sealed_json(mapping: dict[str, Any]) -> str:
 def parse_sealed_json(text: str) -> dict[str, Any]:
     """Return the mapping in a text of `to_sealed_json`; raise ``ValueError`` if it has changed."""
     mapping = json.loads(text)
-    checksum = mapping.pop(CHECKSUM, "")
-    if _checksum(mapping) != checksum:
+    if not isinstance(mapping, dict) or mapping.pop(CHECKSUM, "") != _checksum(mapping):
         raise ValueError("the checksum is wrong")
     return mapping
 

@@ -9,7 +9,7 @@ from typing import cast
 import numpy as np
 
 from sim.base.errors import InputError
-from sim.base.seals import checked_read
+from sim.base.seals import CHECKSUM, checked_read, parse_sealed_json
 from sim.dataset.run_file import NamedValues, summary_of
 from sim.parameters import (
     BeltParameters,
@@ -59,7 +59,11 @@ def read_round(path: Path) -> dict[str, Parameters]:
         When there is no such file, or it is not a round.
     """
     with checked_read(path, "round of refinement", replaceable=True):
-        mappings = json.loads(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
+        mappings = json.loads(text)
+        # A file of an earlier version has no checksum.
+        if CHECKSUM in mappings:
+            mappings = parse_sealed_json(text)
         try:
             points = {key: parse_point(values, path) for key, values in mappings.items()}
         except InputError as error:

@@ -61,12 +61,12 @@ def current_record(
     shows, if any.
     """
     source = hashlib.sha256(f"{code} {spec!r}".encode())
-    answers = [dataset_path.parent / spec.options["answer"]] if "answer" in spec.options else []
     try:
-        for path in (dataset_path, *answers):
-            with open_regular(path) as file:
-                file.seek(max(0, file.seek(0, os.SEEK_END) - TAIL))
-                source.update(file.read())
+        with open_regular(dataset_path) as file:
+            file.seek(max(0, file.seek(0, os.SEEK_END) - TAIL))
+            source.update(file.read())
+        if "answer" in spec.options:
+            source.update(read_regular(dataset_path.parent / spec.options["answer"]))
         files = {suffix: _checksum(folder / f"{spec.name}{suffix}") for suffix in spec.suffixes}
     except OSError:
         return None

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -17,11 +18,12 @@ from PIL.PngImagePlugin import PngInfo
 from sim.base.errors import Choice, InputError
 from sim.base.files import atomic_write
 from sim.base.messages import one_of
+from sim.base.seals import checked_read
 from sim.dataset.results import Results, load_results, require_known_options
 from sim.figures.caption import caption
 from sim.figures.data import FigureData, figure_data
 from sim.figures.plot import message_figure
-from sim.figures.style import SETTINGS
+from sim.figures.style import SETTINGS, escape_label
 from sim.study.catalogue import FIGURES
 from sim.study.figure_spec import FigureSpec
 from sim.study.plot_kinds import PlotKind, find_kind
@@ -175,8 +177,10 @@ def _contents(spec: FigureSpec, results: Results) -> tuple[FigureData, PlotKind,
     """
     data, kind = figure_data(results, spec), find_kind(spec.kind)
     if "answer" in spec.options and results.runs:
+        path = results.runs.parent / spec.options["answer"]
+        kind = kind_of_answer(kind, path)
         try:
-            require_answer(results.runs.parent / spec.options["answer"])
+            require_answer(path)
         except Refusal as refusal:
             table = pd.DataFrame({"refusal": [str(refusal)]})
             return data, _message_kind(kind, str(refusal)), table
@@ -190,11 +194,25 @@ def _contents(spec: FigureSpec, results: Results) -> tuple[FigureData, PlotKind,
     return data, kind, table
 
 
+def kind_of_answer(kind: PlotKind, path: Path) -> PlotKind:
+    """Return a kind of plot whose errors, on an answer from elsewhere, name its file in a line."""
+
+    def guard(function: Callable[[FigureData], Any]) -> Callable[[FigureData], Any]:
+        def call(data: FigureData) -> Any:
+            with checked_read(path, "whole answer", replaceable=False):
+                return function(data)
+
+        return call
+
+    draw, table, notes = map(guard, (kind.draw, kind.table, kind.notes))
+    return replace(kind, draw=draw, table=table, notes=notes)
+
+
 def _message_kind(kind: PlotKind, text: str) -> PlotKind:
     """Return a kind of plot that shows a message in place of data."""
 
     def draw_message(data: FigureData) -> Figure | Animation:
-        figure = message_figure(text)
+        figure = message_figure(escape_label(text))
         return Animation(figure, 1, lambda number: None) if data.spec.animated else figure
 
     return replace(kind, draw=draw_message, notes=lambda data: [f"Nothing is drawn: {text}."])

@@ -49,9 +49,9 @@ ONSET_TRANSPORT = 0.1
 RATE = 55.0e6
 SETTLING_TIME = 0.7
 
-#: Time until a bed damped by the beads' own masses is at rest, over 1/γ_s: it picks up a drift that
-#: shear damping alone stops. And the longest such time, s.
-DRIFT_TIME, MOST_DRIFT = 25.0, 30.0
+#: Time until a bed of little damping is at rest, over 1/(γ + γ_s). That of one damped by the beads'
+#: own masses, over 1/γ_s: it picks up a drift that shear damping alone stops. And the longest, s.
+DAMPED_TIME, DRIFT_TIME, LONGEST_SETTLING = 50.0, 25.0, 30.0
 
 
 class BeltParameters(Parameters):
@@ -416,7 +416,9 @@ class BeltParameters(Parameters):
         prior = self.prior_cycles * self.steps_per_cycle if self.prior_frequency > 0.0 else 0
         drifts = self.damping_mass == "own" and self.shear_damping > 0.0
         drift = DRIFT_TIME / (self.shear_damping * self.gravity) if drifts else 0.0
-        time = max(SETTLING_TIME, min(drift, MOST_DRIFT))
+        rate = (self.damping + self.shear_damping) * self.gravity
+        damped = DAMPED_TIME / rate if rate else math.inf
+        time = max(SETTLING_TIME, min(max(drift, damped), LONGEST_SETTLING))
         return round(time / self.settling_step) + prior
 
     def require_rules(self) -> None:

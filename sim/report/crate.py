@@ -4,6 +4,7 @@
 made the data follows the profile Process Run Crate. The library ``rocrate`` writes and reads it.
 """
 
+import re
 from collections.abc import Mapping
 from mimetypes import guess_type
 from pathlib import Path
@@ -31,6 +32,10 @@ _KEYS = {
     "license": (str, "the name of a licence at spdx.org, as CC-BY-4.0"),
     "authors": (list, "a list of authors, each with family-names or name"),
 }
+
+#: Identifiers at spdx.org and orcid.org, which become addresses.
+_LICENCE = re.compile(r"[A-Za-z0-9][A-Za-z0-9.+-]{0,99}")
+_ORCID = re.compile(r"https://orcid\.org/(\d{4}-){3}\d{3}[\dX]")
 
 #: Media type and meaning of the files of a publication, by suffix.
 _FILES = {
@@ -63,9 +68,15 @@ def read_citation(path: Path) -> dict[str, Any]:
     for key, (kind, allowed) in _KEYS.items():
         if not isinstance(citation.get(key), kind) or not citation[key]:
             raise InputError.of_value(path, key, citation.get(key), allowed)
+    if not _LICENCE.fullmatch(citation["license"]):
+        raise InputError.of_value(path, "license", citation["license"], _KEYS["license"][1])
     for number, author in enumerate(citation["authors"]):
         if not (isinstance(author, dict) and author.keys() & {"name", "family-names"}):
             raise InputError.of_value(path, f"authors[{number}]", author, _KEYS["authors"][1])
+        orcid = author.get("orcid")
+        if orcid and not _ORCID.fullmatch(str(orcid)):
+            allowed = "an address such as https://orcid.org/0000-0002-1825-0097"
+            raise InputError.of_value(path, f"authors[{number}].orcid", orcid, allowed)
     return citation
 
 

@@ -5,6 +5,7 @@ import json
 import shutil
 from collections.abc import Sequence
 from pathlib import Path
+from stat import S_ISREG
 
 from sim.base.errors import InputError
 from sim.base.files import require_writable, temporary_folder
@@ -143,7 +144,9 @@ def _require_replaceable(output: Path, folder: Path, target: Path) -> None:
 
 def write_checksums(folder: Path) -> None:
     """Write the checksums of all files in a folder to ``SHA256SUMS`` there."""
-    files = sorted(path for path in folder.rglob("*") if path.is_file() and path.name != CHECKSUMS)
+    # Not `is_file`, which takes a file for none where a file system fails.
+    paths = (path for path in folder.rglob("*") if S_ISREG(path.stat().st_mode))
+    files = sorted(path for path in paths if path.name != CHECKSUMS)
     lines = [
         f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.relative_to(folder).as_posix()}\n"
         for path in files
@@ -165,10 +168,13 @@ def _require_small(temporary: Path, output: Path, target: Path) -> None:
 
 
 def _replace(temporary: Path, output: Path) -> None:
-    """Replace a folder by another; the old one is removed once the new one is in place."""
+    """Replace a folder by another; the old one is removed once the new one is in place.
+
+    After a kill at any moment the one or the other is there, perhaps as ``.<name>.old``.
+    """
     old = output.with_name(f".{output.name}.old")
-    shutil.rmtree(old, ignore_errors=True)
     if output.exists():
+        shutil.rmtree(old, ignore_errors=True)
         output.replace(old)
     temporary.replace(output)
     shutil.rmtree(old, ignore_errors=True)

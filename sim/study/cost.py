@@ -7,6 +7,9 @@ from sim.parameters import Parameters
 #: Seconds to start a process and write its file.
 PROCESS_TIME = 0.9
 
+#: Work of a time step beside that of its particles, in particles.
+STEP_WORK = 15
+
 #: Memory (MB) of a process, and of each of its particles, with a margin.
 PROCESS_MEMORY = 300.0
 PARTICLE_MEMORY = 4e-3
@@ -49,8 +52,11 @@ class Estimate:
 
 
 def estimate(parameters: Parameters) -> Estimate:
-    """Estimate the cost of all replicates of a point together, glued particles included."""
-    particles = parameters.effective_particles
+    """Estimate the cost of all replicates of a point together, glued particles included.
+
+    The first run of its loops on a machine compiles them, which takes a minute that is not in it.
+    """
+    particles = parameters.effective_particles + STEP_WORK
     steps = parameters.replicates * (parameters.settling_steps + parameters.steps)
     megabytes = 1e-6 * parameters.trajectory_bytes
     return Estimate(

@@ -1,6 +1,5 @@
 """Rounds of further points: those that boundaries and surrogates ask for, given all runs so far."""
 
-import json
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -9,6 +8,7 @@ import numpy as np
 
 from sim.base.errors import InputError
 from sim.base.files import atomic_write
+from sim.base.seals import to_sealed_json
 from sim.dataset.boundaries import added_points
 from sim.dataset.rounds import read_round
 from sim.parameters import Parameters, canonical_values
@@ -32,8 +32,8 @@ def write_round(study_path: str | Path, number: int, results: str | Path = "resu
     Returns
     -------
     Path
-        The file written: parameters by id of the point, none where the rounds have ended. It
-        appears complete or not at all.
+        The file written: parameters by id of the point, none where the rounds have ended, and a
+        checksum. It appears complete or not at all.
 
     Raises
     ------
@@ -46,11 +46,11 @@ def write_round(study_path: str | Path, number: int, results: str | Path = "resu
         raise InputError.of_value("ROUND", "", number, allowed)
     folder = Path(results) / study.name
     points = round_points(study, number, folder)
-    text = json.dumps({key: canonical_values(point) for key, point in points.items()}, indent=1)
     output = folder / "rounds" / f"{number}.json"
     output.parent.mkdir(parents=True, exist_ok=True)
     with atomic_write(output) as temporary:
-        temporary.write_text(text + "\n", encoding="utf-8")
+        values = {key: canonical_values(point) for key, point in points.items()}
+        temporary.write_text(to_sealed_json(values), encoding="utf-8")
     return output
 
 

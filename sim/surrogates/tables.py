@@ -1,25 +1,41 @@
-"""Tables of indices as CSV files, with a note of their checksum beside them."""
+"""Tables of indices as CSV files, with a note of their checksum beside them.
+
+A seal at the end would be a row to those who read a CSV file.
+"""
 
 import hashlib
 import io
 from pathlib import Path
-
-import pandas as pd
+from typing import TYPE_CHECKING
 
 from sim.base.files import atomic_write, read_regular
 from sim.base.seals import checked_read
 
+if TYPE_CHECKING:
+    import pandas as pd
 
-def save(table: pd.DataFrame, path: Path) -> None:
+
+def save(table: "pd.DataFrame", path: Path) -> None:
     """Write a table; the file appears complete or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with atomic_write(path) as temporary:
         table.to_csv(temporary, index=False, float_format="%.10g")
+        # Until the table takes its place, the one before it is whole, too.
+        whole = [temporary.read_bytes(), read(path) if path.is_file() else None]
+        checksums = dict.fromkeys(_checksum(one) for one in whole if one is not None)
         with atomic_write(_note(path)) as note:
-            note.write_text(_checksum(temporary.read_bytes()), encoding="ascii")
+            note.write_text(" ".join(checksums), encoding="ascii")
 
 
-def load(path: Path) -> pd.DataFrame:
+def read(path: Path) -> bytes | None:
+    """Return the bytes of a table, None where they are not those of its checksum."""
+    content = read_regular(path)
+    note = _note(path)
+    is_whole = not note.is_file() or _checksum(content) in note.read_text("ascii", "replace")
+    return content if is_whole else None
+
+
+def load(path: Path) -> "pd.DataFrame":
     """Read a table; one of an earlier version has no checksum.
 
     Raises
@@ -28,10 +44,13 @@ def load(path: Path) -> pd.DataFrame:
         When there is no such file, or it is damaged. In the results of a study it is then set
         aside, so that the study makes it again.
     """
+    # Imported here, as most commands need none of it.
+    import pandas as pd
+
     is_of_study = (path.parent.parent / "runs").is_dir()
     with checked_read(path, "sensitivity", replaceable=is_of_study):
-        content = read_regular(path)
-        if _note(path).is_file() and read_regular(_note(path)) != _checksum(content).encode():
+        content = read(path)
+        if content is None:
             raise ValueError("its checksum is wrong")
         texts = {"keep_default_na": False, "na_values": [""], "dtype": {"other": str}}
         return pd.read_csv(io.BytesIO(content), **texts)

@@ -52,6 +52,19 @@ def test_what_a_killed_process_left_is_removed_and_what_a_living_one_writes_is_n
     assert sorted(tmp_path.iterdir()) == sorted([path, in_progress, *others])
 
 
+def test_an_empty_folder_of_another_file_is_removed_a_day_later(tmp_path):
+    """A process that is killed after its last rename leaves one, and does not write again."""
+    old, young, full = (tmp_path / f".{name}.1.a1b2_c3d.part" for name in "abc")
+    for folder in (old, young, full):
+        folder.mkdir()
+    (full / "c").write_text("half")
+    for folder in (old, full):
+        os.utime(folder, (0, 0))
+    with atomic_write(tmp_path / "made.txt") as temporary:
+        temporary.write_text("new")
+    assert sorted(tmp_path.iterdir()) == [young, full, tmp_path / "made.txt"]
+
+
 def test_nobody_can_put_a_link_where_a_file_will_be_written(tmp_path):
     """The temporary name cannot be foretold, and nobody else can write its folder."""
     victim, path = tmp_path / "victim", tmp_path / "made.txt"

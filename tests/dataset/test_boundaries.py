@@ -12,12 +12,13 @@ import xarray as xr
 
 from sim.__main__ import main
 from sim.base.errors import InputError
+from sim.base.seals import DamagedError
 from sim.dataset import sources
 from sim.dataset.boundaries import add_rounds, added_points, build, find_sides
 from sim.dataset.build import build as build_dataset
 from sim.dataset.results import read_table
-from sim.dataset.rounds import side_of_run
-from sim.parameters import BeltParameters, ChuteParameters, parse_point, point_id
+from sim.dataset.rounds import read_round, side_of_run
+from sim.parameters import BeltParameters, ChuteParameters, canonical_values
 from sim.study.load import load_study
 from sim.surrogates.rounds import write_round
 from tests.made.netcdf import store
@@ -181,14 +182,27 @@ def test_a_round_holds_new_points_alone(study_results):
     study_path, results = study_results
     study = load_study(study_path, results)
     rounds = [
-        json.loads(write_round(study_path, number, results).read_text())
+        read_round(write_round(study_path, number, results))
         for number in range(1, study.rounds + 1)
     ]
     assert len(rounds) == 2
     assert not set(rounds[0]) & set(rounds[1])
     assert not set(study.points) & {*rounds[0], *rounds[1]}
-    for key, mapping in (rounds[0] | rounds[1]).items():
-        assert point_id(parse_point(mapping, "round")) == key
+
+
+def test_a_round_is_read_where_none_of_its_numbers_has_changed(study_results, tmp_path):
+    path = tmp_path / "1.json"
+    text = write_round(study_results[0], 1, study_results[1]).read_text()
+    mappings = json.loads(text)
+    del mappings["sha256"]
+    path.write_text(json.dumps(mappings))
+    # Without a checksum, as earlier versions wrote it.
+    assert {key: canonical_values(one) for key, one in read_round(path).items()} == mappings
+    # No part of the ids of points.
+    assert '"target": 0.02' in text
+    path.write_text(text.replace('"target": 0.02', '"target": 0.42', 1))
+    with pytest.raises(DamagedError, match="the checksum is wrong"):
+        read_round(path)
 
 
 def test_a_round_follows_from_the_runs_before_it(study_results, tmp_path):

@@ -1,8 +1,8 @@
 """One bit of a stored file changes: what is read is refused or as it was, never another number."""
 
-import json
 import random
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ import pytest
 import xarray as xr
 
 from sim.base.errors import InputError
+from sim.base.seals import to_sealed_json
 from sim.dataset.gather import read_run
 from sim.dataset.results import load_results
 from sim.dataset.rounds import read_round
@@ -28,7 +29,7 @@ from sim.study.extra_amounts import (
     write_extra_amounts,
 )
 from sim.study.load import load_study
-from sim.surrogates import calibration, storage, tables
+from sim.surrogates import calibration, refusals, storage, tables
 from tests.engine_motion.points import belt_point
 from tests.made.figures import make_figures
 from tests.made.report import write_claims
@@ -75,6 +76,13 @@ def surrogate_values(path: Path) -> Any:
     return plain({str(number): values for number, values in enumerate(numbers)})
 
 
+def refusal_of(path: Path) -> Any:
+    """Return a refusal, as pictures see it; without one they read an answer."""
+    if text := refusals.refusal_in(path):
+        return text
+    return storage.load(path) if path.suffix == ".nc" else tables.load(path)
+
+
 Read = Callable[[], Any]
 
 
@@ -92,11 +100,14 @@ def stored(tmp_path) -> dict[Path, Read]:
     storage.save(made_surrogate(), made / "surrogates" / "speed.nc")
     indices = pd.DataFrame({"parameter": ["friction"], "index": ["total"], "value": [0.25]})
     tables.save(indices, made / "sensitivity" / "matters.csv")
+    refused = [made / name for name in ("surrogates/none.nc", "sensitivity/none.csv")]
+    for path in refused:
+        refusals.save_refusal(refusals.Refusal("no answer, as 0 of 8 points count"), path)
     groups = {"observed_data": xr.Dataset(attrs={"outcome": "no fit", "probability": 0.001})}
     calibration.save("beads", groups, made / "calibration" / "beads.nc")
     (made / "rounds").mkdir()
     points = {point_id(POINT): canonical_values(POINT)}
-    (made / "rounds" / "1.json").write_text(json.dumps(points))
+    (made / "rounds" / "1.json").write_text(to_sealed_json(points))
     drawn = {path: lambda: require_unchanged(specs, figures) for path in figures.iterdir()}
     return drawn | {
         run: lambda: run_values(run),
@@ -115,6 +126,7 @@ def stored(tmp_path) -> dict[Path, Read]:
             name: group.attrs
             for name, group in calibration.load(made / "calibration" / "beads.nc").items()
         },
+        **{path: partial(refusal_of, path) for path in refused},
         made / "rounds" / "1.json": lambda: {
             key: canonical_values(point)
             for key, point in read_round(made / "rounds" / "1.json").items()

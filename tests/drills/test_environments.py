@@ -110,7 +110,8 @@ def test_the_suite_passes_under_other_pythons(tmp_path, capsys):
         shutil.rmtree(tree)
 
 
-FILES = ("tests/properties/test_parameters.py", "tests/properties/test_study_files.py")
+KINDS = ("parameters", "study_files", "files_beside")
+FILES = [f"tests/properties/test_{kind}.py" for kind in KINDS]
 PASSED = re.compile(r"(\d+) passing")
 
 
@@ -123,4 +124,4 @@ def test_points_and_studies_of_all_kinds(capsys):
     number = sum(map(int, PASSED.findall(done.stdout)))
     assert number >= 20_000
     with capsys.disabled():
-        print(f"\n{number} points and studies made up: each read, or refused in one line")
+        print(f"\n{number} made-up points and files: each read, or refused in one line")

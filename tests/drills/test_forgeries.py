@@ -8,14 +8,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
 from sim.base.errors import InputError
-from sim.base.seals import seal
-from sim.surrogates import calibration, storage
+from sim.base.seals import append_summary, seal
+from sim.figures.render import kind_of_answer
+from sim.study.plot_kinds import find_kind
+from sim.surrogates import calibration, storage, tables
 from sim.surrogates.calibration import outcome_sentences
 from sim.surrogates.posterior import calibrate, summarize
+from sim.surrogates.refusals import Refusal, refusal_in, save_refusal
+from tests.made.answers import picture_data, write_indices
 from tests.made.netcdf import store
 from tests.made.surrogates import AXES, made_surrogate
 from tests.surrogates.made_calibration import made_measurements
@@ -97,9 +102,48 @@ def forge_calibration(path: Path, chance: random.Random) -> None:
     seal(path)
 
 
+def forge_table(path: Path, chance: random.Random) -> None:
+    table = pd.read_csv(path).astype(object)
+    column, row = chance.choice(list(table.columns)), chance.randrange(len(table))
+    match chance.randrange(4):
+        case 0:
+            table = table.drop(index=row)
+        case 1:
+            table = table.drop(columns=column)
+        case 2:
+            table = pd.concat([table, table.iloc[[row]]])
+        case _:
+            table.loc[row, column] = chance.choice((*NUMBERS, "", "x", "$a", "friction"))
+    tables.save(table, path)
+
+
+def answers_of_table(path: Path) -> list[np.ndarray]:
+    data = picture_data(path.parent, "indices", path.name)
+    kind = kind_of_answer(find_kind("indices"), path)
+    assert len(kind.table(data)) and all(isinstance(one, str) for one in kind.notes(data))
+    kind.draw(data)
+    # What does not vary has no index.
+    return []
+
+
+def forge_refusal(path: Path, chance: random.Random) -> None:
+    path.unlink()
+    xr.Dataset(attrs={"refusal": "x"}).to_netcdf(path, engine="netcdf4")
+    append_summary(path, forged_value({"line": "x", "refusal": {"a": ["\x1b[2J"]}}, chance))
+    seal(path)
+
+
+def answers_of_refusal(path: Path) -> list[np.ndarray]:
+    text = refusal_in(path)
+    assert text.isprintable() and len(text) <= 2000
+    return [] if text else answers_of_surrogate(path)
+
+
 KINDS: dict[str, tuple[Callable, Callable]] = {
     "surrogate": (forge_surrogate, answers_of_surrogate),
     "calibration": (forge_calibration, answers_of_calibration),
+    "indices": (forge_table, answers_of_table),
+    "refusal": (forge_refusal, answers_of_refusal),
 }
 
 
@@ -110,6 +154,9 @@ def originals(tmp_path_factory) -> dict[str, bytes]:
     storage.save(made_surrogate(axes=AXES[:2]), folder / "surrogate.nc")
     groups = calibrate(made_measurements(1)[1])
     calibration.save("made", groups, folder / "calibration.nc")
+    indices = folder / write_indices(folder)
+    indices.rename(folder / "indices.nc")
+    save_refusal(Refusal("no answer"), folder / "refusal.nc")
     return {kind: (folder / f"{kind}.nc").read_bytes() for kind in KINDS}
 
 

@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from sim.base.errors import InputError
+from sim.figures.figure_records import current_record
 from sim.study.plot_kinds import find_kind
 from tests.figures.drawing import picture, table
 from tests.figures.test_plot_texts import shown_texts
@@ -106,3 +107,16 @@ def test_a_missing_answer_is_told(folder):
     for kind, name in (("indices", "none.csv"), ("posterior", "none.nc")):
         with pytest.raises(InputError, match=f"{name}: no such .*; rerun the study to make it"):
             picture(picture_data(folder, kind, name))
+
+
+def test_a_picture_is_old_where_any_row_of_its_answer_has_changed(tmp_path):
+    """A table has no seal at its end; that of a dataset tells it from others."""
+    (tmp_path / "dataset.nc").write_bytes(b"sealed")
+    spec = picture_data(tmp_path, "indices", write_indices(tmp_path)).spec
+    for suffix in spec.suffixes:
+        (tmp_path / f"made{suffix}").write_text("drawn")
+    before = current_record(spec, tmp_path / "dataset.nc", tmp_path, "code")
+    assert before and before == current_record(spec, tmp_path / "dataset.nc", tmp_path, "code")
+    path = tmp_path / "indices.csv"
+    path.write_text(path.read_text().replace("friction", "fraction", 1))
+    assert current_record(spec, tmp_path / "dataset.nc", tmp_path, "code") != before

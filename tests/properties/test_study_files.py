@@ -1,6 +1,5 @@
 """Whatever a study file holds, it is a study or an error of one line, also on the command line."""
 
-import copy
 import io
 import os
 import re
@@ -8,8 +7,6 @@ import resource
 import socket
 import subprocess
 from contextlib import redirect_stderr, redirect_stdout
-from functools import reduce
-from operator import getitem
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -22,8 +19,8 @@ from sim.__main__ import main
 from sim.base.errors import InputError
 from sim.base.yaml import MAX_BYTES, parse_yaml
 from sim.study.load import Study, load_study, parse_study
-from tests.made.processes import ROOT, program
-from tests.properties.values import ANYTHING, GIVEN, SCALARS
+from tests.made.processes import ROOT, program, refusal
+from tests.properties.mutations import TOKENS, mutated_texts, mutated_trees
 
 STUDIES = [
     ROOT / "config" / "quick.yaml",
@@ -31,17 +28,6 @@ STUDIES = [
 ]
 TEXTS = [path.read_text() for path in STUDIES]
 TREES = [yaml.safe_load(text) for text in TEXTS]
-
-#: What YAML gives a meaning, and what it gave one in older versions.
-TOKENS = st.sampled_from(
-    [
-        *":?-,[]{}#&*!|>'\"%@`~\t\n\r\x85\u2028\ufeff\0",
-        *("---", "...", "<<: *a", "<<: [*a, *a]", "? [a]", "&a", "*a", "*depths", "null", "true"),
-        *("0x1f", "1e999", ".nan", "-.inf", "010", "1:30", "2001-01-01", "%YAML 1.1", "\\0"),
-        *("!!set", "!!binary", "!!timestamp", "!!omap", "!!python/object:os.system", "!!int"),
-        *("!!float", "!!bool", "!!str", "!!null", "!!merge", "!!seq", "!!map", "!!value"),
-    ]
-)
 
 
 def outcome(work, *arguments) -> Study | str:
@@ -62,54 +48,12 @@ def study_of(text: str) -> Study | str:
     return outcome(work)
 
 
-@st.composite
-def mutated_texts(draw) -> str:
-    """A study file with characters flipped, taken out, doubled or put in."""
-    text = draw(st.sampled_from(TEXTS))
-    for _ in range(draw(st.integers(1, 4))):
-        start = draw(st.integers(0, len(text)))
-        end = start + draw(st.integers(0, 30))
-        new = draw(st.one_of(TOKENS, st.text(max_size=3), st.just(2 * text[start:end])))
-        text = text[:start] + new + text[end:]
-    return text
-
-
-def places(tree, path=()) -> list[tuple]:
-    """Paths of all nodes of a tree."""
-    members = {dict: dict.items, list: enumerate}.get(type(tree), lambda _: ())(tree)
-    return [path, *(found for key, value in members for found in places(value, (*path, key)))]
-
-
-@st.composite
-def mutated_trees(draw):
-    """A study with nodes taken out, doubled, exchanged or replaced by anything."""
-    tree = copy.deepcopy(draw(st.sampled_from(TREES)))
-    for _ in range(draw(st.integers(1, 3))):
-        *path, key = draw(st.sampled_from(places(tree)[1:] or [("study",)]))
-        parent = reduce(getitem, path, tree)
-        match draw(st.sampled_from(["delete", "double", "replace", "exchange", "rename", "point"])):
-            case "delete" if len(tree) > 1:
-                del parent[key]
-            case "double" if isinstance(parent, list):
-                parent.insert(key, parent[key])
-            case "exchange":
-                other = draw(st.sampled_from(places(tree)))
-                parent[key] = copy.deepcopy(reduce(getitem, other, tree))
-            case "rename" if isinstance(parent, dict):
-                parent[draw(SCALARS)] = parent.pop(key)
-            case "point":
-                parent[key] = draw(GIVEN)
-            case _:
-                parent[key] = draw(ANYTHING)
-    return tree
-
-
-@given(mutated_trees())
+@given(mutated_trees(TREES))
 def test_mutated_studies(tree):
     outcome(parse_study, tree, "study.yaml", ROOT / "none")
 
 
-@given(mutated_texts())
+@given(mutated_texts(TEXTS))
 def test_mutated_texts(text):
     study_of(text)
 
@@ -119,7 +63,9 @@ def test_texts_made_of_what_yaml_gives_a_meaning(text):
     study_of(text)
 
 
-@given(st.one_of(mutated_texts().map(str.encode), st.binary(max_size=200)), st.binary(max_size=3))
+@given(
+    st.one_of(mutated_texts(TEXTS).map(str.encode), st.binary(max_size=200)), st.binary(max_size=3)
+)
 def test_any_bytes_on_the_command_line(data, end):
     """Exit code 0 and a table, or 2 and one line on standard error."""
     with TemporaryDirectory() as folder:
@@ -191,6 +137,21 @@ def test_a_file_of_the_largest_size_is_read(tmp_path):
 def test_names_that_no_file_has(name, command, capsys):
     assert main([*command, name]) == 2
     assert re.fullmatch(r"error: .+\n", capsys.readouterr().err)
+
+
+LONG = "x" * 300
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["compare", LONG, LONG],
+        ["export", f"{LONG}.nc", "-o", "beads.xyz", "--to", "extxyz"],
+        ["points", ROOT / "config" / "quick.yaml", "--results", LONG],
+    ],
+)
+def test_a_name_that_no_file_system_takes_is_bad_input(words, capsys):
+    assert "File name too long" in refusal(capsys, *words)
 
 
 def bomb(first: str, opening: str, closing: str) -> str:

@@ -122,6 +122,9 @@ def test_a_crate_without_authors_is_refused_before_anything_is_copied(
     [
         ({"title": None}, "title: got nothing; allowed: the title of what is published"),
         ({"license": ["MIT"]}, "license: got ['MIT']; allowed: the name of a licence at spdx.org"),
+        ({"license": "a b/../c"}, "license: got 'a b/../c'; allowed: the name of a licence at sp"),
+        ({"license": "MIT\n"}, "license: got 'MIT\\n'; allowed: the name of a licence at spdx"),
+        ({"authors": [{"name": "A", "orcid": "./"}]}, "authors[0].orcid: got './'; allowed: an a"),
         ({"authors": []}, "authors: got []; allowed: a list of authors"),
         ({"authors": [{"orcid": "x"}]}, "authors[0]: got {'orcid': 'x'}; allowed: a list of auth"),
     ],

@@ -5,10 +5,12 @@ from itertools import cycle
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
 from sim.base.errors import InputError
+from sim.base.seals import DamagedError
 from sim.dataset.build import build
 from sim.dataset.rounds import read_round
 from sim.figures.several import draw_figures
@@ -17,7 +19,8 @@ from sim.report.results import load
 from sim.report.status import survey
 from sim.report.status_table import as_text
 from sim.study.load import load_study
-from sim.surrogates import answers
+from sim.surrogates import answers, tables
+from sim.surrogates.refusals import Refusal, refusal_in, save_refusal
 from sim.surrogates.rounds import write_round
 from tests.made.runs import write_run
 
@@ -157,3 +160,32 @@ def test_rounds_buy_what_a_mean_lacks(tmp_path):
 def _answer(path: Path) -> list[str]:
     build(path, path.parent)
     return answers.build(path, path.parent)
+
+
+def test_a_table_and_a_refusal_take_each_others_place(tmp_path):
+    path, indices = tmp_path / "matters.csv", pd.DataFrame({"parameter": ["friction"]})
+    for _ in range(2):
+        save_refusal(Refusal('no indices, as "0 of 8"\x1b[2J'), path)
+        assert refusal_in(path) == 'no indices, as "0 of 8" [2J'
+        tables.save(indices, path)
+        assert not refusal_in(path) and tables.load(path).equals(indices)
+
+
+def test_a_kill_between_a_table_and_the_note_of_its_checksum_damages_nothing(tmp_path, monkeypatch):
+    path, indices = tmp_path / "matters.csv", pd.DataFrame({"parameter": ["friction"]})
+    tables.save(indices, path)
+    replace = Path.replace
+
+    def replace_note_alone(self, target):
+        if target == path:
+            raise KeyboardInterrupt
+        return replace(self, target)
+
+    monkeypatch.setattr(Path, "replace", replace_note_alone)
+    with pytest.raises(KeyboardInterrupt):
+        save_refusal(Refusal("no indices"), path)
+    assert tables.load(path).equals(indices)
+    path.write_text(path.read_text().replace("friction", "fraction"))
+    with pytest.raises(DamagedError, match="its checksum is wrong"):
+        tables.load(path)
+    assert not refusal_in(path)

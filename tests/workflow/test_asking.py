@@ -1,6 +1,5 @@
 """A surrogate from end to end: a round of further points, a kill in between, and its answers."""
 
-import json
 import os
 import signal
 import subprocess
@@ -9,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import sim
-from sim.dataset.rounds import points_of_rounds
+from sim.dataset.rounds import points_of_rounds, read_round
 from sim.study.load import load_study
 from tests.made.processes import ROOT, wait_until
 from tests.made.project import bare_folder, command, planned_jobs, snakemake
@@ -44,7 +43,7 @@ def test_rounds_have_added_points_and_ended(tree):
     folder = tree / "results" / "asking"
     study = load_study(tree / STUDY, tree / "results")
     files = sorted((folder / "rounds").glob("*.json"), key=lambda path: int(path.stem))
-    rounds = [json.loads(path.read_text()) for path in files]
+    rounds = [read_round(path) for path in files]
     assert rounds[0] and not rounds[-1] and all(rounds[:-1])
     known = points_of_rounds(study, folder)
     assert len(known) == 6 + sum(map(len, rounds))

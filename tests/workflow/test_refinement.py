@@ -1,12 +1,12 @@
 """Boundaries from end to end: rounds as checkpoints, resumed, changed, in the dataset."""
 
 import csv
-import json
 from pathlib import Path
 
 import pytest
 import xarray as xr
 
+from sim.dataset.rounds import read_round
 from sim.study.load import load_study
 from sim.study.refine import further_rounds
 from tests.made.project import bare_folder, planned_jobs, planned_points, snakemake
@@ -26,7 +26,7 @@ def tree(tmp_path_factory) -> Path:
 
 def rounds(tree: Path) -> list[dict]:
     folder = tree / "results" / "onset" / "rounds"
-    return [json.loads(path.read_text()) for path in sorted(folder.glob("*.json"))]
+    return [read_round(path) for path in sorted(folder.glob("*.json"))]
 
 
 def test_the_boundary_is_found_in_the_promised_rounds(tree):

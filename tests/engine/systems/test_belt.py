@@ -6,6 +6,7 @@ import pytest
 from sim.engine.dynamics.status import BlowUp
 from sim.engine.observe.samples import add_sums
 from sim.engine.systems import build
+from sim.parameters.belt import SETTLING_TIME
 from sim.parameters.variables import AT_PHASE_0, parts
 from tests.engine_motion.points import belt_point, series_of, sums_of
 
@@ -127,6 +128,18 @@ def test_profiles_of_the_start_of_the_cycle_are_those_of_one_sample_in_twenty(ph
             assert tables[phased] == pytest.approx(mean)
         assert not np.array_equal(tables[phased], profiles[name], equal_nan=True)
     assert profiles["number_density"].sum() == pytest.approx(np.sum(mean))
+
+
+@pytest.mark.parametrize(("damping", "shear_damping"), [(5, 0), (2, 2), (0, 0.8)])
+def test_a_bed_of_little_damping_settles_in_about_the_steps_of_its_estimate(damping, shear_damping):
+    values = {"beads": 10, "width": 5, "damping": damping, "shear_damping": shear_damping}
+    point = belt_point(**values)
+    system = build(point, 0)
+    counts = []
+    system._enter = lambda stage: counts.append(int(system.loop.step[0]))
+    system.settle()
+    assert point.settling_steps / 5 < counts[0] < 2 * point.settling_steps
+    assert counts[0] > SETTLING_TIME / point.settling_step
 
 
 def test_the_force_on_the_belt_is_what_changes_the_momentum_of_the_bed():
