@@ -27,7 +27,10 @@ FREQUENCIES = [15, 16, 17, 18, 20, 25, 30, 40, 60, 80, 100]
 CORES = 2
 
 STUDY = "peers-sweep"
-RESULTS = Path("results") / STUDY
+
+#: Away from other studies, of which runs would be taken.
+FOLDER = CACHE / "sweep"
+RESULTS = FOLDER / "results" / STUDY
 
 
 def study_file(cycles: float) -> Path:
@@ -42,8 +45,8 @@ def study_file(cycles: float) -> Path:
         "defaults": {"belt": {"transient": cycles, "average": cycles}},
         "series": [series],
     }
-    path = CACHE / "sweep.yaml"
-    path.parent.mkdir(exist_ok=True)
+    path = FOLDER / "sweep.yaml"
+    path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(yaml.safe_dump(study))
     return path
 
@@ -53,8 +56,9 @@ def ours(study: Path) -> float:
     subprocess.run([sys.executable, "-m", "sim", "warm", study], check=True, capture_output=True)
     shutil.rmtree(RESULTS, ignore_errors=True)
     command = [sys.executable, "-m", "snakemake", "--cores", str(CORES), "--quiet", "all"]
+    command += ["--snakefile", str(Path("Snakefile").absolute()), "--configfile", study.name]
     started = time.perf_counter()
-    subprocess.run([*command, "--configfile", study, "--", "runs"], check=True)
+    subprocess.run([*command, "--", "runs"], check=True, cwd=FOLDER)
     return time.perf_counter() - started
 
 
