@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -96,7 +97,7 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
     InputError
         For a missing dataset, or one without points for the figure.
     """
-    results = load_results(dataset_path)
+    results = _load_once(dataset_path, _version(dataset_path))
     require_known_options(results.dataset, dataset_path)
     try:
         data, kind, table = _contents(spec, results)
@@ -122,6 +123,21 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
         for file, content in zip((csv, text), _texts(data, kind, table), strict=True):
             file.write_text(content, encoding="utf-8")
     return files
+
+
+@lru_cache(maxsize=2)
+def _load_once(dataset_path: Path, version: tuple[int, ...]) -> Results:
+    """Return a dataset for all figures that a process draws from it."""
+    return load_results(dataset_path)
+
+
+def _version(path: Path) -> tuple[int, ...]:
+    """Return what changes with the content of a file; empty if there is none."""
+    try:
+        status = path.stat()
+    except FileNotFoundError:
+        return ()
+    return status.st_ino, status.st_size, status.st_mtime_ns
 
 
 def with_short_numbers(svg: str) -> str:
