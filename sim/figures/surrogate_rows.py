@@ -165,6 +165,11 @@ def with_units(surrogate: Surrogate, rows: pd.DataFrame) -> pd.DataFrame:
     return rows.rename(columns=headings)
 
 
+def basis_note(surrogate: Surrogate, *shown: str) -> str:
+    """Return what every reader must know: points and error of the mean, and what is held."""
+    return f"{surrogate.basis.capitalize()}. {held_note(surrogate, *shown)}".strip()
+
+
 def held_note(surrogate: Surrogate, *shown: str) -> str:
     """Return the sentence on the parameters that are not on an axis."""
     held = [

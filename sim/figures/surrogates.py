@@ -20,10 +20,10 @@ from sim.figures.surrogate_rows import (
     MAP_STEPS,
     NEAR,
     agreement_rows,
+    basis_note,
     error_note,
     find_axis,
     find_surrogate,
-    held_note,
     near_rows,
     regime_note,
     run_rows,
@@ -94,7 +94,7 @@ def section_notes(data: FigureData) -> list[str]:
             "these values, moved here by what the surrogate says, with their 95 % intervals."
         )
     dashed = regime_note(surrogate, "The line is dashed where")
-    return [held_note(surrogate, axis.name), runs, dashed, error_note(surrogate)]
+    return [basis_note(surrogate, axis.name), runs, dashed, error_note(surrogate)]
 
 
 def draw_surface(data: FigureData) -> Figure:
@@ -161,10 +161,10 @@ def surface_table(data: FigureData) -> pd.DataFrame:
 def surface_notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption of a map."""
     surrogate = find_surrogate(data)
-    held = held_note(surrogate, data.spec.options["x"], data.spec.options["y"])
+    basis = basis_note(surrogate, data.spec.options["x"], data.spec.options["y"])
     dots = "Dots: all runs, wherever their other parameters are."
     line = regime_note(surrogate, "Across the line")
-    return [held, dots, line, error_note(surrogate)]
+    return [basis, dots, line, error_note(surrogate)]
 
 
 def draw_agreement(data: FigureData) -> Figure:

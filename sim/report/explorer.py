@@ -143,7 +143,8 @@ def _observables(
 def _curves(surrogate: Surrogate) -> Iterator[dict[str, Any]]:
     """Yield a section along each parameter of a surrogate."""
     lead = f"Line and band: surrogate {surrogate.name} and its 95 % interval"
-    lead += f", for each {' and '.join(surrogate.choices)}." if surrogate.choices else "."
+    lead += f", for each {' and '.join(surrogate.choices)}" if surrogate.choices else ""
+    lead += f" ({surrogate.basis})."
     for axis in surrogate.numeric:
         table = pd.concat(
             [section_rows(surrogate, axis, chosen) for chosen in shown_settings(surrogate)]

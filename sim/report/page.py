@@ -40,6 +40,7 @@ from sim.study.load import Study, load_study
 from sim.study.papers import papers
 from sim.surrogates.refusals import refusal_in
 from sim.surrogates.storage import load as load_surrogate
+from sim.surrogates.surrogate import LARGE_ERROR
 
 
 def build(study_path: str | Path, results: str | Path = "results") -> Path:
@@ -139,6 +140,7 @@ def render(
             for text in refusals.values()
             if not any(text != other and text.endswith(other) for other in refusals.values())
         ],
+        weak=[one for one in surrogates if one.error > LARGE_ERROR],
         verdicts=VERDICTS,
         outcomes=VERDICTS | REPORTED,
         claims=rows,

@@ -145,5 +145,6 @@ def _lines(surrogate: Surrogate, rows: Sequence[dict[str, Any]], outside: str) -
         )
         for row in rows
     ]
-    notes = [f"error of the surrogate {surrogate.name}: {100 * surrogate.error:.2g} %"]
+    left_out = f" ({surrogate.omissions} left out)" if surrogate.omissions else ""
+    notes = [f"surrogate {surrogate.name}: {surrogate.basis}{left_out}"]
     return [*align_table(headings, cells, set(headings)), *notes, *([outside] if outside else [])]

@@ -19,6 +19,9 @@ from sim.surrogates.sample import points_of_mean, unit_cube
 #: Share of a range by which a value may be outside it: sums of steps need not end on it.
 _SLACK = 1e-9
 
+#: Error of a mean from which on it is called too large to rely on.
+LARGE_ERROR = 0.2
+
 #: Most ranges by which a value may be outside, where it is asked for.
 _MOST_OUTSIDE = 100.0
 
@@ -279,6 +282,13 @@ class Surrogate:
     def hours(self) -> float:
         """Core hours of all its points."""
         return float(self.sample["core_hours"].sum())
+
+    @property
+    def basis(self) -> str:
+        """Of how many points the mean is, its error, and whether that is too large, in words."""
+        used, total = len(self.process.y), self.sample.sizes["point"]
+        text = f"mean of {used} of {total} points, error {float(f'{100 * self.error:.2g}'):g} %"
+        return f"{text}: too large to rely on" if self.error > LARGE_ERROR else text
 
     @property
     def omissions(self) -> str:

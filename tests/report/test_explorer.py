@@ -81,10 +81,10 @@ def test_a_surrogate_is_cut_along_each_of_its_parameters(systems):
     assert systems["belt"]["curves"] == []
     curves = {one["x"]: one for one in systems["chute"]["curves"]}
     assert set(curves) == {"friction", "depth"}
-    assert curves["depth"]["note"] == (
-        "Line and band: surrogate speed and its 95 % interval. Held: μ = 0.5."
-    )
     surrogate = made_surrogate()
+    assert curves["depth"]["note"] == (
+        f"Line and band: surrogate speed and its 95 % interval ({surrogate.basis}). Held: μ = 0.5."
+    )
     for row in curves["depth"]["rows"][::40]:
         answer = surrogate(friction=0.5, depth=row["depth"])
         mean, half = answer["mean"].item(), answer["half_width"].item()

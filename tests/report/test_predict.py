@@ -42,7 +42,7 @@ def test_a_table_has_a_row_for_each_value(folder):
         ["0.5", "5", "hertz"],
         ["0.6", "5", "hertz"],
     ]
-    assert lines[3].startswith("error of the surrogate speed: ") and len(lines) == 4
+    assert lines[3].startswith("surrogate speed: mean of ") and len(lines) == 4
 
 
 def test_json_has_the_same(folder):

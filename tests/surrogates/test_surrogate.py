@@ -1,5 +1,7 @@
 """A surrogate is called with values of its parameters, and read as it was written."""
 
+import re
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -113,6 +115,15 @@ def test_other_regimes_are_left_out_of_the_mean_and_counted(mixed):
     answer = mixed(friction=[0.22, 0.7], depth=5.0, law="hertz")
     low, high = answer["probability"].sel(regime="arrested").values
     assert low > 0.9 and high < 0.1
+
+
+def test_a_large_error_is_called_too_large_to_rely_on(mixed):
+    assert re.fullmatch(r"mean of 25 of 40 points, error [0-9.]+ %", mixed.basis)
+    x = design(8, 2)
+    scattered = np.random.default_rng(1).choice([0.1, 10.0], 8)
+    spec = SurrogateSpec("speed", "wide", "velocity", "chute", AXES[:2])
+    weak = fit_surrogate(spec, made_sample(x, scattered))
+    assert re.fullmatch(r"mean of 8 of 8 points, error \d+ %: too large to rely on", weak.basis)
 
 
 def test_words_are_chosen(mixed):
