@@ -45,6 +45,9 @@ def canonical_number(value: Any) -> Any:
 
 
 Real = Annotated[float, BeforeValidator(canonical_number)]
+
+#: What is allowed for a range, in words.
+TWO_NUMBERS = "two numbers without a unit, the lower one first"
 """A finite float in canonical form; range constraints act on the rounded value."""
 
 

@@ -7,15 +7,13 @@ from typing import Any, Self
 
 from pydantic import Field, model_validator
 
-from sim.parameters.common import broken_rule
+from sim.parameters.common import TWO_NUMBERS, broken_rule
 from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional
 from sim.study.measured import ALLOWED_FILE, FILE
 from sim.study.surrogate import SurrogateSpec
 
 #: Most measurements: each is predicted some 100,000 times.
 MOST_MEASUREMENTS = 1000
-
-_ALLOWED_RANGE = "two numbers, the lower one first"
 
 
 class CalibrateFile(Strict):
@@ -38,7 +36,7 @@ class CalibrateFile(Strict):
         description="parameters looked for, each with its lowest and highest value; they are "
         "evenly spread there before anything is measured",
         min_length=1,
-        json_schema_extra={"allowed": f"a mapping of parameters to {_ALLOWED_RANGE}"},
+        json_schema_extra={"allowed": f"a mapping of parameters to {TWO_NUMBERS}"},
     )
     observable: str = optional("column of the observable (omitted: its name)")
     error: str = optional(
@@ -53,9 +51,9 @@ class CalibrateFile(Strict):
         for name, ends in self.parameters.items():
             is_pair = isinstance(ends, list) and len(ends) == 2
             if not is_pair or not all(type(end) in (int, float) for end in ends):
-                raise broken_rule(f"parameters.{name}", ends, _ALLOWED_RANGE)
+                raise broken_rule(f"parameters.{name}", ends, TWO_NUMBERS)
             if not ends[0] < ends[1]:
-                raise broken_rule(f"parameters.{name}", ends, _ALLOWED_RANGE)
+                raise broken_rule(f"parameters.{name}", ends, TWO_NUMBERS)
         return self
 
 

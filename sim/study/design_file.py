@@ -10,7 +10,7 @@ from pydantic.fields import FieldInfo
 
 from sim.base.messages import allowed_values
 from sim.parameters import AMOUNTS, Parameters, canonical_number
-from sim.parameters.common import Real, broken_rule
+from sim.parameters.common import TWO_NUMBERS, Real, broken_rule
 from sim.study.design import (
     OPERATORS,
     Axis,
@@ -21,9 +21,7 @@ from sim.study.design import (
 )
 from sim.study.entries import Lists, Strict, optional
 
-_ALLOWED_VALUES = (
-    "two numbers, the lower one first; {between, scale}, {mean, deviation, between} or {choices}"
-)
+_ALLOWED_VALUES = f"{TWO_NUMBERS}; {{between, scale}}, {{mean, deviation, between}} or {{choices}}"
 _ALLOWED_COMPARISON = (
     f"two sides with one of {' '.join(OPERATORS)} between, numbers or parameters under over that "
     "take numbers"
@@ -39,7 +37,7 @@ class Distribution(Strict):
 
     between: list[Real] = optional(
         "lowest and highest value",
-        {"allowed": "two numbers, the lower one first"},
+        {"allowed": TWO_NUMBERS},
         min_length=2,
         max_length=2,
     )
@@ -72,7 +70,7 @@ class Distribution(Strict):
             return self
         low, high = self.between
         if not low < high:
-            raise broken_rule("between", self.between, "two numbers, the lower one first")
+            raise broken_rule("between", self.between, TWO_NUMBERS)
         if self.scale == "log" and low <= 0:
             raise broken_rule("between", self.between, "two numbers > 0 where the scale is log")
         if self.mean is not None and not low <= self.mean <= high:

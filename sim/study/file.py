@@ -10,7 +10,7 @@ from pydantic import ConfigDict, Field, model_validator
 from sim.base.additions import additions
 from sim.base.plugins import ALLOWED, PATTERN
 from sim.parameters import AMOUNTS, SYSTEMS, Parameters
-from sim.parameters.common import Real, broken_rule
+from sim.parameters.common import TWO_NUMBERS, Real, broken_rule
 from sim.study.calibration import CalibrateFile
 from sim.study.design import Axis, axis_of
 from sim.study.design_file import DesignFile
@@ -156,7 +156,7 @@ class BoundaryFile(_Family):
         description="lowest and highest value of that parameter",
         min_length=2,
         max_length=2,
-        json_schema_extra={"allowed": "two numbers, the lower one first"},
+        json_schema_extra={"allowed": TWO_NUMBERS},
     )
     tolerance: Real = Field(description="width of the interval to find the boundary in", gt=0)
     overrides: list[Override] = Field([], description="changes at certain values")
@@ -166,7 +166,7 @@ class BoundaryFile(_Family):
     def _require_valid_range(self) -> Self:
         low, high = self.range
         if not low < high:
-            raise broken_rule("range", self.range, "two numbers, the lower one first")
+            raise broken_rule("range", self.range, TWO_NUMBERS)
         if further_rounds(low, high, self.tolerance) > MAX_ROUNDS:
             finest = (high - low) / PARTS ** (MAX_ROUNDS + 1)
             raise broken_rule("tolerance", self.tolerance, f"a number >= {1.01 * finest:.3g}")

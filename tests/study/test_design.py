@@ -282,7 +282,7 @@ def plain(**over) -> dict:
     return {"kind": "sobol", "points": 8, "over": over}
 
 
-RANGE = "two numbers, the lower one first; {between, scale}, {mean, deviation, between} or {choi"
+RANGE = "two numbers without a unit, the lower one first; {between, scale}, {mean, devi"
 SIDES = "two sides with one of <= >= < > between, numbers or parameters under over that take numb"
 TWO = {"friction": [0.1, 0.2], "depth": [1, 2]}
 ERRORS = [

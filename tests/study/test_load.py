@@ -275,7 +275,7 @@ def test_a_study_without_boundaries_has_no_rounds(example, parse):
     [
         (
             {"range": [1, 0.2]},
-            r"range: got \[1, 0.2\]; allowed: two numbers, the lower one first",
+            r"range: got \[1, 0.2\]; allowed: two numbers without a unit, the lower one first",
         ),
         ({"range": [1]}, r"range: got \[1\]; allowed: two numbers"),
         ({"range": [0, 0.5, 1]}, r"range: got .*; allowed: two numbers"),
