@@ -13,6 +13,7 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import suppress
 from multiprocessing import get_context
 from pathlib import Path
+from typing import Any
 
 from sim.base.errors import InputError
 from sim.base.files import require_writable
@@ -71,6 +72,18 @@ def run(point: str, output: Path, quiet: bool, record_failure: bool) -> int:
         return SYSTEM_ERROR
 
 
+def _listed_points() -> list[Any]:
+    """Return the list of points on the standard input."""
+    try:
+        points = json.load(sys.stdin)
+    except (ValueError, AttributeError):
+        # Without a standard input, there is no such file.
+        points = None
+    if not isinstance(points, list):
+        raise InputError("<stdin>: not a list of points; allowed: a JSON list of mappings")
+    return points
+
+
 def batch(results: Path) -> int:
     """Run points one after the other in this process, except those with a current run file.
 
@@ -93,7 +106,7 @@ def batch(results: Path) -> int:
     InputError
         When a point or the folder cannot be used.
     """
-    points = [parse_point(mapping, "<stdin>") for mapping in json.load(sys.stdin)]
+    points = [parse_point(mapping, "<stdin>") for mapping in _listed_points()]
     runs, logs = results / "runs", results / "logs" / "runs"
     for folder in (runs, logs):
         require_writable(folder, "results")

@@ -62,6 +62,7 @@ def decide(study_path: Path, results: Path, cores: int | None) -> list[str] | in
         return _round(study_path, results)[0]
     if cores < 1:
         raise InputError.of_value("--cores", "", cores, "an integer >= 1")
+    load_study(study_path, results)
     while True:
         if code := run_with_signals(snakemake_command(study_path, cores)):
             return code

@@ -9,6 +9,7 @@ import sys
 
 import pytest
 
+from sim.__main__ import main
 from sim.engine import command
 from sim.engine.command import save_and_end, variants, warm
 from sim.engine.progress import progress_file
@@ -54,6 +55,13 @@ def test_a_point_in_a_batch_has_the_bits_of_one_alone(finished_batch, tmp_path):
     alone = program(*run_command(output)[3:], input=json.dumps(complete(POINTS)[1]))
     assert alone.returncode == 0, alone.stderr
     assert digest(output) == digest(folder / "runs" / output.name)
+
+
+@pytest.mark.parametrize("text", ["", "3", "{}", "\ufffd"])
+def test_what_is_no_list_of_points_is_one_line(text, monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr(sys, "stdin", io.StringIO(text))
+    assert main(["batch", str(tmp_path)]) == 2
+    assert capsys.readouterr().err.startswith("error: <stdin>: not a list of points")
 
 
 def test_what_is_current_is_left_and_the_rest_is_run(finished_batch):

@@ -309,7 +309,10 @@ ERRORS = [
         plain(friction={"between": [1, 0]}),
         "over.friction.between: got [1, 0]; allowed: two numbers",
     ),
-    (plain(friction={"between": [1]}), "over.friction.between: got [1]; allowed: two numbers, the"),
+    (
+        plain(friction={"between": [1]}),
+        "over.friction.between: got [1]; allowed: two numbers without a unit, the",
+    ),
     (
         plain(friction={"mean": 0.3, "deviation": 0, "between": [0, 1]}),
         "over.friction.deviation: got 0; allowed: a number > 0",
