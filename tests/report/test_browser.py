@@ -20,7 +20,7 @@ pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no chromium or google-
 PHONE = {"width": 375, "height": 812}
 
 #: Milliseconds after which something that does not happen is given up; a busy machine is slow.
-PATIENCE = 1_800_000
+PATIENCE = 300_000
 expect.set_options(timeout=PATIENCE)
 
 
