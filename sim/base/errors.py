@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, Self
 
 
-class Choice(NamedTuple):
+class Allowed(NamedTuple):
     """What is allowed in place of a name: the names, in words, after a question for one of them.
 
     The question is "did you mean friction? ", or empty.
@@ -27,7 +27,7 @@ class InputError(Exception):
         super().__init__("".join(c if c.isprintable() else " " for c in message))
 
     @classmethod
-    def of_value(cls, source: str | Path, key: str, value: Any, allowed: str | Choice) -> Self:
+    def of_value(cls, source: str | Path, key: str, value: Any, allowed: str | Allowed) -> Self:
         """Build the message ``FILE: KEY: got VALUE; allowed ALLOWED``.
 
         Parameters
@@ -38,11 +38,11 @@ class InputError(Exception):
             Full path of the key (``series[0].grid.depth[1]``); ``""`` for the file as a whole.
         value : object
             The value at this key; long values are shortened.
-        allowed : str or Choice
+        allowed : str or Allowed
             The accepted values, in words.
         """
         where = f"{source}: {key}" if key else f"{source}"
-        question, values = allowed if isinstance(allowed, Choice) else ("", allowed)
+        question, values = allowed if isinstance(allowed, Allowed) else ("", allowed)
         return cls(f"{where}: got {in_short(value)}; {question}allowed: {values}")
 
     @classmethod

@@ -91,6 +91,18 @@ def part_folder(path: Path) -> Path:
     return Path(tempfile.mkdtemp(".part", f".{path.name}.{os.getpid()}.", path.parent))
 
 
+def file_version(path: Path) -> tuple[int, ...]:
+    """Return inode, size and time of change of a file, which tell its versions apart.
+
+    Empty if there is none.
+    """
+    try:
+        status = path.stat()
+    except FileNotFoundError:
+        return ()
+    return status.st_ino, status.st_size, status.st_mtime_ns
+
+
 def remove_leftovers(path: Path) -> None:
     """Remove what killed processes have left of writing ``path``, and empty folders of others."""
     pattern = re.compile(rf"\.{re.escape(path.name)}\.(\d+)\.(?:\w+\.)?part")

@@ -13,7 +13,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails, ValidationError
 
 from sim.base.additions import plain_name
-from sim.base.errors import Choice, InputError, in_short, key_path
+from sim.base.errors import Allowed, InputError, in_short, key_path
 from sim.base.synonyms import names_meant
 from sim.base.units import conversion
 
@@ -191,7 +191,7 @@ def _name(entry: ErrorDetails) -> str:
     return next((part for part in reversed(entry["loc"]) if isinstance(part, str)), "")
 
 
-def _allowed(entry: ErrorDetails, owner: type[BaseModel]) -> str | Choice:
+def _allowed(entry: ErrorDetails, owner: type[BaseModel]) -> str | Allowed:
     """Return the accepted values, in words, for the field of an error."""
     name = _name(entry)
     # In models with lists of values (grids), the ranges are those of the single values.
@@ -243,16 +243,16 @@ def _converted(text: str, unit: str) -> str:
     return f": {float(match[1]) * factor:.12g}" if match and factor else ""
 
 
-def one_of(name: Any, options: Collection[str]) -> Choice:
+def one_of(name: Any, options: Collection[str]) -> Allowed:
     """Return what is allowed in place of a name: all options if they are few, else the nearest.
 
     Anything but a text is near to no option.
 
     >>> one_of("hertzian", ["drag", "hertz"])
-    Choice(question='did you mean hertz? ', names='one of drag, hertz')
+    Allowed(question='did you mean hertz? ', names='one of drag, hertz')
     """
     word = name if isinstance(name, str) else ""
-    return Choice(did_you_mean(word, options), f"one of {near(word, options)}")
+    return Allowed(did_you_mean(word, options), f"one of {near(word, options)}")
 
 
 def near(name: str, options: Collection[str], most: int = MOST_NAMES) -> str:

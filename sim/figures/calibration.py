@@ -16,6 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim.base.errors import InputError
+from sim.base.files import file_version
 from sim.base.statistics import MANY, student
 from sim.figures.axes import set_log
 from sim.figures.configuration import COLOURS as SHADES
@@ -247,12 +248,12 @@ def _groups(data: FigureData) -> Mapping[str, xr.Dataset]:
     if data.results.runs is None:
         raise InputError(f"{data.spec.name}: drawn in the results of a study alone")
     path = data.results.runs.parent / data.spec.options["answer"]
-    return _load(path, path.stat().st_mtime_ns if path.is_file() else 0)
+    return _load(path, file_version(path))
 
 
 @lru_cache(maxsize=4)
-def _load(path: Path, changed: int) -> Mapping[str, xr.Dataset]:
-    """Return the groups of a file that was ``changed`` (ns) at some time."""
+def _load(path: Path, version: tuple[int, ...]) -> Mapping[str, xr.Dataset]:
+    """Return the groups of a version of a file."""
     return load(path)
 
 

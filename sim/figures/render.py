@@ -16,8 +16,8 @@ from matplotlib.figure import Figure
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from sim.base.errors import Choice, InputError
-from sim.base.files import atomic_write
+from sim.base.errors import Allowed, InputError
+from sim.base.files import atomic_write, file_version
 from sim.base.messages import one_of
 from sim.base.seals import checked_read
 from sim.dataset.results import Results, load_results, require_known_options
@@ -70,7 +70,7 @@ def find_spec(name: str, plots: Mapping[str, FigureSpec] | None = None) -> Figur
     if name not in specs:
         hint = "" if plots is not None else "; a plot of a study needs --study STUDY.yaml"
         question, names = one_of(name, specs)
-        raise InputError.of_value("figure", "name", name, Choice(question, names + hint))
+        raise InputError.of_value("figure", "name", name, Allowed(question, names + hint))
     return specs[name]
 
 
@@ -97,7 +97,7 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
     InputError
         For a missing dataset, or one without points for the figure.
     """
-    results = _load_once(dataset_path, _version(dataset_path))
+    results = _load_once(dataset_path, file_version(dataset_path))
     require_known_options(results.dataset, dataset_path)
     try:
         data, kind, table = _contents(spec, results)
@@ -129,15 +129,6 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
 def _load_once(dataset_path: Path, version: tuple[int, ...]) -> Results:
     """Return a dataset for all figures that a process draws from it."""
     return load_results(dataset_path)
-
-
-def _version(path: Path) -> tuple[int, ...]:
-    """Return what changes with the content of a file; empty if there is none."""
-    try:
-        status = path.stat()
-    except FileNotFoundError:
-        return ()
-    return status.st_ino, status.st_size, status.st_mtime_ns
 
 
 def with_short_numbers(svg: str) -> str:

@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 
 from sim.base.errors import InputError
+from sim.base.files import file_version
 from sim.base.statistics import MANY, student
 from sim.figures.data import FigureData
 from sim.parameters import SYSTEMS, field_info
@@ -40,12 +41,12 @@ def find_surrogate(data: FigureData) -> Surrogate:
     if data.results.runs is None or "answer" not in data.spec.options:
         raise InputError(f"{data.spec.name}: drawn of the surrogates of a study alone")
     path = data.results.runs.parent / data.spec.options["answer"]
-    return _load(path, path.stat().st_mtime_ns if path.is_file() else 0)
+    return _load(path, file_version(path))
 
 
 @lru_cache(maxsize=4)
-def _load(path: Path, changed: int) -> Surrogate:
-    """Return the surrogate in a file that was ``changed`` (ns) at some time."""
+def _load(path: Path, version: tuple[int, ...]) -> Surrogate:
+    """Return the surrogate in a version of a file."""
     return load(path)
 
 
@@ -166,7 +167,7 @@ def with_units(surrogate: Surrogate, rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def basis_note(surrogate: Surrogate, *shown: str) -> str:
-    """Return what every reader must know: points and error of the mean, and what is held."""
+    """Return the sentences on points and error of the mean, and on parameters that are held."""
     return f"{surrogate.basis.capitalize()}. {held_note(surrogate, *shown)}".strip()
 
 

@@ -9,7 +9,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
 from sim.base.additions import plain_name, shipped
-from sim.base.errors import Choice
+from sim.base.errors import Allowed
 from sim.parameters import fields
 from sim.parameters.roles import amount, declare, numerics
 
@@ -45,10 +45,10 @@ def canonical_number(value: Any) -> Any:
 
 
 Real = Annotated[float, BeforeValidator(canonical_number)]
+"""A finite float in canonical form; range constraints act on the rounded value."""
 
 #: What is allowed for a range, in words.
 TWO_NUMBERS = "two numbers without a unit, the lower one first"
-"""A finite float in canonical form; range constraints act on the rounded value."""
 
 
 def drift_bound(target: float) -> float:
@@ -60,7 +60,7 @@ def drift_bound(target: float) -> float:
     return min(max(0.1, 5 * target), 0.25)
 
 
-def broken_rule(key: str, value: Any, allowed: str | Choice) -> PydanticCustomError:
+def broken_rule(key: str, value: Any, allowed: str | Allowed) -> PydanticCustomError:
     """Return the error of a rule on several parameters, reported for ``key``."""
     # In a list, as pydantic would render a text, and not every text of a file can be encoded.
     context = {"key": key, "got": [value], "allowed": allowed}

@@ -81,9 +81,9 @@ def _current_folder(source: Path, results: Path) -> Path:
 
 
 def _is_of(spec: SurrogateSpec, surrogate: Surrogate) -> bool:
-    """Return whether a surrogate is what a study asks for."""
-    asked = spec.observable, spec.axes, spec.regimes
-    return asked == (surrogate.observable, surrogate.axes, surrogate.mean_regimes)
+    """Return whether a surrogate has the observable, parameters and regimes of a study's entry."""
+    entry = spec.observable, spec.axes, spec.regimes
+    return entry == (surrogate.observable, surrogate.axes, surrogate.mean_regimes)
 
 
 def _values(surrogate: Surrogate, at: Sequence[str]) -> dict[str, Any]:

@@ -11,7 +11,7 @@ import pandas as pd
 import xarray as xr
 from pydantic import ValidationError
 
-from sim.base.errors import Choice, InputError
+from sim.base.errors import Allowed, InputError
 from sim.base.messages import input_error, one_of
 from sim.base.words import count_text, printable
 from sim.dataset import results as datasets
@@ -221,7 +221,7 @@ def load(results: str | Path) -> LabelledResults:
     return replace(loaded, dataset=loaded.of(*systems)) if len(systems) == 1 else loaded
 
 
-def _grid_error(key: str, value: Any, allowed: str | Choice) -> InputError:
+def _grid_error(key: str, value: Any, allowed: str | Allowed) -> InputError:
     return InputError.of_value("to_grid", key, value, allowed)
 
 

@@ -101,13 +101,13 @@ class Opinion:
 
 
 def opinions_of(study: Study, dataset: xr.Dataset, folder: Path) -> list[Opinion]:
-    """Return what each engine that was asked says of a study, see `opinion_of`."""
+    """Return the opinion of each other engine that has run points of a study."""
     every = (opinion_of(study, dataset, folder, other) for other in other_engines().values())
     return [opinion for opinion in every if opinion.pairs]
 
 
 def opinion_of(study: Study, dataset: xr.Dataset, folder: Path, other: str) -> Opinion:
-    """Return what another engine says of a study, from its dataset and the runs in its folder."""
+    """Return the means of both engines, from a study's dataset and the runs in its folder."""
     places = {str(key): place for place, key in enumerate(dataset["point"].values)}
 
     def mean(name: str) -> Mean | None:
@@ -119,10 +119,10 @@ def opinion_of(study: Study, dataset: xr.Dataset, folder: Path, other: str) -> O
     pairs = {}
     for key, twin in twins(study, other).items():
         is_own = getattr(twin, "engine", "") == OWN
-        own, asked = (point_id(twin), key) if is_own else (key, point_id(twin))
-        first, second = mean(own), mean(asked)
+        ours, theirs = (point_id(twin), key) if is_own else (key, point_id(twin))
+        first, second = mean(ours), mean(theirs)
         if first and second:
-            pairs[own] = Pair(twin.system, {}, first, second)
+            pairs[ours] = Pair(twin.system, {}, first, second)
     return Opinion((OWN, plain_name(other)), pairs)
 
 

@@ -9,7 +9,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from sim.base.errors import Choice, InputError
+from sim.base.errors import Allowed, InputError
 from sim.base.files import open_regular
 from sim.base.messages import did_you_mean
 from sim.base.units import conversion
@@ -52,8 +52,8 @@ class MeasuredTable:
         """Raise ``InputError`` unless there is a column; ``what`` says what it should hold."""
         if name not in self.texts:
             allowed = f"a column {name}, {what}; the file has {', '.join(self.texts)}"
-            choice = Choice(did_you_mean(name, self.texts), allowed)
-            raise InputError.of_value(self.path, f"column {name}", None, choice)
+            answer = Allowed(did_you_mean(name, self.texts), allowed)
+            raise InputError.of_value(self.path, f"column {name}", None, answer)
 
     def error(self, row: int, column: str, value: Any, allowed: str) -> InputError:
         """Return the error of a value in a row (from 0) of a column."""

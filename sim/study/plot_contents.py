@@ -6,7 +6,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from sim.base.errors import Choice, InputError
+from sim.base.errors import Allowed, InputError
 from sim.base.messages import near
 from sim.parameters import NUMERICAL, SYSTEMS, Parameters, field_info
 from sim.study.beside import DataSet, data_sets
@@ -41,7 +41,7 @@ class PlotContents:
     source: str
     place: str
 
-    def error(self, key: str, value: Any, allowed: str | Choice) -> InputError:
+    def error(self, key: str, value: Any, allowed: str | Allowed) -> InputError:
         """Return the error of a key of the plot."""
         return InputError.of_value(self.source, f"{self.place}.{key}", value, allowed)
 

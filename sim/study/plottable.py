@@ -4,7 +4,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from sim.base.errors import Choice
+from sim.base.errors import Allowed
 from sim.base.messages import MOST_NAMES, did_you_mean, near, one_of
 from sim.parameters import SYSTEMS
 from sim.parameters.variables import Variable, observable_variables, plotted_name, variables_of
@@ -83,7 +83,7 @@ def every_name() -> list[str]:
 
 
 #: Function: key of a plot, its value, allowed values → error to raise.
-PlotErrorMaker = Callable[[str, Any, str | Choice], Exception]
+PlotErrorMaker = Callable[[str, Any, str | Allowed], Exception]
 
 
 def find_observable(
@@ -136,6 +136,6 @@ def require_parameter(
         if observables:
             allowed += f"; or an observable: {near(name, observables, most)}"
         question = did_you_mean(name, [*names, *observables])
-        raise plot_error(key, name, Choice(question, allowed))
+        raise plot_error(key, name, Allowed(question, allowed))
     if key in ("x", "y") and fields[name].annotation not in (int, float):
         raise plot_error(key, name, "a parameter that is a number; curves and panels take any")

@@ -6,7 +6,7 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any
 
-from sim.base.errors import Choice, InputError
+from sim.base.errors import Allowed, InputError
 from sim.parameters import NUMERICAL
 from sim.study.design import Axis, Design
 from sim.study.figure_spec import FigureSpec
@@ -31,7 +31,7 @@ class Question:
     def __init__(self, study: Study, file: StudyFile, entry: Any, path: Path, place: str):
         self.study, self.file, self.entry, self.path, self.place = study, file, entry, path, place
 
-    def error(self, key: str, value: Any, allowed: str | Choice) -> InputError:
+    def error(self, key: str, value: Any, allowed: str | Allowed) -> InputError:
         """Return the error of a key of the entry."""
         return InputError.of_value(self.path, f"{self.place}.{key}", value, allowed)
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from sim.base.errors import Choice, InputError
+from sim.base.errors import Allowed, InputError
 from sim.base.messages import did_you_mean, one_of
 from sim.base.words import count_text
 from sim.parameters import SYSTEMS, field_info
@@ -29,7 +29,7 @@ class _Asked(Question):
         name = self.entry.surrogate
         if name not in named:
             allowed = "one of " + ", ".join(named) if named else "the name of a surrogate"
-            raise self.error("surrogate", name, Choice(did_you_mean(name, named), allowed))
+            raise self.error("surrogate", name, Allowed(did_you_mean(name, named), allowed))
         for axis in named[name].axes:
             if not axis.is_number:
                 got = f"{name}, which varies {axis.name}"

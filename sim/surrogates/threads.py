@@ -24,7 +24,7 @@ def on_one_thread(function: Function) -> Function:
 
 @cache
 def _controller() -> Any:
-    """Return what sets the threads of all libraries that surrogates load."""
+    """Return the controller of the threads of BLAS, once scikit-learn has loaded it."""
     import sklearn.gaussian_process  # noqa: F401  # it loads them
     from threadpoolctl import ThreadpoolController
 

@@ -4,6 +4,7 @@ import re
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from sim.claims.verdict_files import write
@@ -103,6 +104,27 @@ def test_a_question_without_an_answer_is_one_line_and_has_no_picture(tmp_path):
     assert pictures == ["figure-velocity", "figure-map"]
     links = {one["href"] for one in page.all("a") if one.get("href", "").startswith("#figure-")}
     assert links == {f"#{name}" for name in pictures}
+
+
+def test_a_surrogate_with_a_large_error_is_named_first(tmp_path):
+    study_path = tmp_path / "own.yaml"
+    study_path.write_text(
+        "study: own\nseries: [{name: flows, system: chute, base: {replicates: 2},\n"
+        "  grid: {friction: [0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.65]}}]\n"
+        "surrogate: [{name: speed, series: flows, observable: velocity}]\n"
+    )
+    study = load_study(study_path, tmp_path)
+    for number, point in enumerate(study.points.values()):
+        velocity = (0.1 if number % 2 else 10.0) * np.array([0.99, 1.01])
+        write_run(tmp_path / "own" / "runs", point.parameters, velocity, regime="steady")
+    dataset = build_dataset(study_path, tmp_path)
+    answers.build(study_path, tmp_path)
+    figures = dataset.parent / "figures"
+    draw_figures(list(study.entries), dataset, figures, code="x", study_path=study_path)
+    write([], "own", dataset.parent)
+    text = " ".join(Page(build(study_path, tmp_path).read_text(encoding="utf-8")).text.split())
+    named = re.search(r"Surrogate speed: mean of 8 of 8 points, error \d+ %: too large", text)
+    assert named and named.start() < text.index("Mean of 8 of 8 points")
 
 
 def test_claims_are_not_shown_where_no_figure_of_the_papers_is(page):
