@@ -115,6 +115,7 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
         if isinstance(drawn, Animation):
             _save_gif(drawn, other)
         else:
+            _keep_layout(figure)
             figure.savefig(other, format="svg", metadata={"Title": spec.title, "Date": None})
             svg = with_short_numbers(other.read_text(encoding="utf-8"))
             other.write_text(svg, encoding="utf-8")
@@ -169,7 +170,13 @@ def settle(figure: Figure) -> None:
         previous, bounds = bounds, [axes.get_position().bounds for axes in figure.axes]
         if previous is not None and np.allclose(previous, bounds, atol=1e-3):
             break
-        figure.draw_without_rendering()
+        figure.get_layout_engine().execute(figure)
+
+
+def _keep_layout(figure: Figure) -> None:
+    """Let a figure keep its layout: each file would lay it out, and draw it for that, once more."""
+    with mpl.rc_context({"figure.constrained_layout.use": False, "figure.autolayout": False}):
+        figure.set_layout_engine(None)
 
 
 def derive_texts(spec: FigureSpec, results: Results) -> tuple[str, str]:
@@ -251,7 +258,7 @@ def _save_gif(animation: Animation, path: Path) -> None:
     # All frames have the layout of the first: texts that change would move the axes.
     animation.show(0)
     figure.draw_without_rendering()
-    figure.set_layout_engine("none")
+    _keep_layout(figure)
     frames = []
     for number in range(animation.frames):
         animation.show(number)
