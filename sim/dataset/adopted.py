@@ -16,14 +16,21 @@ from sim.base.files import atomic_write, read_regular
 from sim.base.seals import checked_read, is_damaged
 from sim.base.words import count_text
 from sim.dataset.rounds import SCALARS, points_of_rounds
-from sim.dataset.rows import PARTICLES, RUNS, Rows, reader_hash, stored_names, stored_particles
+from sim.dataset.rows import (
+    PARTICLES,
+    RUNS,
+    Rows,
+    points_with_profiles,
+    reader_hash,
+    stored_names,
+    stored_particles,
+)
 from sim.engine.identity import NUMERICS
 from sim.engine.stored_run import has_enough
 from sim.parameters import Parameters, amounts, covers
 from sim.parameters.variables import ALL
 from sim.study.load import load_study
-from sim.study.model import Study
-from sim.study.plot_kinds import Shown
+from sim.study.model import Need, Study
 
 #: Folder of the adopted datasets of a study, beside its runs.
 FOLDER = "adopted"
@@ -47,8 +54,8 @@ class AdoptedPoint(NamedTuple):
         The dataset.
     amounts : mapping
         Amounts of the point that it holds.
-    particles : Shown
-        How much it stores of the particles.
+    stored : Need
+        What it stores of the point besides its scalars.
     caveat : str
         Caveat of the point.
     scalars : mapping
@@ -57,17 +64,19 @@ class AdoptedPoint(NamedTuple):
 
     dataset: Path
     amounts: Mapping[str, float]
-    particles: Shown
+    stored: Need
     caveat: str
     scalars: Mapping[str, np.ndarray]
 
-    def is_enough_for(self, parameters: Parameters, need: Shown) -> bool:
-        """Return whether this has the amounts of a point, and enough of its particles."""
+    def is_enough_for(self, parameters: Parameters, need: Need) -> bool:
+        """Return whether this has the amounts of a point, and enough of profiles and particles."""
         needed = amounts(parameters)
         is_covered = needed.keys() <= self.amounts.keys() and covers(self.amounts, needed)
         # The state is that of the first replicate that completed.
         has_state = "completed" in self.wanted_scalars(parameters)["status"]
-        return is_covered and ((has_state and self.particles >= need) or not need)
+        has_particles = has_state and self.stored.particles >= need.particles
+        has_profiles = self.stored.profiles >= need.profiles
+        return is_covered and has_profiles and (has_particles or not need.particles)
 
     def wanted_scalars(self, parameters: Parameters) -> dict[str, np.ndarray]:
         """Return the scalars of as many replicates as the point has."""
@@ -93,7 +102,7 @@ class AdoptedPoints:
     def __init__(self, study: Study, folder: Path):
         self.files = sorted((folder / FOLDER).glob("*.nc"))
         self._runs = folder / "runs"
-        self._needs_run_file, self._particle_need = study.needs_run_file, study.particles_needed
+        self._needs_run_file, self._need = study.needs_run_file, study.need
         self._candidates: dict[str, list[AdoptedPoint]] = defaultdict(list)
         for path in self.files:
             with checked_read(path, _KIND, replaceable=True):
@@ -102,7 +111,7 @@ class AdoptedPoints:
 
     def source(self, point: str, parameters: Parameters) -> AdoptedPoint | None:
         """Return the adopted row of a point, none where its run file is there or is needed."""
-        need = self._particle_need(point)
+        need = self._need(point)
         rows = [
             row for row in self._candidates.get(point, ()) if row.is_enough_for(parameters, need)
         ]
@@ -134,7 +143,7 @@ class AdoptedPoints:
         blocks: list[Rows] = []
         for path in sorted(members):
             with checked_read(path, _KIND, replaceable=True):
-                blocks += adopted_rows(path, members[path], self._particle_need)
+                blocks += adopted_rows(path, members[path], self._need)
         return blocks
 
 
@@ -157,6 +166,7 @@ def _read_points(path: Path, changed: int, code: str) -> dict[str, AdoptedPoint]
         file.set_auto_mask(False)
         runs = file.groups[RUNS]
         states = file.groups[PARTICLES].groups if PARTICLES in file.groups else {}
+        with_profiles = points_with_profiles(file)
         scalars = {name: file[name][:] for name in (*SCALARS, "wall_time")}
         columns = (file["point"], file["system"], runs["wanted"], runs["numerics"], file["caveat"])
         table: Any = list(zip(*(column[:].tolist() for column in columns), strict=True))
@@ -165,7 +175,7 @@ def _read_points(path: Path, changed: int, code: str) -> dict[str, AdoptedPoint]
             point: AdoptedPoint(
                 dataset=path,
                 amounts={name: float(value) for name, value in loads(point_amounts).items()},
-                particles=stored_particles(states, point),
+                stored=Need(stored_particles(states, point), point in with_profiles),
                 caveat=caveat,
                 scalars={name: values[row] for name, values in scalars.items()},
             )
@@ -220,7 +230,7 @@ def adopt(study_path: Path, dataset_path: Path, results: Path) -> str:
     study = load_study(study_path, results)
     folder = results / study.name
     points = points_of_rounds(study, folder)
-    is_run_file_needed, particle_need = study.needs_run_file, study.particles_needed
+    is_run_file_needed = study.needs_run_file
     with checked_read(dataset_path, "dataset", replaceable=False, sealed=True):
         content = read_regular(dataset_path)
         _require_origin(dataset_path)
@@ -229,10 +239,10 @@ def adopt(study_path: Path, dataset_path: Path, results: Path) -> str:
             key: point
             for key, point in points.items()
             if key in rows
-            and rows[key].is_enough_for(point, particle_need(key))
+            and rows[key].is_enough_for(point, study.need(key))
             and not is_run_file_needed(key)
         }
-        adopted_rows(dataset_path, covered, particle_need)
+        adopted_rows(dataset_path, covered, study.need)
     if not covered:
         common = len(points.keys() & rows.keys())
         raise InputError(

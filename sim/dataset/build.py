@@ -192,7 +192,11 @@ def _groups(
     yield "si", si_parameters(list(study.points.values()))
     yield RUNS, runs(rows)
     for system in SYSTEMS:
-        members = [key for key, point in study.points.items() if point.parameters.system == system]
+        members = [
+            key
+            for key, point in study.points.items()
+            if point.parameters.system == system and study.need(key).profiles
+        ]
         if members:
             replicates = scalars.sizes["replicate"]
             yield system, profiles(align_rows(blocks, members, OF_PROFILES, replicates))

@@ -21,11 +21,13 @@ from sim.dataset.rows import (
     Rows,
     amounts_text,
     dimensions,
+    points_with_profiles,
     reader_hash,
     stored_names,
     stored_particles,
 )
 from sim.parameters import Parameters, amounts
+from sim.study.model import Need
 from sim.study.plot_kinds import Shown
 
 #: Second name of the last dataset of a study. It stays when the workflow removes ``dataset.nc``,
@@ -43,7 +45,7 @@ def keep_dataset(dataset: Path, folder: Path) -> None:
 
 
 def earlier_rows(
-    folder: Path, particle_need: Callable[[str], Shown], points: Mapping[str, Parameters]
+    folder: Path, need: Callable[[str], Need], points: Mapping[str, Parameters]
 ) -> list[Rows]:
     """Return the rows of points in the earlier dataset that equal what their run files would give.
 
@@ -52,8 +54,8 @@ def earlier_rows(
     folder : Path
         Results of the study. There are no such rows without an earlier dataset, or if that is
         damaged or was made by other code.
-    particle_need : callable
-        Returns how much must be stored of the particles of a point, by its id.
+    need : callable
+        Returns what must be stored of a point besides its scalars, by its id.
     points : mapping
         The points, by id.
     """
@@ -66,14 +68,14 @@ def earlier_rows(
 
     with suppress(*UNREADABLE):
         if path.is_file() and not is_damaged(path):
-            return list(_read_rows(path, is_same, particle_need))
+            return list(_read_rows(path, is_same, need))
     return []
 
 
 def adopted_rows(
     path: Path,
     points: Mapping[str, Parameters],
-    particle_need: Callable[[str], Shown],
+    need: Callable[[str], Need],
 ) -> list[Rows]:
     """Return the rows of points in an adopted dataset, without replicates beyond their amounts.
 
@@ -83,10 +85,10 @@ def adopted_rows(
         The dataset, which has at least these amounts. Its stem becomes the origin of the rows.
     points : mapping
         The points, by id.
-    particle_need : callable
-        Returns how much must be stored of the particles of a point, by its id.
+    need : callable
+        Returns what must be stored of a point besides its scalars, by its id.
     """
-    blocks = _read_rows(path, lambda point, *_: point in points, particle_need)
+    blocks = _read_rows(path, lambda point, *_: point in points, need)
     return [_trim_replicates(block, points, path.stem) for block in blocks]
 
 
@@ -108,9 +110,9 @@ def _trim_replicates(block: Rows, points: Mapping[str, Parameters], dataset: str
 def _read_rows(
     path: Path,
     is_selected: Callable[[str, str, str, str], bool],
-    particle_need: Callable[[str], Shown],
+    need: Callable[[str], Need],
 ) -> Iterator[Rows]:
-    """Yield the selected rows of a dataset that store enough of the particles.
+    """Yield the selected rows of a dataset that store enough of profiles and particles.
 
     ``is_selected`` gets the id of the point, the seal of its run file, the amounts that were read,
     and the hash of the code that read them. Variables unknown to the present code are left out.
@@ -118,6 +120,7 @@ def _read_rows(
     with netCDF4.Dataset(path) as file:
         states = file.groups[PARTICLES].groups if PARTICLES in file.groups else {}
         particles = {point: stored_particles(states, point) for point in states}
+        with_profiles = points_with_profiles(file)
     with ExitStack() as stack:
 
         def open_group(group: str | None) -> xr.Dataset:
@@ -132,21 +135,24 @@ def _read_rows(
         origin = [name for name in columns if name not in ("variables", "adopted")]
         table = table.assign(**{name: runs[name].values for name in columns})
         selection = [
-            particles.get(point, Shown.NOTHING) >= particle_need(point)
+            particles.get(point, Shown.NOTHING) >= need(point).particles
+            and (point in with_profiles or not need(point).profiles)
             and is_selected(point, seal, wanted, runs.attrs["code"])
             for point, seal, wanted in table[["point", "seal", "wanted"]].itertuples(index=False)
         ]
         groups = table[selection].groupby(["system", "variables"], sort=False)
         for (system, variables), group in groups:
             rows, points = group.index.to_numpy(), group["point"].tolist()
-            profile_rows = (profiles := open_group(system)).indexes["run"].get_indexer(points)
+            names = [name for name in variables.split() if name in known_names]
             values = {
-                name: profiles[name].values[profile_rows]
-                if name in OF_PROFILES
-                else root[name].values[rows].astype(object if name in WORDS else float)
-                for name in variables.split()
-                if name in known_names
+                name: root[name].values[rows].astype(object if name in WORDS else float)
+                for name in names
+                if name not in OF_PROFILES
             }
+            if profile_names := [name for name in names if name in OF_PROFILES]:
+                profiles = open_group(system)
+                places = profiles.indexes["run"].get_indexer(points)
+                values |= {name: profiles[name].values[places] for name in profile_names}
             yield Rows(
                 points=points,
                 origin={name: group[name].tolist() for name in origin}
@@ -155,7 +161,7 @@ def _read_rows(
                 states={
                     point: open_group(f"{PARTICLES}/{point}").load()
                     for point in points
-                    if particle_need(point)
+                    if need(point).particles
                 },
             )
 

@@ -12,6 +12,7 @@ import numpy as np
 from sim.base.additions import codes
 from sim.base.rooms import files_hash, room_hash
 from sim.engine import identity
+from sim.parameters import SYSTEMS
 from sim.parameters.variables import (
     OBSERVABLE,
     SCALARS,
@@ -111,6 +112,12 @@ def stored_particles(states: Mapping[str, Any], point: str) -> Shown:
     if point not in states:
         return Shown.NOTHING
     return Shown.PATH if "path" in states[point].variables else Shown.STATE
+
+
+def points_with_profiles(file: Any) -> set[str]:
+    """Return the points whose profiles a dataset, opened by netCDF4, has."""
+    groups = [group for name, group in file.groups.items() if name in SYSTEMS]
+    return {point for group in groups for point in group["run"][:].tolist()}
 
 
 def amounts_text(amounts: Mapping[str, float] | None) -> str:
@@ -233,6 +240,12 @@ def select_rows(blocks: Iterable[Rows], points: Collection[str]) -> list[Rows]:
 
 def _is_known(values: np.ndarray) -> np.ndarray:
     return values != "" if values.dtype == object else np.isfinite(values)
+
+
+def without_profiles(block: Rows) -> Rows:
+    """Return rows without their profiles."""
+    values = {name: array for name, array in block.values.items() if name not in OF_PROFILES}
+    return block._replace(values=values)
 
 
 def row_points(blocks: Iterable[Rows]) -> list[str]:

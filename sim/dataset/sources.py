@@ -19,7 +19,14 @@ from sim.base.plugins import load, places
 from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.earlier import earlier_rows
 from sim.dataset.gather import read_run
-from sim.dataset.rows import Rows, merge_rows, reader_hash, row_points
+from sim.dataset.rows import (
+    Rows,
+    merge_rows,
+    reader_hash,
+    row_points,
+    select_rows,
+    without_profiles,
+)
 from sim.parameters import amounts
 from sim.study.model import Point, Study
 
@@ -77,17 +84,22 @@ def gather_rows(
     InputError
         When an adopted dataset is damaged, or run files are missing or damaged, see `read_files`.
     """
-    need, blocks = study.particles_needed, []
+    need, blocks = study.need, []
     missing = {key: point.parameters for key, point in points.items()}
     for source in (partial(earlier_rows, folder, need), AdoptedPoints(study, folder).rows):
         blocks += source(missing)
         stored = set(row_points(blocks))
         missing = {key: point for key, point in missing.items() if key not in stored}
     files = [
-        (folder / "runs" / f"{key}.nc", amounts(point), bool(need(key)))
+        (folder / "runs" / f"{key}.nc", amounts(point), bool(need(key).particles))
         for key, point in missing.items()
     ]
-    return blocks + read_files(files, processes, scheduler)
+    blocks += read_files(files, processes, scheduler)
+    others = {key for key in points if not need(key).profiles}
+    return [
+        *select_rows(blocks, points.keys() - others),
+        *map(without_profiles, select_rows(blocks, others)),
+    ]
 
 
 def read_files(

@@ -165,12 +165,12 @@ def settle(figure: Figure) -> None:
     The first pass does not know the final size of axes with a fixed aspect, and may leave their
     labels beyond the edges.
     """
-    bounds = None
+    engine, bounds = figure.get_layout_engine(), None
     for _ in range(PASSES):
         previous, bounds = bounds, [axes.get_position().bounds for axes in figure.axes]
-        if previous is not None and np.allclose(previous, bounds, atol=1e-3):
+        if engine is None or (previous and np.allclose(previous, bounds, atol=1e-3)):
             break
-        figure.get_layout_engine().execute(figure)
+        engine.execute(figure)
 
 
 def _keep_layout(figure: Figure) -> None:

@@ -120,7 +120,8 @@ class _Family:
         """Add the points to others, or those of the first round of boundaries; return their ids."""
         ids = {}
         for parameters, figures in self._members(boundaries):
-            point = point_with_membership(points, parameters, self.entry.name, figures)
+            profiles = isinstance(self.entry, BoundaryFile) or self.entry.profiles
+            point = point_with_membership(points, parameters, self.entry.name, figures, profiles)
             self._require_same_point(point, parameters)
             ids[point.id] = points[point.id] = point
         return tuple(ids)
@@ -239,15 +240,19 @@ class _Family:
 
 
 def point_with_membership(
-    points: dict[str, Point], parameters: Parameters, series: str, figures: Iterable[str]
+    points: dict[str, Point],
+    parameters: Parameters,
+    series: str,
+    figures: Iterable[str],
+    profiles: bool = True,
 ) -> Point:
     """Return the point of ``parameters``, old or new, as a member of a series and of figures.
 
     Its amounts are the larger of the old and the new ones. It joins the figures that show it; the
-    others leave it out.
+    others leave it out. The dataset has its profiles if any of its series says so.
     """
     key = point_id(parameters)
-    point = points.get(key, Point(key, parameters, (), ()))
+    point = points.get(key, Point(key, parameters, (), (), profiles=False))
     names = dict.fromkeys((*point.figures, *point.left_out, *figures))
     shows = {name: FIGURES[name].shows(parameters) for name in names}
     return replace(
@@ -256,6 +261,7 @@ def point_with_membership(
         series=tuple(dict.fromkeys((*point.series, series))),
         figures=tuple(name for name in names if shows[name]),
         left_out=tuple(name for name in names if not shows[name]),
+        profiles=point.profiles or profiles,
     )
 
 

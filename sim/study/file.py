@@ -106,6 +106,7 @@ class SeriesFile(_Family):
     design: DesignFile = optional("points spread over ranges, in place of grid and cases")
     overrides: list[Override] = Field([], description="changes at certain values")
     figures: list[str] = Field([], description="figures that the series feeds")
+    profiles: bool = Field(True, description="whether the dataset has the profiles of its points")
 
     @model_validator(mode="after")
     def _require_design_alone(self) -> Self:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from sim.base.additions import Plugin
 from sim.parameters import Parameters
@@ -19,12 +19,20 @@ from sim.study.sensitivity import SensitivitySpec
 from sim.study.surrogate import MOST_ROUNDS, SurrogateSpec
 
 
+class Need(NamedTuple):
+    """What the dataset must have of a point besides its scalars."""
+
+    particles: Shown
+    profiles: bool
+
+
 @dataclass(frozen=True)
 class Point:
     """One point of a study, which may belong to several series and figures.
 
     ``left_out`` holds the figures that its series feed but that do not show it. ``looks`` is how
-    often claims on it are judged with the option of buying more runs.
+    often claims on it are judged with the option of buying more runs. ``profiles`` is whether the
+    dataset has its profiles.
     """
 
     id: str
@@ -33,6 +41,7 @@ class Point:
     figures: tuple[str, ...]
     left_out: tuple[str, ...] = ()
     looks: int = 0
+    profiles: bool = True
 
 
 @dataclass(frozen=True)
@@ -175,16 +184,18 @@ class Study:
         """Return how much of their points' particles some figures show."""
         return max((self.entries[name].particles for name in figures), default=Shown.NOTHING)
 
-    def particles_needed(self, point: str) -> Shown:
-        """Return how much of a point's particles the figures need."""
-        figures = self.points[point].figures if point in self.points else ()
-        return max(self._later_particles, self.particles_shown(figures))
+    def need(self, point: str) -> Need:
+        """Return what the dataset must have of a point besides its scalars."""
+        if point not in self.points:
+            return self._later_need
+        shown = self.particles_shown(self.points[point].figures)
+        return Need(max(self._later_need.particles, shown), self.points[point].profiles)
 
     @cached_property
-    def _later_particles(self) -> Shown:
+    def _later_need(self) -> Need:
         """What a point of a later round may need: the figures that it feeds are not known yet."""
         lists = [one.figures for one in self.boundaries] + [one.figures for one in self.surrogates]
-        return self.particles_shown(chain(*lists))
+        return Need(self.particles_shown(chain(*lists)), True)
 
     def needs_run_file(self, point: str) -> bool:
         """Return whether a point needs its run file: for its page or a plot of time series."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from sim.study.plottable import (
     every_name,
     find_observable,
     require_parameter,
+    require_stored,
 )
 
 #: Maximum number of panels of a plot.
@@ -171,10 +172,7 @@ class PlotContents:
     def _observable(self, key: str, name: str) -> Observable:
         """Return the observable that a key of the plot names, if its points keep it."""
         observable = find_observable(self.plot.kind, key, name, self.system, self.error)
-        needed = observable.asked_by
-        if needed and not all(getattr(point, needed, False) for point in self.parameters):
-            allowed = f"points with {needed}: true, as runs record it only then"
-            raise self.error(key, name, allowed)
+        require_stored(observable, self.points, partial(self.error, key, name))
         return observable
 
     def _parameters_by_key(self) -> list[tuple[str, str]]:

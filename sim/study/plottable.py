@@ -1,14 +1,17 @@
 """What plots can show: observables and parameters by their names, with units and meanings."""
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from sim.base.errors import Allowed
 from sim.base.messages import MOST_NAMES, did_you_mean, near, one_of
 from sim.parameters import SYSTEMS
 from sim.parameters.variables import Variable, observable_variables, plotted_name, variables_of
 from sim.study.plot_kinds import find_kind, study_kinds
+
+if TYPE_CHECKING:
+    from sim.study.model import Point
 
 
 @dataclass(frozen=True)
@@ -80,6 +83,21 @@ def every_name() -> list[str]:
     """Return the names of the observables of all kinds of plot and systems."""
     shown = (names for systems in shown_by().values() for names in systems.values())
     return list(dict.fromkeys(name for names in shown for name in names))
+
+
+def require_stored(
+    observable: Observable, points: Sequence["Point"], error: Callable[[str], Exception]
+) -> None:
+    """Raise what ``error`` makes of the allowed points, unless all will have the observable.
+
+    Runs record some observables only where a point asks for them, and a series may leave profiles
+    out of the dataset.
+    """
+    asked = observable.asked_by
+    if asked and not all(getattr(point.parameters, asked, False) for point in points):
+        raise error(f"points with {asked}: true, as runs record it only then")
+    if observable.source in variables_of("profile") and not all(one.profiles for one in points):
+        raise error("points of series without profiles: false, as the dataset has none of theirs")
 
 
 #: Function: key of a plot, its value, allowed values → error to raise.

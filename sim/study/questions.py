@@ -1,7 +1,7 @@
 """Questions of a study, those for surrogates in full, and the pictures of the answers."""
 
 from collections.abc import Iterator
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import combinations
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,7 @@ from sim.study.figure_spec import FigureSpec
 from sim.study.file import BoundaryFile, SeriesFile, StudyFile
 from sim.study.model import Point, Study
 from sim.study.plot_contents import name_in_words, parameter_phrase
-from sim.study.plottable import Observable, find_observable, numbers
+from sim.study.plottable import Observable, find_observable, numbers, require_stored
 from sim.study.surrogate import FEWEST_POINTS, MOST_POINTS, SurrogateFile, SurrogateSpec
 
 #: Kinds of design that can go on point by point.
@@ -101,11 +101,7 @@ class SurrogateQuestion(Question):
         """What the surrogate is of."""
         name = self.entry.observable
         observable = find_observable("curves", "observable", name, self.system, self.error)
-        asked = observable.asked_by
-        if asked and not all(getattr(point.parameters, asked, False) for point in self.points):
-            raise self.error(
-                "observable", name, f"points with {asked}: true, as runs record it only then"
-            )
+        require_stored(observable, self.points, partial(self.error, "observable", name))
         return observable
 
     def spec(self) -> SurrogateSpec:

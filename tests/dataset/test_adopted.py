@@ -185,6 +185,18 @@ def test_a_point_that_is_shown_needs_its_state(study, complete_study, tmp_path):
     assert adopted_ids(study) == set(ids(study, *({*range(6)} - {SHOWN})))
 
 
+def test_a_point_whose_profiles_are_wanted_needs_them(study, complete_study, tmp_path):
+    bare = Mixed(tmp_path / "bare")
+    shutil.copytree(complete_study.results, bare.results)
+    bare.build_afresh(*range(6), shown=PATHS, bare=HALF)
+    assert "covers 3 of 6" in adopt(study.path, bare.output, study.results)
+    assert adopted_ids(study) == set(ids(study, *REST))
+    study.save(*range(6), shown=PATHS, bare=range(6))
+    assert "covers 6 of 6" in adopt(study.path, bare.output, study.results)
+    build(study.path, study.results)
+    assert not load_results(study.output).profiles
+
+
 @pytest.mark.parametrize(
     "more",
     [

@@ -16,6 +16,7 @@ import xarray as xr
 from sim.base.errors import InputError
 from sim.base.seals import seal
 from sim.dataset import earlier, gather, sources
+from sim.dataset.results import load_results
 from sim.dataset.rows import Rows, merge_rows
 from sim.dataset.sources import File, read_files
 from sim.parameters import amounts, parse_point
@@ -120,6 +121,22 @@ def test_particles_are_kept_for_as_long_as_a_figure_shows_them(study, points_rea
         points_read.clear()
         assert study.build(3, SHOWN, shown=figure) == content
         assert points_read == ids(study, SHOWN) * is_read
+
+
+def test_profiles_are_kept_for_as_long_as_a_series_wants_them(study, points_read):
+    whole, bare = study.build_afresh(*STORED), study.build_afresh(*STORED, bare=STORED[:1])
+    results = load_results(study.output)
+    first, second = ids(study, *STORED)
+    assert len(results.profile(second, "velocity_profile")[0]) == 1
+    with pytest.raises(InputError, match=f"{first}: no velocity_profile in the dataset"):
+        results.profile(first, "velocity_profile")
+    assert np.isfinite(results.dataset["velocity"].sel(point=first)).any()
+    for chosen, content, is_read in (((), whole, True), (STORED[:1], bare, False)):
+        points_read.clear()
+        assert study.build(*STORED, bare=chosen) == content
+        assert points_read == ids(study, *STORED[:1]) * is_read
+    study.build(*STORED, bare=STORED)
+    assert not set(load_results(study.output).profiles)
 
 
 def test_what_other_code_has_read_is_read_again(study, points_read, monkeypatch):

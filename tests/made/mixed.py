@@ -1,6 +1,8 @@
 """A study of points with different systems and shapes of arrays, with made-up run files."""
 
+from collections.abc import Collection
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -66,27 +68,27 @@ class Mixed:
             self.runs, point, velocity, failed=[0] * (number == 1), arrays=arrays(point)
         )
 
-    def save(self, *numbers: int, shown: str = "") -> None:
-        """Write the study file with points by their numbers, in their order."""
+    def save(self, *numbers: int, shown: str = "", bare: Collection[int] = ()) -> None:
+        """Write the study file with points by their numbers; ``bare`` ones have no profiles."""
         series = ""
         for number in numbers:
             values = dict(POINTS[number])
             figures = [shown] * (bool(shown) and number == SHOWN)
             series += (
                 f"  - {{name: s{number}, system: {values.pop('system')}, figures: {figures},"
-                f" cases: [{values}]}}\n"
+                f" profiles: {number not in bare}, cases: [{values}]}}\n"
             )
         self.path.write_text(f"study: made\nseries:\n{series}")
 
-    def build(self, *numbers: int, shown: str = "") -> bytes:
+    def build(self, *numbers: int, **options: Any) -> bytes:
         """Make the dataset of points by their numbers, in their order."""
-        self.save(*numbers, shown=shown)
+        self.save(*numbers, **options)
         return build(self.path, self.results).read_bytes()
 
-    def build_afresh(self, *numbers: int, shown: str = "") -> bytes:
+    def build_afresh(self, *numbers: int, **options: Any) -> bytes:
         """Make the dataset from run files alone, without rows of an earlier one."""
         (self.output.parent / earlier.EARLIER_FILE).unlink(missing_ok=True)
-        return self.build(*numbers, shown=shown)
+        return self.build(*numbers, **options)
 
 
 def ids(study: Mixed, *numbers: int) -> list[str]:

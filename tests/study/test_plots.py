@@ -92,6 +92,19 @@ def test_mistakes_in_profiles_are_refused_by_their_key(parse, change, message):
     assert error_message(parse, {"name": "p", "kind": "profiles"} | change).startswith(message)
 
 
+@pytest.mark.parametrize(
+    ("plot", "key"),
+    [
+        ({"kind": "profiles"}, "x: got 'velocity'"),
+        ({"x": "angle", "y": "packing"}, "y: got 'packing'"),
+    ],
+)
+def test_profiles_that_the_dataset_leaves_out_are_refused(plot, key, parse):
+    bare = SERIES | {"profiles": False}
+    message = error_message(parse, {"name": "p"} | plot, series=(bare,))
+    assert message.startswith(f"{key}; allowed: points of series without profiles: false")
+
+
 DATA_BESIDE = {"label": "Pouliquen (1999)", "points": [[0.3, 1], [0.6, 2.5]]}
 
 

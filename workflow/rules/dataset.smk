@@ -17,7 +17,9 @@ rule dataset:
     resources:
         **PLAN.reader_resources,
     params:
-        membership=[(point.id, point.series, point.figures) for point in STUDY.points.values()],
+        membership=[
+            (one.id, one.series, one.figures, one.profiles) for one in STUDY.points.values()
+        ],
         amounts=[amounts(point.parameters) for point in STUDY.points.values()],
         boundaries=PLAN.boundary_searches,
         states=[name for name, spec in STUDY.entries.items() if spec.particles],
