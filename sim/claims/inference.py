@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from itertools import combinations
 from math import inf, nan, prod
 
@@ -169,6 +170,12 @@ def outranks(
 
 def mann_whitney_p(above: np.ndarray, below: np.ndarray) -> float:
     """Return the p-value of Mann and Whitney's test that one sample ranks above another."""
+    return _mann_whitney_p(tuple(above), tuple(below))
+
+
+@lru_cache(maxsize=10_000)
+def _mann_whitney_p(above: tuple[float, ...], below: tuple[float, ...]) -> float:
+    # Readings and grids that do not change two samples ask for them again.
     return _finite_p(stats.mannwhitneyu(above, below, alternative="greater").pvalue)
 
 

@@ -251,8 +251,9 @@ def test_a_kill_between_two_calls_takes_nothing(study, name, request):
         study.run(name, Fault(What.KILL, chance.randint(1, total), Calls.WRITE))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("what", [What.SHORT, What.DELAY])
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", STEPS)
 def test_halves_and_delays_change_nothing(study, name, what):
     """Every call reads or writes half of what it could; or some are slow."""
     calls = Calls.READ | Calls.WRITE if what == What.SHORT else Calls.WRITE

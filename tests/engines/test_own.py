@@ -6,7 +6,13 @@ import sys
 
 import yaml
 
-from tests.made.processes import ROOT
+from sim.__main__ import main
+from sim.dataset.build import build as build_dataset
+from sim.engine.run import run_point
+from sim.report.page import build as build_report
+from sim.study.load import load_study
+from tests.made.plugins import restore_plugins
+from tests.made.processes import ROOT, refusal
 
 PLUGIN = """\
 import sim
@@ -42,21 +48,6 @@ except sim.InputError as error:
 """
 
 
-#: Runs a study of two points, one of which the engine refuses, and makes its dataset.
-STUDY = """\
-from pathlib import Path
-from sim.dataset.build import build
-from sim.engine.run import run_point
-from sim.study.load import load_study
-
-for key, one in load_study("small.yaml").points.items():
-    path = Path("results/small/runs", f"{key}.nc")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    run_point(one.parameters, path, quiet=True)
-build("small.yaml", "results")
-"""
-
-
 def run(folder, *command):
     return subprocess.run(
         [sys.executable, *command],
@@ -67,26 +58,31 @@ def run(folder, *command):
     )
 
 
-def test_a_second_opinion_of_a_plug_in(tmp_path):
+def test_a_second_opinion_of_a_plug_in(tmp_path, monkeypatch, capsys):
+    """The plug-in calls the loop of this program; it refuses one of two points."""
+    monkeypatch.chdir(tmp_path)
     (tmp_path / "mine.py").write_text(PLUGIN)
     base = {"depth": 1, "cell": 5, "transient": 2, "average": 4}
     series = {"name": "one", "system": "chute", "base": base, "grid": {"bumps": [0, 1]}}
     study = {"study": "small", "plugins": ["mine.py"], "series": [series]}
     (tmp_path / "small.yaml").write_text(yaml.safe_dump(study))
-    assert (made := run(tmp_path, "-c", STUDY)).returncode == 0, made.stderr
-    ask = ("-m", "sim", "second-opinion", "small.yaml", "--share", "1")
-    several = run(tmp_path, *ask)
-    assert several.returncode == 2
-    assert several.stderr.endswith("--engine: got nothing; allowed: one of lammps, mine\n")
-    told = run(tmp_path, *ask, "--engine", "mine")
-    assert told.returncode == 0, told.stderr
-    # The plug-in calls the loop of this program.
-    assert "over 1 point the ratio of mean velocities, mine over talus, is 1" in told.stdout
-    report = "from sim.report.page import build; build('small.yaml', 'results')"
-    assert (made := run(tmp_path, "-c", report)).returncode == 0, made.stderr
-    page = (tmp_path / "results" / "small" / "report.html").read_text(encoding="utf-8")
-    assert "mine over talus" in page and "lammps over talus" not in page
-    assert run(tmp_path, "-m", "sim", "orphans", "small.yaml").stdout == "none\n"
+    with restore_plugins():
+        runs = tmp_path / "results" / "small" / "runs"
+        runs.mkdir(parents=True)
+        for key, one in load_study("small.yaml").points.items():
+            run_point(one.parameters, runs / f"{key}.nc", quiet=True)
+        build_dataset("small.yaml", "results")
+        ask = ("second-opinion", "small.yaml", "--share", "1")
+        told = refusal(capsys, *ask)
+        assert told.endswith("--engine: got nothing; allowed: one of lammps, mine")
+        assert main([*ask, "--engine", "mine"]) == 0
+        told = capsys.readouterr().out
+        assert "over 1 point the ratio of mean velocities, mine over talus, is 1" in told
+        build_report("small.yaml", "results")
+        page = (runs.parent / "report.html").read_text(encoding="utf-8")
+        assert "mine over talus" in page and "lammps over talus" not in page
+        assert main(["orphans", "small.yaml"]) == 0
+        assert capsys.readouterr().out == "none\n"
 
 
 def test_a_plug_in_adds_an_engine(tmp_path):

@@ -157,20 +157,18 @@ def arrays_equal(one: np.ndarray, other: np.ndarray) -> bool:
 
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory) -> Path:
-    """A folder in which the study has run to its end in peace; it compiles the engine, too."""
+    """A folder in which the study has run to its end in peace."""
     tree = tmp_path_factory.mktemp("undisturbed")
     (tree / "drill.yaml").write_text(STUDY)
     assert snakemake(tree, "dataset").wait() == 0, (tree / "drill.log").read_text()
     return tree
 
 
-@pytest.mark.parametrize(
-    "kills", [{STUDY: 1}, pytest.param({SHORT: 33, STUDY: 67}, marks=pytest.mark.long)]
-)
-def test_kills_at_random_moments_change_no_bit(kills, undisturbed, tmp_path, request):
-    """With two studies, the second is what the first one grows to."""
+@pytest.mark.long
+def test_kills_at_random_moments_change_no_bit(undisturbed, tmp_path, request):
+    """A hundred kills, of a study and of what it grows to."""
     study, tree = load_study(undisturbed / "drill.yaml"), tmp_path
-    drills = {text: Drill(tree, number) for text, number in kills.items()}
+    drills = {SHORT: Drill(tree, 33), STUDY: Drill(tree, 67)}
     while True:
         for text, drill in drills.items():
             request.addfinalizer(drill.end)
@@ -205,7 +203,7 @@ def kill_workflow_only(drill: Drill, average: int) -> Path | None:
     return None if output.exists() else output
 
 
-def test_a_run_that_outlives_its_workflow_is_kept(undisturbed, tmp_path, request):
+def test_a_run_that_outlives_its_workflow_is_kept(tmp_path, request):
     drill, average = Drill(tmp_path), 60
     request.addfinalizer(drill.end)
     # On a machine that looks too late, the run has ended before its workflow is killed.

@@ -32,10 +32,10 @@ def test_half_a_layer_accelerates_as_spheres_that_roll_alone():
     ("changes", "velocity"),
     [
         ({"depth": 1.24}, 4.5),
-        ({"depth": 2.5}, 4.5),
+        pytest.param({"depth": 2.5}, 4.5, marks=pytest.mark.long),
         ({"depth": 1.24, "sliding_direction": "slip"}, 4.5),
         ({"depth": 1.24, "law": "spring_dashpot"}, 4.5),
-        ({"depth": 1.24, "law": "hertz"}, 4.5),
+        pytest.param({"depth": 1.24, "law": "hertz"}, 4.5, marks=pytest.mark.long),
         ({"depth": 1.24, "law": "drag"}, 0.12),
     ],
 )
