@@ -71,11 +71,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not words:
         print(START.format(version=__version__, program=program()), end="", file=sys.stderr)
         return INPUT_ERROR
-    options = parse(words)
     try:
+        options = parse(words)
         load_from_environment()
         code = _call(options.pop("function"), options)
-        sys.stdout.flush()
+        if sys.stdout:
+            sys.stdout.flush()
         return code
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
@@ -84,10 +85,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("interrupted", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:
-        # The reader of the pipe is gone; the interpreter's last flush must not fail on it.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _flush_or_discard()
         return BROKEN_PIPE
     except (OSError, MemoryError, BrokenExecutor) as error:
+        _flush_or_discard()
         print(f"error: {str(error) or 'out of memory'}", file=sys.stderr)
         # A name that no file system takes comes from the command line.
         is_name = isinstance(error, OSError) and error.errno == errno.ENAMETOOLONG
@@ -97,6 +98,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print(f"error: {input_error}", file=sys.stderr)
             return INPUT_ERROR
         raise
+
+
+def _flush_or_discard() -> None:
+    """Write what was printed, or discard it, so that the interpreter's last flush cannot fail."""
+    try:
+        if sys.stdout:
+            sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _call(function: str, options: dict[str, Any]) -> int:

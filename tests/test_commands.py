@@ -343,6 +343,14 @@ LINES = {
 } | {name: [name] for name in ("status", "schema", "warm", "bench", "clean")}
 
 
+@pytest.mark.parametrize("words", [["points", "config/quick.yaml"], ["--print-completion", "bash"]])
+def test_an_output_that_is_full_is_one_line(words):
+    with Path("/dev/full").open("w") as full:
+        done = program(*words, capture_output=False, stdout=full, stderr=subprocess.PIPE)
+    assert (done.returncode, done.stderr.count("\n")) == (1, 1)
+    assert "No space left on device" in done.stderr
+
+
 @pytest.mark.parametrize("name", COMMANDS)
 def test_every_command_has_a_function_that_takes_its_options(name):
     options = vars(parser("talus").parse_args(LINES.get(name, [name, "x.yaml"])))

@@ -70,14 +70,21 @@ def read_citation(path: Path) -> dict[str, Any]:
             raise InputError.of_value(path, key, citation.get(key), allowed)
     if not _LICENCE.fullmatch(citation["license"]):
         raise InputError.of_value(path, "license", citation["license"], _KEYS["license"][1])
+    orcids: set[str] = set()
     for number, author in enumerate(citation["authors"]):
-        if not (isinstance(author, dict) and author.keys() & {"name", "family-names"}):
+        names = author.keys() & {"name", "family-names"} if isinstance(author, dict) else ()
+        if not names or not all(_is_name(author[key]) for key in names):
             raise InputError.of_value(path, f"authors[{number}]", author, _KEYS["authors"][1])
         orcid = author.get("orcid")
-        if orcid and not _ORCID.fullmatch(str(orcid)):
-            allowed = "an address such as https://orcid.org/0000-0002-1825-0097"
+        if orcid and (orcid in orcids or not _ORCID.fullmatch(str(orcid))):
+            allowed = "an address of this author alone, as https://orcid.org/0000-0002-1825-0097"
             raise InputError.of_value(path, f"authors[{number}].orcid", orcid, allowed)
+        orcids.add(str(orcid))
     return citation
+
+
+def _is_name(value: Any) -> bool:
+    return isinstance(value, str) and bool(value.strip()) and value.isprintable()
 
 
 def require_rocrate() -> None:
@@ -129,21 +136,23 @@ def _describe_publication(
     crate.description = f"Runs, figures and verdicts of the study {provenance['study']}."
     address = f"https://spdx.org/licenses/{licence}"
     crate.license = _entity(crate, address, "CreativeWork", name=licence)
-    root["author"] = [_author(crate, author) for author in citation["authors"]]
+    root["author"] = [
+        _author(crate, number, author) for number, author in enumerate(citation["authors"], 1)
+    ]
     root["conformsTo"] = _entity(crate, PROFILE, "CreativeWork", name="Process Run Crate")
     root["additionalProperty"] = [
         _property(crate, name, provenance) for name in ("points", "runs", "core hours")
     ]
 
 
-def _author(crate: Any, author: Mapping[str, Any]) -> Any:
+def _author(crate: Any, number: int, author: Mapping[str, Any]) -> Any:
     """Add an author of a citation to a crate."""
-    given, family = str(author.get("given-names", "")), str(author.get("family-names", ""))
+    given, family = (str(author.get(key) or "") for key in ("given-names", "family-names"))
     name = str(author.get("name", f"{given} {family}".strip()))
     details = {"givenName": given, "familyName": family, "affiliation": author.get("affiliation")}
     return _entity(
         crate,
-        str(author.get("orcid") or f"#author-{name.replace(' ', '-')}"),
+        str(author.get("orcid") or f"#author-{number}"),
         "Organization" if "name" in author else "Person",
         name=name,
         **{key: str(value) for key, value in details.items() if value},

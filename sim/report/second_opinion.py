@@ -46,6 +46,10 @@ class Opinion:
         """Ratio of the other's mean to ours, by id; the errors are those of small relative ones."""
         ratios = {}
         for key, pair in self.pairs.items():
+            if not (pair.first.value and pair.second.value):
+                # No ratio says anything of a flow at rest.
+                ratios[key] = Mean(np.nan, np.nan, np.nan)
+                continue
             ratio = pair.second.value / pair.first.value
             relative = [one.error / one.value for one in (pair.first, pair.second)]
             error = np.hypot(relative[0], relative[1])
@@ -91,13 +95,17 @@ class Opinion:
             (
                 key,
                 *(
-                    value_with_interval(one.value, one.half_width)
+                    _known(one.value, value_with_interval(one.value, one.half_width))
                     for one in (pair.first, pair.second, self.ratios[key])
                 ),
-                f"{pair.chance:.2g}" if np.isfinite(pair.chance) else "not known",
+                _known(pair.chance, f"{pair.chance:.2g}"),
             )
             for key, pair in self.pairs.items()
         ]
+
+
+def _known(value: float, text: str) -> str:
+    return text if np.isfinite(value) else "not known"
 
 
 def opinions_of(study: Study, dataset: xr.Dataset, folder: Path) -> list[Opinion]:

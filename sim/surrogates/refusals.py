@@ -45,12 +45,12 @@ def refusal_in(path: Path) -> str:
         return ""
     if path.suffix != ".csv":
         text = (read_summary(path) or {}).get(_KEY, "")
-        text = "" if text and is_damaged(path) else text
+        text = text if isinstance(text, str) and not (text and is_damaged(path)) else ""
     else:
         start = (tables.read(path) or b"")[: 4 * _LONGEST].decode("utf-8", "replace")
         heading, *rows = csv.reader(start.splitlines() or [""])
         text = " ".join(row[0] for row in rows if row) if heading == [_KEY] else ""
-    return str(Refusal(str(text)))[:_LONGEST]
+    return str(Refusal(text))[:_LONGEST]
 
 
 def require_answer(path: Path) -> None:

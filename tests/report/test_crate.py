@@ -125,7 +125,16 @@ def test_a_crate_without_authors_is_refused_before_anything_is_copied(
         ({"license": "a b/../c"}, "license: got 'a b/../c'; allowed: the name of a licence at sp"),
         ({"license": "MIT\n"}, "license: got 'MIT\\n'; allowed: the name of a licence at spdx"),
         ({"authors": [{"name": "A", "orcid": "./"}]}, "authors[0].orcid: got './'; allowed: an a"),
+        (
+            {"authors": [{"name": name, "orcid": AUTHORS[0]["orcid"]} for name in "AB"]},
+            "authors[1].orcid: got 'https://orcid.org/0000-0002-1825-0097'; allowed: an address of",
+        ),
         ({"authors": []}, "authors: got []; allowed: a list of authors"),
+        (
+            {"authors": [{"name": None}]},
+            "authors[0]: got {'name': nothing}; allowed: a list of auth",
+        ),
+        ({"authors": [{"family-names": " "}]}, "authors[0]: got {'family-names': ' '}; allowed: a"),
         ({"authors": [{"orcid": "x"}]}, "authors[0]: got {'orcid': 'x'}; allowed: a list of auth"),
     ],
 )

@@ -56,6 +56,12 @@ def test_points_without_an_interval_say_nothing():
     assert unknown.rows[0][-1] == "not known"
 
 
+def test_a_flow_at_rest_has_no_ratio():
+    opinion = Opinion(("talus", "lammps"), {"a": pair(0.0, 0.0, 0.01), "b": pair(1.0, 1.0, 0.01)})
+    assert opinion.pooled.value == pytest.approx(1.0)
+    assert opinion.rows[0][3] == "not known"
+
+
 def test_a_twin_is_the_same_point_by_the_other_engine():
     p = parse_point({"system": "chute", **SHARED, "threads": 2}, "test")
     twin = twin_of(p, "lammps")
