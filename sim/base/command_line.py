@@ -137,6 +137,7 @@ def parser(prog: str) -> Parser:
     _add_study_options(parsers)
     _add_point_options(parsers)
     _add_predict_options(parsers["predict"])
+    _add_dataset_options(parsers)
     _add_result_options(parsers)
     return parser
 
@@ -316,8 +317,8 @@ def _add_predict_options(predict: argparse.ArgumentParser) -> None:
     )
 
 
-def _add_result_options(parsers: dict[str, Parser]) -> None:
-    dataset, figure, publish = parsers["dataset"], parsers["figure"], parsers["publish"]
+def _add_dataset_options(parsers: dict[str, Parser]) -> None:
+    dataset, figure = parsers["dataset"], parsers["figure"]
     dataset.add_argument(
         "-j", "--processes", type=int, default=1, metavar="N", help="read run files in N processes"
     )
@@ -353,6 +354,9 @@ def _add_result_options(parsers: dict[str, Parser]) -> None:
     figure.add_argument(
         "--code", default="", metavar="HASH", help="leave out what this code has drawn of the same"
     )
+
+
+def _add_result_options(parsers: dict[str, Parser]) -> None:
     parsers["decide"].add_argument(
         "--cores",
         type=int,
@@ -395,6 +399,7 @@ def _add_result_options(parsers: dict[str, Parser]) -> None:
     parsers["orphans"].add_argument(
         "--remove", action="store_true", help="remove them, with their states and logs"
     )
+    publish = parsers["publish"]
     publish.add_argument(
         "--to",
         dest="target",

@@ -1,6 +1,7 @@
 """The report as a whole: its sources, its summary and its template."""
 
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +37,7 @@ from sim.report.runs import (
     varied_parameters,
 )
 from sim.report.second_opinion import opinions_of
+from sim.study.figure_spec import FigureSpec
 from sim.study.load import Study, load_study
 from sim.study.papers import papers
 from sim.surrogates.refusals import refusal_in
@@ -108,16 +110,8 @@ def render(
         for name, spec in study.entries.items()
         if spec.options.get("answer") not in refusals
     }
-    runs = run_rows(dataset, [text for text, _ in caveats])
-    for run in runs:
-        run["plots"] = [
-            name
-            for name, spec in specs.items()
-            if name in study.plots and spec.is_fed_by(run["system"], run["series"])
-        ]
-        run["adopted"], _ = results.adopted.get(run["point"], ("", ""))
-        page = Path("pages") / f"{run['point']}.html"
-        run["page"] = page.as_posix() if (figures.parent / page).is_file() else ""
+    plots = [spec for name, spec in specs.items() if name in study.plots]
+    runs = _runs(results, [text for text, _ in caveats], plots, figures.parent)
     parameters = varied_parameters(dataset)
     varied, settings = varied_columns(dataset, parameters)
     all_rows = claim_rows(claims, runs, study.figures)
@@ -134,12 +128,7 @@ def render(
         study_files={file.name: file.read_text(encoding="utf-8") for file in study.sources},
         summary=_summary(dataset, runs) | {"adopted": len(results.adopted)},
         caveats=caveats,
-        # The reason of a surrogate ends those of the questions to it.
-        refusals=[
-            text
-            for text in refusals.values()
-            if not any(text != other and text.endswith(other) for other in refusals.values())
-        ],
+        refusals=_own_reasons(list(refusals.values())),
         weak=[one for one in surrogates if one.error > LARGE_ERROR],
         verdicts=VERDICTS,
         outcomes=VERDICTS | REPORTED,
@@ -168,6 +157,28 @@ def render(
         energy_limit=CLOSED_SHARE,
         provenance=_provenance(dataset) | _adopted_provenance(results) | _plugin_provenance(study),
     )
+
+
+def _runs(
+    results: Results, caveats: Sequence[str], plots: Sequence[FigureSpec], folder: Path
+) -> list[dict[str, Any]]:
+    """Return a row per point, with the plots that show it, where it comes from, and its page."""
+    runs = run_rows(results.dataset, caveats)
+    for run in runs:
+        run["plots"] = [spec.name for spec in plots if spec.is_fed_by(run["system"], run["series"])]
+        run["adopted"], _ = results.adopted.get(run["point"], ("", ""))
+        page = Path("pages") / f"{run['point']}.html"
+        run["page"] = page.as_posix() if (folder / page).is_file() else ""
+    return runs
+
+
+def _own_reasons(refusals: Sequence[str]) -> list[str]:
+    """Return refusals without those that repeat another: of a surrogate, which is asked more."""
+    return [
+        text
+        for text in refusals
+        if not any(text != other and text.endswith(other) for other in refusals)
+    ]
 
 
 def _page_order(
