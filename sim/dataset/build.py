@@ -11,11 +11,13 @@ from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
+import netCDF4
 import numpy as np
 import pandas as pd
 import xarray as xr
+from xarray.backends import NetCDF4DataStore
 
 from sim.base.errors import InputError
 from sim.base.files import atomic_write, require_writable
@@ -102,8 +104,10 @@ def build(
     study = add_further_points(study, points_of_rounds(study, folder))
     blocks += gather({key: point for key, point in study.points.items() if key not in first})
     with atomic_write(output) as temporary:
-        for group, dataset in _groups(blocks, study, sides):
-            _write(temporary, group, dataset)
+        # Opening a file once per group would take longer than writing most of them.
+        with netCDF4.Dataset(temporary, "w") as file:
+            for group, dataset in _groups(blocks, study, sides):
+                _write(file.createGroup(group) if group else file, group, dataset)
         seal(temporary)
         if not finished:
             keep_dataset(temporary, folder)
@@ -212,14 +216,13 @@ def _groups(
         yield GROUP, tabulate(study, sides_of_boundaries).to_xarray()
 
 
-def _write(path: Path, group: str | None, dataset: xr.Dataset) -> None:
-    """Write a group to a file; the root must be written first."""
+def _write(target: netCDF4.Dataset, group: str | None, dataset: xr.Dataset) -> None:
+    """Write a group to an open file, or to the group that this has."""
     encoding = {name: _encoding(dataset[name], group) for name in dataset.data_vars}
     # CF allows only numbers as coordinates, so labels are stored as letters in two dimensions.
     labels = (name for name in ("point", "run") if name in dataset.coords)
     encoding |= {name: COMPRESSION | {"dtype": "S1"} for name in labels}
-    mode: Literal["a", "w"] = "a" if group else "w"
-    dataset.to_netcdf(path, mode=mode, group=group, engine="netcdf4", encoding=encoding)
+    dataset.dump_to_store(NetCDF4DataStore(target), encoding=encoding)
 
 
 def _encoding(values: xr.DataArray, group: str | None) -> dict[str, Any]:
