@@ -176,6 +176,7 @@ def test_beds_at_rest_are_what_the_tilted_ones_start_from(tmp_path):
     assert starts == set(study.series["rest"])
 
 
+@pytest.mark.long
 def test_every_series_is_there(results):
     study, dataset, _ = results
     with xr.open_dataset(dataset) as table:
@@ -183,6 +184,7 @@ def test_every_series_is_there(results):
         assert (table["status"].values[:, 0] == "completed").all()
 
 
+@pytest.mark.long
 def test_every_plot_has_data_and_a_caption(results):
     """Each kind is drawn in tests/conformance/test_plots.py."""
     study, dataset, _ = results

@@ -16,6 +16,7 @@ from tests.surrogates.predictors import MadePredictor
 MATERIALS = 10
 
 
+@pytest.mark.long
 def test_intervals_hold_the_truth_of_made_up_materials():
     held, total = 0, 0
     for seed in range(MATERIALS):
