@@ -17,9 +17,8 @@ rule dataset:
     resources:
         **PLAN.reader_resources,
     params:
-        membership=[
-            (one.id, one.series, one.figures, one.profiles) for one in STUDY.points.values()
-        ],
+        membership=[(one.id, one.series, one.figures) for one in STUDY.points.values()],
+        profiles=[one.id for one in STUDY.points.values() if one.profiles],
         amounts=[amounts(point.parameters) for point in STUDY.points.values()],
         boundaries=PLAN.boundary_searches,
         states=[name for name, spec in STUDY.entries.items() if spec.particles],
