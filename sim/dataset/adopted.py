@@ -69,7 +69,7 @@ class AdoptedPoint(NamedTuple):
     scalars: Mapping[str, np.ndarray]
 
     def is_enough_for(self, parameters: Parameters, need: Need) -> bool:
-        """Return whether this has the amounts of a point, and enough of profiles and particles."""
+        """Return whether this has the amounts of a point and what else is needed of it."""
         needed = amounts(parameters)
         is_covered = needed.keys() <= self.amounts.keys() and covers(self.amounts, needed)
         # The state is that of the first replicate that completed.

@@ -107,7 +107,7 @@ def build(
         # Opening a file once per group would take longer than writing most of them.
         with netCDF4.Dataset(temporary, "w") as file:
             for group, dataset in _groups(blocks, study, sides):
-                _write(file.createGroup(group) if group else file, group, dataset)
+                _write(file, group, dataset)
         seal(temporary)
         if not finished:
             keep_dataset(temporary, folder)
@@ -216,12 +216,13 @@ def _groups(
         yield GROUP, tabulate(study, sides_of_boundaries).to_xarray()
 
 
-def _write(target: netCDF4.Dataset, group: str | None, dataset: xr.Dataset) -> None:
-    """Write a group to an open file, or to the group that this has."""
+def _write(file: netCDF4.Dataset, group: str | None, dataset: xr.Dataset) -> None:
+    """Write a group to an open file; the root has no name."""
     encoding = {name: _encoding(dataset[name], group) for name in dataset.data_vars}
     # CF allows only numbers as coordinates, so labels are stored as letters in two dimensions.
     labels = (name for name in ("point", "run") if name in dataset.coords)
     encoding |= {name: COMPRESSION | {"dtype": "S1"} for name in labels}
+    target = file.createGroup(group) if group else file
     dataset.dump_to_store(NetCDF4DataStore(target), encoding=encoding)
 
 

@@ -20,7 +20,7 @@ from sim.study.surrogate import MOST_ROUNDS, SurrogateSpec
 
 
 class Need(NamedTuple):
-    """What the dataset must have of a point besides its scalars."""
+    """How much of a point's particles, and whether its profiles, a dataset needs or has."""
 
     particles: Shown
     profiles: bool
@@ -185,7 +185,7 @@ class Study:
         return max((self.entries[name].particles for name in figures), default=Shown.NOTHING)
 
     def need(self, point: str) -> Need:
-        """Return what the dataset must have of a point besides its scalars."""
+        """Return how much of a point's particles, and whether its profiles, the dataset needs."""
         if point not in self.points:
             return self._later_need
         shown = self.particles_shown(self.points[point].figures)

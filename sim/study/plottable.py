@@ -93,9 +93,9 @@ def require_stored(
     Runs record some observables only where a point asks for them, and a series may leave profiles
     out of the dataset.
     """
-    asked = observable.asked_by
-    if asked and not all(getattr(point.parameters, asked, False) for point in points):
-        raise error(f"points with {asked}: true, as runs record it only then")
+    option = observable.asked_by
+    if option and not all(getattr(point.parameters, option, False) for point in points):
+        raise error(f"points with {option}: true, as runs record it only then")
     if observable.source in variables_of("profile") and not all(one.profiles for one in points):
         raise error("points of series without profiles: false, as the dataset has none of theirs")
 

@@ -167,6 +167,15 @@ def test_a_kind_draws_its_picture_data_and_caption(wanted, state, found, tmp_pat
         assert [path.read_bytes() for path in again] == [path.read_bytes() for path in files]
 
 
+@pytest.mark.long
+@pytest.mark.parametrize("wanted", sorted({*FORMS} - {*A_FORM}))
+def test_the_same_data_give_the_same_bytes(wanted, found, tmp_path):
+    """Of one form of each kind the test above says so."""
+    spec, dataset = found(wanted)
+    first, second = (render(spec, dataset, tmp_path / name) for name in ("first", "second"))
+    assert [path.read_bytes() for path in first] == [path.read_bytes() for path in second]
+
+
 @pytest.mark.parametrize("value", [1e308, pytest.param(np.inf, marks=pytest.mark.long)])
 @pytest.mark.parametrize("wanted", A_FORM)
 def test_a_number_that_no_axis_holds_is_told(wanted, value, found, tmp_path):

@@ -65,7 +65,7 @@ def stop_after(offers: int):
 
 
 @pytest.mark.parametrize("name", POINTS)
-@pytest.mark.parametrize("share", [0.01, 0.99])
+@pytest.mark.parametrize("share", [0.01, pytest.param(0.4, marks=pytest.mark.long), 0.99])
 def test_a_run_continued_from_a_checkpoint_gives_the_same_bits(name, share, tmp_path, monkeypatch):
     point = POINTS[name]
     assert run_point(point, tmp_path / "whole.nc", quiet=True) == 0
