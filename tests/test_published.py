@@ -18,8 +18,8 @@ from sim.dataset.rows import Rows
 from sim.engine.run import run_point
 from sim.parameters import SYSTEMS, parse_point, point_id
 from sim.report.claims import VERDICTS, count_verdicts, read_claims
-from sim.report.paper_pages import main as paper_page
-from sim.report.paper_pages import results_page
+from docs.site.paper_pages import main as paper_page
+from docs.site.paper_pages import results_page
 from sim.report.publish import MOST_BYTES, PUBLISHED, folder_size
 from sim.study.cost import estimate
 from tests.made.processes import ROOT
@@ -90,13 +90,13 @@ def test_claims_that_do_not_simply_hold_are_explained(study):
 
 
 def test_the_page_of_verdicts_is_that_of_what_is_published():
-    """`python -m sim.report.paper_pages verdicts > docs/verdicts.md` makes it anew."""
+    """`python -m docs.site.paper_pages verdicts > docs/verdicts.md` makes it anew."""
     text = (ROOT / "docs" / "verdicts.md").read_text(encoding="utf-8")
     assert text == paper_page("verdicts", ROOT / PUBLISHED)
 
 
 def test_every_number_of_the_abstract_is_published():
-    """`python -m sim.report.paper_pages results > docs/paper.md` makes it anew."""
+    """`python -m docs.site.paper_pages results > docs/paper.md` makes it anew."""
     text = (ROOT / "docs" / "paper.md").read_text(encoding="utf-8")
     assert text == paper_page("results", ROOT / PUBLISHED)
 

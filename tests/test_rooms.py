@@ -1,6 +1,7 @@
 """Rooms import only what the table says, in no circle; what starts fast imports nothing heavy."""
 
 import ast
+import re
 import subprocess
 import sys
 from graphlib import TopologicalSorter
@@ -104,3 +105,9 @@ def test_help_imports_no_library_at_all():
 def test_parameters_and_tables_of_points_import_nothing_heavy():
     code = "import sim.__main__, sim.parameters, sim.study.load, sim.report.points"
     assert not loaded(code) & HEAVY
+
+
+def test_pages_name_no_paper():
+    """A report takes the names of papers from them, so that it names a stranger's as well."""
+    for path in (PACKAGE / "report" / "templates").iterdir():
+        assert not re.search("walton|gallas", path.read_text(encoding="utf-8"), re.IGNORECASE), path

@@ -136,13 +136,10 @@ def strip(check: Mapping[str, Any]) -> dict[str, float] | None:
 
 
 def template(name: str) -> jinja2.Template:
-    """Return a template of a page; undefined names raise an error.
-
-    Values are escaped in HTML, but not in Markdown.
-    """
+    """Return a template of a page; undefined names raise an error."""
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(TEMPLATES),
-        autoescape=".html" in name,
+        autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,

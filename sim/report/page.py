@@ -123,6 +123,7 @@ def render(
         if one.file not in refusals
     ]
     order = _page_order(study, entries, rows)
+    counts = count_verdicts(rows)
     return template("report.html.j2").render(
         study=study,
         study_files={file.name: file.read_text(encoding="utf-8") for file in study.sources},
@@ -134,7 +135,8 @@ def render(
         outcomes=VERDICTS | REPORTED,
         claims=rows,
         own_claims=[row for row in all_rows if row not in rows],
-        counts=count_verdicts(rows),
+        counts=counts,
+        authors={name: papers()[name].author for name in counts},
         reading_tables=reading_tables(rows, results) if "claims" in order["parts"] else [],
         has_tested_claims=has_tested_claims(rows),
         **order,

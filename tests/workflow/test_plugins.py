@@ -4,6 +4,7 @@ They are loaded in every job; an edit reruns what depends on them.
 """
 
 import json
+import re
 import shutil
 from pathlib import Path
 
@@ -103,6 +104,9 @@ def test_the_paper_gets_figure_verdict_table_and_report(tree):
     report = (results / "report.html").read_text()
     assert "Silbert et al. (2001), steady flows" in report
     assert f'id="claim-{CLAIM}" data-paper="silbert"' in report
+    assert '<option value="silbert">Silbert et al.</option>' in report
+    heads = re.search(r"Verdicts on the claims of each paper.*?</thead>", report, re.DOTALL)
+    assert re.findall(r'class="number">(.*?)<', heads[0]) == ["Walton", "Silbert et al.", "Both"]
 
 
 def test_every_job_has_the_plugins_that_it_needs(tree):

@@ -1,6 +1,6 @@
 """Pages of docs/ on both papers, made of what is published: results in words, and all verdicts.
 
-``python -m sim.report.paper_pages results`` and ``verdicts`` write them to the standard output.
+``python -m docs.site.paper_pages results`` and ``verdicts`` write them to the standard output.
 """
 
 import json
@@ -10,10 +10,15 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import jinja2
+
 from sim.report.claims import VERDICTS, count_verdicts, read_claims
-from sim.report.numbers import template, value_with_interval
+from sim.report.numbers import value_with_interval
 from sim.report.publish import PUBLISHED
 from sim.study.papers import papers
+
+#: The article, with places for verdicts and numbers.
+TEMPLATE = Path(__file__).with_name("paper.md.j2")
 
 _HEAD = """\
 # Verdicts, then and now
@@ -37,7 +42,7 @@ Sentences, criteria and evidence are in the reports
 [Gallas](../results/published/paper_gallas/report.html)). Verdicts by reading and protocol are in
 `verdicts.csv` beside them.
 
-`python -m sim.report.paper_pages verdicts > docs/verdicts.md` makes this page from both
+`python -m docs.site.paper_pages verdicts > docs/verdicts.md` makes this page from both
 `claims.json`.
 """
 
@@ -77,19 +82,23 @@ def results_page(
         When a claim has another verdict than its sentence assumes, or a number belongs to no check.
         The template must then be rewritten.
     """
-    return (
-        template("results.md.j2").render(
-            claim=partial(_claim, claims),
-            number=partial(_number, claims),
-            counts=count_verdicts(list(claims.values())),
-            changes=changes(list(claims.values())),
-            statements=len(claims),
-            papers={name: paper.author for name, paper in papers().items()},
-            verdicts=VERDICTS,
-            runs=runs,
-        )
-        + "\n"
+    template = jinja2.Template(
+        TEMPLATE.read_text(encoding="utf-8"),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
     )
+    text = template.render(
+        claim=partial(_claim, claims),
+        number=partial(_number, claims),
+        counts=count_verdicts(list(claims.values())),
+        changes=changes(list(claims.values())),
+        statements=len(claims),
+        papers={name: paper.author for name, paper in papers().items()},
+        verdicts=VERDICTS,
+        runs=runs,
+    )
+    return text + "\n"
 
 
 def _claim(claims: Mapping[str, Mapping[str, Any]], name: str, verdict: str) -> str:
