@@ -6,6 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from docs.site.paper_pages import main as paper_page
+from docs.site.paper_pages import results_page
 from sim.claims.claim import claims
 from sim.claims.evidence import Evidence
 from sim.claims.judge import judge
@@ -18,8 +20,6 @@ from sim.dataset.rows import Rows
 from sim.engine.run import run_point
 from sim.parameters import SYSTEMS, parse_point, point_id
 from sim.report.claims import VERDICTS, count_verdicts, read_claims
-from docs.site.paper_pages import main as paper_page
-from docs.site.paper_pages import results_page
 from sim.report.publish import MOST_BYTES, PUBLISHED, folder_size
 from sim.study.cost import estimate
 from tests.made.processes import ROOT

@@ -132,7 +132,7 @@ def test_a_number_with_which_no_runs_decide_is_shown_as_untestable(made, page):
     claim["by_number"].append({"value": 0.77, "verdict": "untestable", "checks": []})
     found = load_results(folder / "dataset.nc")
     shown = Page(render(load_study(*made), found, folder / "figures", claims, data_uri))
-    assert "0.77– untestable no runs decide it" in " ".join(shown.text.split())
+    assert "0.77untestable no runs decide it" in " ".join(shown.text.split())
 
 
 def test_the_study_file_is_shown_with_its_parts(tmp_path, page):
@@ -197,10 +197,10 @@ def doubtful(tmp_path_factory) -> Page:
 def test_points_with_a_caveat_are_marked_with_its_text(doubtful, page):
     marks = [one for one in doubtful.all("a") if "caveat-1" in one.get("aria-describedby", "")]
     assert len(marks) == 2
-    assert all("energy does not add up" in one["title"] for one in marks)
     assert [one.get("data-caveat") for one in doubtful.all("tr")].count("with") == 2
     assert doubtful.text.count("⚠ caveat") == 2
-    assert "Caveat for 2 of" in " ".join(doubtful.text.split())
+    text = " ".join(doubtful.text.split())
+    assert re.search(r"Caveat for 2 of \d+ points: energy does not add up", text), text[-600:]
     assert "⚠" not in page.text
 
 
