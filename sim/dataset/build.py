@@ -17,7 +17,6 @@ import netCDF4
 import numpy as np
 import pandas as pd
 import xarray as xr
-from xarray.backends import NetCDF4DataStore
 
 from sim.base.errors import InputError
 from sim.base.files import atomic_write, require_writable
@@ -37,6 +36,7 @@ from sim.dataset.rows import (
     row_scalars,
 )
 from sim.dataset.sources import gather_rows
+from sim.dataset.values import Values
 from sim.engine.stored_run import current_status
 from sim.parameters import SYSTEMS, Parameters, point_id
 from sim.study.expand import point_with_membership
@@ -106,8 +106,14 @@ def build(
     with atomic_write(output) as temporary:
         # Opening a file once per group would take longer than writing most of them.
         with netCDF4.Dataset(temporary, "w") as file:
+            values = Values()
             for group, dataset in _groups(blocks, study, sides):
-                _write(file, group, dataset)
+                encoding = _encodings(dataset, group)
+                values.define(dataset, file.createGroup(group) if group else file, encoding)
+                if group in SYSTEMS:
+                    # Profiles are large, and not held until all groups are defined.
+                    values.fill()
+            values.fill()
         seal(temporary)
         if not finished:
             keep_dataset(temporary, folder)
@@ -216,14 +222,12 @@ def _groups(
         yield GROUP, tabulate(study, sides_of_boundaries).to_xarray()
 
 
-def _write(file: netCDF4.Dataset, group: str | None, dataset: xr.Dataset) -> None:
-    """Write a group to an open file; the root has no name."""
-    encoding = {name: _encoding(dataset[name], group) for name in dataset.data_vars}
+def _encodings(dataset: xr.Dataset, group: str | None) -> dict[str, Any]:
+    """Return the netCDF encoding of the variables of a group; the root has no name."""
+    encodings = {str(name): _encoding(dataset[name], group) for name in dataset.data_vars}
     # CF allows only numbers as coordinates, so labels are stored as letters in two dimensions.
     labels = (name for name in ("point", "run") if name in dataset.coords)
-    encoding |= {name: COMPRESSION | {"dtype": "S1"} for name in labels}
-    target = file.createGroup(group) if group else file
-    dataset.dump_to_store(NetCDF4DataStore(target), encoding=encoding)
+    return encodings | {name: COMPRESSION | {"dtype": "S1"} for name in labels}
 
 
 def _encoding(values: xr.DataArray, group: str | None) -> dict[str, Any]:

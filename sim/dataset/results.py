@@ -11,6 +11,7 @@ import netCDF4
 import numpy as np
 import pandas as pd
 import xarray as xr
+from xarray.backends import NetCDF4DataStore
 
 from sim.base.additions import plugin_options
 from sim.base.errors import InputError
@@ -147,8 +148,8 @@ class Groups(Mapping[str, xr.Dataset]):
     def __getitem__(self, name: str) -> xr.Dataset:
         if name not in self._loaded:
             group = self._paths[name]
-            with _checked_dataset(self._path):
-                self._loaded[name] = _load_group(self._path, group)
+            with _checked_dataset(self._path), netCDF4.Dataset(self._path) as file:
+                self._loaded[name] = _load_group(file, group)
         return self._loaded[name]
 
     def __contains__(self, name: object) -> bool:
@@ -171,15 +172,16 @@ def load_results(path: str | Path) -> Results:
         aside.
     """
     path = Path(path)
-    with _checked_dataset(path):
-        with netCDF4.Dataset(path) as file:
-            groups = set(file.groups)
-            points = list(file.groups[PARTICLES].groups) if PARTICLES in groups else []
-            adopted = _read_adopted(file) if RUNS in groups else {}
+    # A file of many variables takes long to open, so that it is opened once.
+    with _checked_dataset(path), netCDF4.Dataset(path) as file:
+        groups = set(file.groups)
+        points = list(file.groups[PARTICLES].groups) if PARTICLES in groups else []
+        # Before xarray turns off that characters are read as text.
+        adopted = _read_adopted(file) if RUNS in groups else {}
         return Results(
-            dataset=with_all_parameters(_load_group(path, None)),
+            dataset=with_all_parameters(_load_group(file, None)),
             profiles=Groups(path, {name: name for name in SYSTEMS if name in groups}),
-            boundaries=read_table(path),
+            boundaries=_read_boundaries(file),
             states=Groups(path, {point: f"{PARTICLES}/{point}" for point in points}),
             runs=path.parent / "runs",
             adopted=adopted,
@@ -228,9 +230,9 @@ def with_all_parameters(dataset: xr.Dataset) -> xr.Dataset:
     return dataset.assign_coords({name: ("point", values) for name, values in columns.items()})
 
 
-def _load_group(path: Path, group: str | None) -> xr.Dataset:
-    with xr.open_dataset(path, engine="netcdf4", group=group) as dataset:
-        return dataset.load()
+def _load_group(file: netCDF4.Dataset, group: str | None) -> xr.Dataset:
+    """Read a group of an open dataset; the root has no name."""
+    return xr.open_dataset(NetCDF4DataStore(file[group] if group else file)).load()
 
 
 def read_table(dataset: Path) -> pd.DataFrame:
@@ -241,12 +243,14 @@ def read_table(dataset: Path) -> pd.DataFrame:
     InputError
         When there is no dataset, or it is damaged. A damaged dataset of a study is set aside.
     """
-    with checked_read(dataset, "dataset", replaceable=is_study_dataset(dataset), sealed=True):
-        with netCDF4.Dataset(dataset) as file:
-            if GROUP not in file.groups:
-                return pd.DataFrame(columns=COLUMNS)
-        with xr.open_dataset(dataset, engine="netcdf4", group=GROUP) as group:
-            table = group.to_dataframe()
+    with _checked_dataset(dataset), netCDF4.Dataset(dataset) as file:
+        return _read_boundaries(file)
+
+
+def _read_boundaries(file: netCDF4.Dataset) -> pd.DataFrame:
+    if GROUP not in file.groups:
+        return pd.DataFrame(columns=COLUMNS)
+    table = _load_group(file, GROUP).to_dataframe()
     return table.assign(**added_columns({name: table[name].to_numpy() for name in table}))
 
 

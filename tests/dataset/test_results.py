@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
@@ -35,9 +36,9 @@ def groups_read(monkeypatch) -> list[str | None]:
     """Return the groups in the order in which they were read."""
     groups, load = [], results._load_group
 
-    def record(path: Path, group: str | None) -> xr.Dataset:
+    def record(file: netCDF4.Dataset, group: str | None) -> xr.Dataset:
         groups.append(group)
-        return load(path, group)
+        return load(file, group)
 
     monkeypatch.setattr(results, "_load_group", record)
     return groups

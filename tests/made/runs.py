@@ -5,11 +5,13 @@ from math import cos, nan, radians, sin
 from pathlib import Path
 from typing import Any
 
+import netCDF4
 import numpy as np
 import xarray as xr
 
 from sim.base.seals import append_summary, seal
 from sim.dataset.boundaries import added_points
+from sim.dataset.values import Values
 from sim.engine.identity import NUMERICS
 from sim.engine.observe.force_balance import base_forces
 from sim.parameters import Parameters, amounts, canonical_values, field_info, point_id
@@ -65,7 +67,10 @@ def write_run(
     dataset = xr.Dataset(data, attrs=_attributes(parameters, failed, numerics))
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{point_id(parameters)}.nc"
-    dataset.to_netcdf(path)
+    with netCDF4.Dataset(path, "w") as file:
+        values = Values()
+        values.define(dataset, file)
+        values.fill()
     scalars = {name: dataset[name].values.tolist() for name in SCALARS if name in dataset}
     summary = {"attributes": dataset.attrs, "held": [amounts(parameters)], "scalars": scalars}
     append_summary(path, summary)
