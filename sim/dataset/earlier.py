@@ -3,13 +3,14 @@
 import os
 import shutil
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, suppress
+from contextlib import suppress
 from pathlib import Path
 
 import netCDF4
 import numpy as np
 import pandas as pd
 import xarray as xr
+from xarray.backends import NetCDF4DataStore
 
 from sim.base.files import atomic_write
 from sim.base.seals import UNREADABLE, is_damaged, read_seal
@@ -121,12 +122,11 @@ def _read_rows(
         states = file.groups[PARTICLES].groups if PARTICLES in file.groups else {}
         particles = {point: stored_particles(states, point) for point in states}
         with_profiles = points_with_profiles(file)
-    with ExitStack() as stack:
 
         def open_group(group: str | None) -> xr.Dataset:
             """Open a group without a cache: each access reads the variable from the file."""
-            file = xr.open_dataset(path, engine="netcdf4", group=group, cache=False)
-            return stack.enter_context(file)
+            store = NetCDF4DataStore(file[group] if group else file)
+            return xr.open_dataset(store, cache=False)
 
         root, runs = open_group(None), open_group(RUNS)
         known_names = stored_names()
