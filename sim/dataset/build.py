@@ -31,6 +31,7 @@ from sim.dataset.rows import (
     PARTICLES,
     PATH_VARIABLES,
     RUNS,
+    SCALAR_DIGITS,
     Rows,
     align_rows,
     row_scalars,
@@ -239,5 +240,8 @@ def _encoding(values: xr.DataArray, group: str | None) -> dict[str, Any]:
         return COMPRESSION | {"dtype": "S1"}
     if values.dtype == np.float32:
         digits = PROFILE_DIGITS if group in SYSTEMS else POSITION_DIGITS
-        return COMPRESSION | {"quantize_mode": "BitRound", "significant_digits": digits}
-    return COMPRESSION
+    elif values.dtype == np.float64 and group not in SYSTEMS:
+        digits = SCALAR_DIGITS
+    else:
+        return COMPRESSION
+    return COMPRESSION | {"quantize_mode": "BitRound", "significant_digits": digits}

@@ -23,6 +23,7 @@ from sim.dataset.rows import (
     Rows,
     merge_rows,
     reader_hash,
+    round_scalars,
     row_points,
     select_rows,
     without_profiles,
@@ -94,7 +95,7 @@ def gather_rows(
         (folder / "runs" / f"{key}.nc", amounts(point), bool(need(key).particles))
         for key, point in missing.items()
     ]
-    blocks += read_files(files, processes, scheduler)
+    blocks = list(map(round_scalars, blocks + read_files(files, processes, scheduler)))
     others = {key for key in points if not need(key).profiles}
     return [
         *select_rows(blocks, points.keys() - others),
