@@ -44,7 +44,7 @@ def judge(results: Results) -> list[Judgement]:
 def _evidence(
     results: Results, points: Points, system: str, readings: Readings
 ) -> Iterator[tuple[dict[str, Any], Evidence]]:
-    """Yield each reading with the evidence of each protocol, the headline reading first."""
+    """Yield each of `combined_readings` with the evidence of each protocol."""
     for reading in combined_readings(results, system, readings):
         runs = {name: value for name, value in reading.items() if name != GRID}
         regridded = replace(results, grid=reading.get(GRID, results.grid))
@@ -65,7 +65,7 @@ def _variants(
     readings: Readings,
     evidence_by_reading: Sequence[tuple[Mapping[str, Any], Evidence]],
 ) -> Iterator[Variant]:
-    """Yield the claim at the headline reading, then at readings that change its checks.
+    """Yield the claim at the first reading, which heads it, then where another changes its checks.
 
     A reading without runs of its own changes nothing: a claim that names the parameters of a
     reading uses the same points under both. Nor does another profile grid, if the claim uses no
@@ -73,10 +73,11 @@ def _variants(
     """
     keys: set[tuple[Any, ...]] = set()
     grids = set()
+    first = evidence_by_reading[0][0]
     for reading, evidence in evidence_by_reading:
-        grid, regridded = reading.get(GRID), is_regridded(reading, readings.headline)
+        grid, regridded = reading.get(GRID), is_regridded(reading, first)
         if regridded and grid not in grids:
-            # Where a grid changes nothing at the headline reading, the claim uses no profile.
+            # Where a grid changes nothing at the first reading, the claim uses no profile.
             continue
         if claim.paper == OWN and not evidence.has_runs(claim.system):
             # A protocol without runs is skipped for a study's own claims.
@@ -86,7 +87,7 @@ def _variants(
         if regridded:
             variant = replace(variant, checks=_votes(variant))
         key = variant.protocol, tuple(map(_rounded, variant.checks))
-        if reading == readings.headline or not (variant.reason or key in keys):
+        if reading == first or not (variant.reason or key in keys):
             yield variant
             grids.add(grid)
         keys.add(key)

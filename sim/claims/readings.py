@@ -40,13 +40,14 @@ def is_regridded(reading: Mapping[str, Any], headline: Mapping[str, Any]) -> boo
 
 
 def combined_readings(results: Results, system: str, readings: Readings) -> list[dict[str, Any]]:
-    """Return the readings under which runs of a system can be judged, the headline reading first.
+    """Return the readings under which runs of a system can be judged.
 
-    What the paper's words allow together is judged together: the runs of each reading, evaluated on
-    each grid of the profiles.
+    The headline reading is first, or the default where no run has it. What the paper's words allow
+    together is judged together: the runs of each reading, evaluated on each grid of the profiles.
     """
     runs = [{}, *_readings_with_runs(results, system, readings)]
-    ordered = [readings.headline, *(one for one in runs if one != readings.headline)]
+    first = readings.headline if readings.headline in runs else {}
+    ordered = [first, *(one for one in runs if one != first)]
     grids = [{}, *({GRID: name} for name in readings.grids)]
     return [one | grid for one in ordered for grid in grids]
 

@@ -89,10 +89,16 @@ def draw(data: FigureData) -> Figure:
     for axes, rows in each:
         (_draw_belt if spec.system == "belt" else _draw_chute)(axes, rows, shown, spec)
     label_axes(figure, each, *given_labels(data))
-    names = [name for name in SYSTEMS[spec.system].model_fields if name not in spec.axes]
+    names = _telling_parameters(spec)
     named = varying_parameters(data.rows, names)
     place_legend(figure, each[0][0], legend_title(spec.system, named))
     return figure
+
+
+def _telling_parameters(spec: FigureSpec) -> list[str]:
+    """Return the parameters that may tell curves apart."""
+    others = {*spec.axes, *spec.alike}
+    return [name for name in SYSTEMS[spec.system].model_fields if name not in others]
 
 
 def _draw_families(
@@ -105,7 +111,7 @@ def _draw_families(
 ) -> None:
     """Draw the curves of each quantity, named by what the figure names or else by what varies."""
     along = "acceleration_ratio" if spec.options.get("relative") else spec.axes[0]
-    names = [name for name in SYSTEMS[spec.system].model_fields if name != spec.axes[0]]
+    names = _telling_parameters(spec)
     is_named = "styles" in spec.options or "entry" in spec.options
     keys = [name for name in spec.curves if is_named or rows[name].nunique() > 1]
     measures = spec.options.get("quantities", ({},))

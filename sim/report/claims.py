@@ -232,16 +232,14 @@ def reading_tables(claims: Sequence[Mapping[str, Any]], results: Results) -> lis
             dict.fromkeys(label for claim in paper_claims for label in claim["by_reading"])
         )
         if len(words) > 1:
-            readings = {
-                reading_label(paper.system, reading, paper.readings): reading
-                for reading in combined_readings(results, paper.system, paper.readings)
-            }
+            combined = combined_readings(results, paper.system, paper.readings)
+            readings = {reading_label(paper.system, one, paper.readings): one for one in combined}
             # What is the same runs on another grid is told of the headline reading alone, and what
             # is another reading of one claim in that claim.
             columns = [
-                _reading(label, readings[label], paper_claims, results, paper)
+                _reading(label, readings[label], combined[0], paper_claims, results, paper)
                 for label in words
-                if label in readings and not is_regridded(readings[label], paper.readings.headline)
+                if label in readings and not is_regridded(readings[label], combined[0])
             ]
             heading = {"paper": name, "author": paper.author, "why": paper.readings.why}
             tables.append(
@@ -282,18 +280,22 @@ def _verdicts(claim: Mapping[str, Any], words: Sequence[str]) -> list[str]:
 def _reading(
     words: str,
     values: Mapping[str, Any],
+    first: Mapping[str, Any],
     claims: Sequence[Mapping[str, Any]],
     results: Results,
     paper: Paper,
 ) -> dict[str, Any]:
-    """Return one reading for the report: sentences, counts of verdicts, checks of the time step."""
+    """Return one reading for the report: sentences, counts of verdicts, checks of the time step.
+
+    It is compared with the first, which heads the verdicts.
+    """
     system, declared = paper.system, paper.readings
-    first = reading_label(system, declared.headline, declared)
-    pairs = [_verdicts(candidate, (words, first)) for candidate in claims]
+    heading = reading_label(system, first, declared)
+    pairs = [_verdicts(candidate, (words, heading)) for candidate in claims]
     common = [pair for pair in pairs if "untestable" not in pair]
     return {
         "words": words,
-        "is_headline": values == declared.headline,
+        "is_headline": values == first,
         "sentences": declared.sentences(values),
         "control": declared.control_reason(values),
         "hold": sum(_is_reproduced(here) for here, _ in pairs),

@@ -96,6 +96,7 @@ class FigureFile(PlotFile):
     levels: list[float] = Field([], description="values to compare with")
     level: Text = Field("", description="their entry in the legend")
     quantities: list[Measure] = []
+    alike: list[str] = Field([], description="parameters that do not tell curves apart")
     relative: bool = Field(
         False, description="whether velocity and frequency of the belt become shares of its own"
     )
@@ -128,7 +129,7 @@ class FigureFile(PlotFile):
         if shown and shown in self.model_fields_set:
             find_observable(self.kind, shown, self.observable, self.system, broken_rule)
         key: str
-        for key in (*self.keys.axes, "curves", "panels", "vary", "where", "named"):
+        for key in (*self.keys.axes, "curves", "panels", "vary", "where", "named", "alike"):
             value = getattr(self, key) or ()
             for name in [value] if isinstance(value, str) else value:
                 require_parameter(key, name, self.system, (), broken_rule)
@@ -221,6 +222,7 @@ def _spec(
         axes=(*figure.axis_names, *filter(None, (figure.panels,)), *figure.vary),
         curves=tuple(name for name in figure.curves or () if name not in figure.vary),
         where=figure.where,
+        alike=tuple(figure.alike),
         lead=texts["lead"],
         named=tuple(figure.named),
         says=texts["says"],

@@ -44,6 +44,8 @@ class FigureSpec:
         first.
     curves : tuple of str
         Parameters that tell the paper's curves apart; a study may vary them or not.
+    alike : tuple of str
+        Parameters that do not tell curves apart: points that differ in them are on one curve.
     where : mapping
         Values that parameters of a point must have to be drawn, or tuples of values of which each
         must have one; others of a series that feeds the figure are left out.
@@ -70,6 +72,7 @@ class FigureSpec:
     title: str
     axes: tuple[str, ...] = ()
     curves: tuple[str, ...] = ()
+    alike: tuple[str, ...] = ()
     where: Mapping[str, Any] = field(default_factory=dict)
     lead: str = ""
     named: tuple[str, ...] = ()
@@ -125,10 +128,10 @@ class FigureSpec:
 
         Parameters that set how a point is computed do so only where the figure is about them.
         """
-        own = {*self.axes, *self.curves}
+        own, others = {*self.axes, *self.curves}, {*NUMERICAL, *self.alike}
         names = type(parameters).model_fields
         return tuple(
-            getattr(parameters, name) for name in names if name in own or name not in NUMERICAL
+            getattr(parameters, name) for name in names if name in own or name not in others
         )
 
     @property

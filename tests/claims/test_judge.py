@@ -316,11 +316,16 @@ def test_base_rows_of_another_cell_or_stiffness_are_readings():
     )
     readings = combined_readings(results, "chute", readings_of("chute"))
     assert [reading for reading in readings if GRID not in reading] == [
-        {},
         {"friction_cap": "after"},
+        {},
         {"cell": 5},
         {"stiffness": 1000},
     ]
+
+
+def test_the_default_heads_where_no_run_has_the_headline_reading():
+    results = made_results(made_point("chute", {"velocity": 0.1}))
+    assert combined_readings(results, "chute", readings_of("chute"))[0] == {}
 
 
 def test_the_model_is_judged_under_its_readings_where_the_study_has_runs_of_any():
@@ -342,7 +347,8 @@ def test_readings_without_the_runs_of_a_claim_are_left_out(monkeypatch):
             judgement.claim.paper == {"chute": "walton", "belt": "gallas"}[judgement.claim.system]
         )
         flows = [variant for variant in judgement.variants if variant.protocol != MODEL]
-        assert all(variant.reading == DEFAULT or variant.checks for variant in flows)
+        heading = (DEFAULT, judgement.headline)
+        assert all(variant.reading in heading or variant.checks for variant in flows)
 
 
 @pytest.mark.parametrize(("named", "readings"), [({}, 2), ({"cell": 5}, 1)])

@@ -15,7 +15,7 @@ plot_kind(
         others=("curves", "panels", "beside", "fit"),
         of_papers=(
             *("x", "curves", "panels", "log", "labels"),
-            *("levels", "level", "quantities", "styles", "entry", "relative"),
+            *("levels", "level", "quantities", "styles", "entry", "relative", "alike"),
         ),
         systems=("chute", "belt"),
     ),
