@@ -69,7 +69,7 @@ class AdoptedPoint(NamedTuple):
     scalars: Mapping[str, np.ndarray]
 
     def is_enough_for(self, parameters: Parameters, need: Need) -> bool:
-        """Return whether this has the amounts of a point and what else is needed of it."""
+        """Return whether a point may be adopted: its amounts, particles and profiles are stored."""
         needed = amounts(parameters)
         is_covered = needed.keys() <= self.amounts.keys() and covers(self.amounts, needed)
         # The state is that of the first replicate that completed.

@@ -24,6 +24,7 @@ from sim.base.seals import seal
 from sim.dataset.boundaries import add_rounds, find_sides, tabulate
 from sim.dataset.combine import natural_velocities, profiles, root, runs, si_parameters
 from sim.dataset.earlier import keep_dataset
+from sim.dataset.groups import Values
 from sim.dataset.results import COLUMNS, GROUP, Results, with_all_parameters
 from sim.dataset.rounds import add_further_points, points_of_rounds
 from sim.dataset.rows import (
@@ -37,7 +38,6 @@ from sim.dataset.rows import (
     row_scalars,
 )
 from sim.dataset.sources import gather_rows
-from sim.dataset.values import Values
 from sim.engine.stored_run import current_status
 from sim.parameters import SYSTEMS, Parameters, point_id
 from sim.study.expand import point_with_membership

@@ -9,11 +9,10 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 import pandas as pd
-import xarray as xr
-from xarray.backends import NetCDF4DataStore
 
 from sim.base.files import atomic_write
 from sim.base.seals import UNREADABLE, is_damaged, read_seal
+from sim.dataset.groups import open_group
 from sim.dataset.rows import (
     OF_PROFILES,
     PARTICLES,
@@ -122,13 +121,8 @@ def _read_rows(
         states = file.groups[PARTICLES].groups if PARTICLES in file.groups else {}
         particles = {point: stored_particles(states, point) for point in states}
         with_profiles = points_with_profiles(file)
-
-        def open_group(group: str | None) -> xr.Dataset:
-            """Open a group without a cache: each access reads the variable from the file."""
-            store = NetCDF4DataStore(file[group] if group else file)
-            return xr.open_dataset(store, cache=False)
-
-        root, runs = open_group(None), open_group(RUNS)
+        # Only now: xarray turns off that characters are read as text.
+        root, runs = open_group(file, None), open_group(file, RUNS)
         known_names = stored_names()
         table = pd.DataFrame({name: root[name].values for name in ("point", "system")})
         columns = [str(name) for name in runs]
@@ -150,7 +144,7 @@ def _read_rows(
                 if name not in OF_PROFILES
             }
             if profile_names := [name for name in names if name in OF_PROFILES]:
-                profiles = open_group(system)
+                profiles = open_group(file, system)
                 places = profiles.indexes["run"].get_indexer(points)
                 values |= {name: profiles[name].values[places] for name in profile_names}
             yield Rows(
@@ -159,7 +153,7 @@ def _read_rows(
                 | {"adopted": [""] * len(points)},
                 values=values,
                 states={
-                    point: open_group(f"{PARTICLES}/{point}").load()
+                    point: open_group(file, f"{PARTICLES}/{point}").load()
                     for point in points
                     if need(point).particles
                 },

@@ -11,13 +11,13 @@ import netCDF4
 import numpy as np
 import pandas as pd
 import xarray as xr
-from xarray.backends import NetCDF4DataStore
 
 from sim.base.additions import plugin_options
 from sim.base.errors import InputError
 from sim.base.messages import one_of
 from sim.base.seals import checked_read
 from sim.dataset.grids import GRIDS, number_density_name, regrid
+from sim.dataset.groups import open_group
 from sim.dataset.rounds import RESULT_COLUMNS
 from sim.dataset.rows import CENTRES, PARTICLES, RUNS
 from sim.parameters import SYSTEMS, amounts, defaults_of_added
@@ -232,7 +232,7 @@ def with_all_parameters(dataset: xr.Dataset) -> xr.Dataset:
 
 def _load_group(file: netCDF4.Dataset, group: str | None) -> xr.Dataset:
     """Read a group of an open dataset; the root has no name."""
-    return xr.open_dataset(NetCDF4DataStore(file[group] if group else file)).load()
+    return open_group(file, group).load()
 
 
 def read_table(dataset: Path) -> pd.DataFrame:

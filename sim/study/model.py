@@ -20,7 +20,7 @@ from sim.study.surrogate import MOST_ROUNDS, SurrogateSpec
 
 
 class Need(NamedTuple):
-    """How much of a point's particles, and whether its profiles, a dataset needs or has."""
+    """What a dataset stores of a point besides scalars: a level of particles, and profiles."""
 
     particles: Shown
     profiles: bool
@@ -185,7 +185,7 @@ class Study:
         return max((self.entries[name].particles for name in figures), default=Shown.NOTHING)
 
     def need(self, point: str) -> Need:
-        """Return how much of a point's particles, and whether its profiles, the dataset needs."""
+        """Return what the dataset must store of a point besides its scalars."""
         if point not in self.points:
             return self._later_need
         shown = self.particles_shown(self.points[point].figures)

@@ -1,4 +1,4 @@
-"""Values of a netCDF file that are written once all its variables are defined."""
+"""Groups of an open netCDF file, as xarray reads them and as a new file gets them."""
 
 from typing import Any
 
@@ -6,6 +6,11 @@ import netCDF4
 import xarray as xr
 from xarray.backends import NetCDF4DataStore
 from xarray.backends.common import ArrayWriter
+
+
+def open_group(file: netCDF4.Dataset, group: str | None) -> xr.Dataset:
+    """Return a group of an open file, the root without a name; each access reads from the file."""
+    return xr.open_dataset(NetCDF4DataStore(file[group] if group else file), cache=False)
 
 
 class Values(ArrayWriter):
