@@ -106,28 +106,32 @@ def _scan(evidence: Evidence, **where: Any) -> tuple[pd.DataFrame, dict[float, P
 
 
 def _jackknife(
-    shares: pd.DataFrame, locate: Callable[[pd.DataFrame], tuple[float, float]]
+    shares: pd.DataFrame, locate: Callable[[np.ndarray, np.ndarray], tuple[float, float]]
 ) -> tuple[UFloat, bool]:
     """Return a frequency of the mean over beds with its interval; true if a step limits it.
 
-    ``locate`` returns the frequency and the step of the scan there. The 95 % interval follows from
-    the changes as each bed is left out (jackknife), with the degrees of freedom of the frequency
-    that has the fewest beds. It is half a step at least.
+    ``locate`` gets the frequencies (F,) and the means over beds (F,), and returns the frequency and
+    the step of the scan there. The 95 % interval follows from the changes as each bed is left out
+    (jackknife), with the degrees of freedom of the frequency that has the fewest beds. It is half a
+    step at least.
     """
-    value, step = locate(shares)
-    beds = len(shares)
-    leave_one_out = [locate(shares.drop(bed))[0] for bed in shares.index]
-    error = np.sqrt((beds - 1) * np.var(leave_one_out))
+    frequencies, beds = shares.columns.to_numpy(), shares.to_numpy()
+    value, step = locate(frequencies, np.nanmean(beds, axis=0))
+    leave_one_out = [
+        locate(frequencies, np.nanmean(np.delete(beds, bed, axis=0), axis=0))[0]
+        for bed in range(len(beds))
+    ]
+    error = np.sqrt((len(beds) - 1) * np.var(leave_one_out))
     scatter = float(student(shares.count().min() - 1) * error)
     return with_interval(value, max(scatter, 0.5 * step)), scatter < 0.5 * step
 
 
-def _onset_frequency(shares: pd.DataFrame, threshold: float) -> tuple[float, float]:
+def _onset_frequency(
+    frequencies: np.ndarray, shares: np.ndarray, threshold: float
+) -> tuple[float, float]:
     """Return the frequency from which on beds are transported, and the step of the scan there."""
-    mean = shares.mean()
-    moves = (mean > threshold).to_numpy()
-    frequencies, at_rest = mean.index.to_numpy(), np.flatnonzero(~moves)
-    if not at_rest.size or at_rest[-1] == len(moves) - 1:
+    at_rest = np.flatnonzero(~(shares > threshold))
+    if not at_rest.size or at_rest[-1] == len(shares) - 1:
         end = "lowest" if not at_rest.size else "highest"
         state = "flow" if not at_rest.size else "do not flow"
         edge = frequencies[0 if not at_rest.size else -1]
@@ -136,7 +140,7 @@ def _onset_frequency(shares: pd.DataFrame, threshold: float) -> tuple[float, flo
     low, high = frequencies[before : before + 2]
     if high - low > FINE_STEP:
         raise Untestable(f"no scan in steps of {FINE_STEP:g} Hz between {low:g} and {high:g} Hz")
-    share_below, share_above = mean.iloc[before], mean.iloc[before + 1]
+    share_below, share_above = shares[before : before + 2]
     return float(
         low + (threshold - share_below) / (share_above - share_below) * (high - low)
     ), float(high - low)
@@ -316,20 +320,21 @@ def g35(
     ]
 
 
-def _rise_width(shares: pd.DataFrame, rise: tuple[float, float]) -> tuple[float, float]:
+def _rise_width(
+    frequencies: np.ndarray, shares: np.ndarray, rise: tuple[float, float]
+) -> tuple[float, float]:
     """Return the width of the rise over its middle, and a step of zero."""
-    low, high = (_crossing_frequency(shares, fraction) for fraction in rise)
+    low, high = (_crossing_frequency(frequencies, shares, fraction) for fraction in rise)
     return (high - low) / (0.5 * (high + low)), 0.0
 
 
-def _crossing_frequency(shares: pd.DataFrame, fraction: float) -> float:
+def _crossing_frequency(frequencies: np.ndarray, shares: np.ndarray, fraction: float) -> float:
     """Return where the mean over beds rises above a fraction of its maximum and stays above."""
-    mean = shares.mean()
-    frequencies, share = mean.index.to_numpy(), mean.to_numpy()
-    top = int(share.argmax())
-    threshold = fraction * share[top]
-    below = np.flatnonzero(share[:top] < threshold)
+    top = int(shares.argmax())
+    threshold = fraction * shares[top]
+    below = np.flatnonzero(shares[:top] < threshold)
     if not below.size:
         return float(frequencies[0])
     before = below[-1]
-    return float(np.interp(threshold, share[before : before + 2], frequencies[before : before + 2]))
+    around = slice(before, before + 2)
+    return float(np.interp(threshold, shares[around], frequencies[around]))
