@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import ceil, inf, isfinite, isnan, nan
 
 from scipy.special import ndtri, stdtr
@@ -129,7 +130,7 @@ class Check:
         measured = self.tested is not None or isfinite(self.value + self.half_width)
         return measured and self.samples >= MIN_SAMPLES and not self.withheld
 
-    @property
+    @cached_property
     def p_holds(self) -> float:
         """p-value of "holds": how often chance alone would be as clear of the outside.
 
@@ -140,7 +141,7 @@ class Check:
         p = max(self._p_beyond(self.value - self.low), self._p_beyond(self.high - self.value))
         return spent(p, self.looks)
 
-    @property
+    @cached_property
     def p_fails(self) -> float:
         """p-value of "fails": how often chance alone would be as clear of the allowed range."""
         if self.tested is not None:
