@@ -14,6 +14,7 @@ from functools import partial, wraps
 from numbers import Real
 from time import process_time
 from typing import Any, NamedTuple
+from uuid import uuid4
 
 from sim.base.additions import attribute_errors_to, codes, plain_name
 from sim.base.errors import InputError, in_short
@@ -99,6 +100,23 @@ def _ignore_write_errors(save):
 
 
 IndexDataCacheFile.save = _ignore_write_errors(IndexDataCacheFile.save)
+
+
+def _take_any_number(name):
+    """Wrap numba's function that names a file of compiled code by its number: any number is taken.
+
+    numba takes the next one. Two processes that store two signatures of a function at once take the
+    same, and from then on every process would load the code of one signature as that of the other.
+    """
+
+    @wraps(name)
+    def name_by_any_number(file, number):
+        return name(file, uuid4().int)
+
+    return name_by_any_number
+
+
+IndexDataCacheFile._data_name = _take_any_number(IndexDataCacheFile._data_name)
 
 #: Reordering of sums and fused multiply-add are allowed; ``nnan`` and ``ninf`` are left out because
 #: the blow-up checks need honest comparisons with not-a-number.

@@ -5,6 +5,7 @@ import stat
 from pathlib import Path
 
 import pytest
+from numba.core.caching import IndexDataCacheFile
 
 from sim.base.errors import InputError
 from sim.engine import compile as engine
@@ -115,3 +116,19 @@ def test_a_full_disk_keeps_no_code_and_stops_no_run(caplog):
     keep()
     keep()
     assert caplog.messages == ["compiled code is not kept: No space left on device"]
+
+
+def test_code_that_two_processes_store_at_once_is_never_loaded_as_the_others(tmp_path):
+    first, second, third = (IndexDataCacheFile(str(tmp_path), "kernel", "stamp") for _ in range(3))
+    # Both have read the index before either writes, and the first writes its code last.
+    second._load_index = dict
+    save_data = first._save_data
+
+    def save_data_last(*arguments):
+        second.save("disks", "code of disks")
+        save_data(*arguments)
+
+    first._save_data = save_data_last
+    first.save("spheres", "code of spheres")
+    assert third.load("disks") == "code of disks"
+    assert third.load("spheres") in ("code of spheres", None)
