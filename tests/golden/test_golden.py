@@ -26,13 +26,15 @@ from tests.golden import (
 
 POINTS = points()
 
-#: Laws that golden points of the chute have as well: only how they meet a moving plane is new, and
-#: compiling takes long.
+#: Laws and readings that golden points of the chute have as well: only how they meet a moving plane
+#: is new, and compiling takes long.
 KNOWN_LAWS = {
     "conveyor_hertz",
     "conveyor_drag",
+    "conveyor_discs_bumps",
     "conveyor_discs_dashpot",
     "conveyor_sliding_as_printed",
+    "conveyor_threads_stress",
 }
 
 
