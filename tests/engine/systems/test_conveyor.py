@@ -133,7 +133,7 @@ COMBINED = [
 ]
 
 
-#: Laws whose work on a plane at rest other tests have; compiling them for one that moves takes long.
+#: Laws whose work other tests have; compiling them for a plane that moves takes long.
 RARE = ("spring_dashpot", "drag")
 
 
