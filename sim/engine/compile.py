@@ -102,21 +102,19 @@ def _ignore_write_errors(save):
 IndexDataCacheFile.save = _ignore_write_errors(IndexDataCacheFile.save)
 
 
-def _take_any_number(name):
-    """Wrap numba's function that names a file of compiled code by its number: any number is taken.
+_numbered_name = IndexDataCacheFile._data_name
 
-    numba takes the next one. Two processes that store two signatures of a function at once take the
-    same, and from then on every process would load the code of one signature as that of the other.
+
+def _unique_name(file, number):
+    """Return the name of a new file of compiled code, which no other process gives to its own.
+
+    numba would number the files of a function in turn. Two processes that store two signatures at
+    once take the same number, and later ones load the code of one signature as that of the other.
     """
-
-    @wraps(name)
-    def name_by_any_number(file, number):
-        return name(file, uuid4().int)
-
-    return name_by_any_number
+    return _numbered_name(file, uuid4().int)
 
 
-IndexDataCacheFile._data_name = _take_any_number(IndexDataCacheFile._data_name)
+IndexDataCacheFile._data_name = _unique_name
 
 #: Reordering of sums and fused multiply-add are allowed; ``nnan`` and ``ninf`` are left out because
 #: the blow-up checks need honest comparisons with not-a-number.
