@@ -8,9 +8,11 @@ import smart_open  # noqa: F401
 import snakemake.cli
 
 import sim.claims.claim
+import sim.claims.inference
 import sim.dataset.adopted
 import sim.dataset.rounds
 import sim.dataset.run_file
+import sim.figures.plot
 import sim.study.command
 import sim.study.plan  # noqa: F401
 from sim.study.validate import file_models

@@ -11,6 +11,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import chdir
 from pathlib import Path
 from subprocess import CompletedProcess
 
@@ -79,7 +80,9 @@ def fork(folder: Path, work: Callable, *arguments: object, **settings: str) -> C
         outputs = [Path(folder_of_output) / name for name in ("stdout", "stderr")]
         how = (folder, dict(os.environ) | settings, outputs, work, arguments)
         process = forks.Process(target=_call, args=how)
-        process.start()
+        # The first call starts the server, which imports from its own folder alone.
+        with chdir(ROOT):
+            process.start()
         process.join()
         said = (path.read_text() for path in outputs)
         return CompletedProcess(arguments, process.exitcode, *said)
