@@ -48,6 +48,10 @@ from sim.study.refine import Sides
 #: NetCDF compression of arrays.
 COMPRESSION = {"zlib": True, "complevel": 9, "shuffle": True}
 
+#: Number of points from which on their columns are compressed; the index of a compressed variable
+#: takes some 2 kB.
+LONG_COLUMN = 1000
+
 #: Binary digits of profiles and of particle positions; run files have all digits. The 9 digits of
 #: profiles are an error of 1e-3 of each value, far below that of the mean of a replicate.
 PROFILE_DIGITS, POSITION_DIGITS = 9, 20
@@ -225,19 +229,22 @@ def _groups(
 
 def _encodings(dataset: xr.Dataset, group: str | None) -> dict[str, Any]:
     """Return the netCDF encoding of the variables of a group; the root has no name."""
-    encodings = {str(name): _encoding(dataset[name], group) for name in dataset.data_vars}
+    encodings = {str(name): _encoding(values, group) for name, values in dataset.variables.items()}
     # CF allows only numbers as coordinates, so labels are stored as letters in two dimensions.
     labels = (name for name in ("point", "run") if name in dataset.coords)
     return encodings | {name: COMPRESSION | {"dtype": "S1"} for name in labels}
 
 
-def _encoding(values: xr.DataArray, group: str | None) -> dict[str, Any]:
+def _encoding(values: xr.Variable, group: str | None) -> dict[str, Any]:
     """Return the netCDF encoding of a variable: compression, characters for text, digits."""
-    if values.ndim < 2 and group != RUNS:
+    is_column = values.ndim < 2 and group != RUNS
+    if is_column and values.size < LONG_COLUMN:
         return {}
     if values.dtype.kind in "OUT":
         # Text is compressed when stored as characters, unlike strings.
         return COMPRESSION | {"dtype": "S1"}
+    if is_column:
+        return COMPRESSION
     if values.dtype == np.float32:
         digits = PROFILE_DIGITS if group in SYSTEMS else POSITION_DIGITS
     elif values.dtype == np.float64 and group not in SYSTEMS:

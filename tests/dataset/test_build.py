@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
@@ -190,6 +191,18 @@ def test_last_samples_are_kept_of_chutes_alone(parameters, is_kept, tmp_path):
         profile = file["velocity_profile"]
         file.createVariable(last, profile.dtype, profile.dimensions)[:] = profile[:]
     assert (last in read_run(path).values) == is_kept
+
+
+def test_columns_of_many_points_are_compressed_and_hold_the_same(
+    study_results, dataset_path, tmp_path, monkeypatch
+):
+    monkeypatch.setattr("sim.dataset.build.LONG_COLUMN", 2)
+    path = build(*study_results, finished=tmp_path / "dataset.nc")
+    with netCDF4.Dataset(path) as stored:
+        assert all(
+            stored[name].filters()["zlib"] for name in ("friction", "series", "point_regime")
+        )
+    xr.testing.assert_identical(xr.open_datatree(path), xr.open_datatree(dataset_path))
 
 
 def test_the_whole_file_opens_as_a_tree(dataset_path):
