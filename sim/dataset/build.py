@@ -50,7 +50,7 @@ COMPRESSION = {"zlib": True, "complevel": 9, "shuffle": True}
 
 #: Number of points from which on their columns are compressed; the index of a compressed variable
 #: takes some 2 kB.
-LONG_COLUMN = 1000
+LONG_COLUMN = 300
 
 #: Binary digits of profiles and of particle positions; run files have all digits. The 9 digits of
 #: profiles are an error of 1e-3 of each value, far below that of the mean of a replicate.
