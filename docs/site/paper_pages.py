@@ -29,7 +29,7 @@ explains the words. Each claim has four verdicts:
 - *first*: by the first criterion, on the first published runs;
 - *second round*: by restated criteria, on **fresh seeds**;
 - *referee*: by a referee who judged the runs of the second round again;
-- *now*: by the present rules, on the same runs
+- *now*: by the present rules, on these runs and on beds and readings added since
   ([how often they err](validation.md#how-often-the-judge-is-right)).
 
 The last column has the change since the second round, and then the reason for the restated

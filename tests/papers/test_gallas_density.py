@@ -12,17 +12,17 @@ from sim.claims.verdict import (
     NOT_REPRODUCED,
     REPORTED,
     REPRODUCED,
-    SIGMAS,
+    RISK,
     Untestable,
 )
 from sim.papers.gallas.judges.density import (
+    compare_differences,
     g15,
     g16,
     g17,
     g18,
     g19,
     g20,
-    largest_difference,
     plateau_end,
 )
 from tests.made.judging import by_part, checks_of, headline_bounds, verdict_of
@@ -192,16 +192,26 @@ def test_density_whatever_the_angle():
         checks_of(g19, angles(0.0, values=(30, 45, 60)))
 
 
-def test_the_largest_difference_is_that_of_the_same_beds_and_not_made_by_chance():
+def test_the_largest_difference_is_that_of_the_same_beds():
     random = np.random.default_rng(3)
-    beds = random.normal(size=(1, 5, 1))
     shift = np.zeros((4, 1, 30))
     shift[1, 0, 7] = 0.1
-    difference = largest_difference(beds + shift)
+    difference, _ = compare_differences(random.normal(size=(1, 5, 1)) + shift, 1.0)
     assert difference.nominal_value == pytest.approx(0.1)
     assert difference.std_dev == pytest.approx(0, abs=1e-12)
-    chance = largest_difference(beds + 0.1 * random.normal(size=(4, 5, 30)))
-    assert abs(chance.nominal_value) < SIGMAS * chance.std_dev
+
+
+def test_chance_alone_makes_differences_neither_small_nor_large():
+    random = np.random.default_rng(5)
+    held, failed = 0, 0
+    for _ in range(200):
+        beds = random.normal(size=(4, 40, 30))
+        failed += compare_differences(beds, 1.0)[1][1] <= RISK
+        beds[0, :, 7] += 1.0
+        held += compare_differences(beds, 1.0)[1][0] <= RISK
+    assert held <= 0.08 * 200 and failed <= 0.08 * 200
+    assert compare_differences(beds, 3.0)[1][0] <= RISK
+    assert compare_differences(beds, 0.1)[1][1] <= RISK
 
 
 def test_beds_are_compared_with_themselves_where_one_has_failed():

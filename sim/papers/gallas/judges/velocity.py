@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -219,23 +220,27 @@ def g29(evidence: Evidence, *, min_ratio: float, frequencies: Sequence[float]) -
     ]
 
 
-def g30(evidence: Evidence, *, frequency: float) -> list[Check]:
+def g30(
+    evidence: Evidence, *, frequency: float, angle: float, damping: Sequence[float]
+) -> list[Check]:
     """Long density waves carry more power in the first cycles than in the averaging window.
 
-    This is tested at one frequency (Hz), with the parameters of Fig. 5b and with the usual ones.
+    This is tested at one frequency (Hz), with the ``angle`` (degrees) and the ``damping`` (g) of
+    Fig. 5b (a), and with the usual angle and a second damping (b).
     """
     settings: tuple[dict[str, Any], ...] = (
-        {"frequency": frequency, "vibration_angle": 30, "damping": 10, "shear_damping": 10},
-        {"frequency": frequency},
+        {"vibration_angle": angle, "damping": damping[0], "shear_damping": damping[0]},
+        {"damping": damping[1], "shear_damping": damping[1]},
     )
     checks = []
-    for where in settings:
+    for part, setting in zip("ab", settings, strict=True):
+        where = {"frequency": frequency, **setting}
         place = evidence.at("belt", **where)
         early, places = early_wave_power(evidence, place, where)
         gain = early - place.value("wave_power")
         label = f"γ = γ_s = {place['damping']:g}g"
         quantity = f"power of density waves, first {EARLY_CYCLES} cycles less steady, {label}"
-        checks.append(above(quantity, gain, 0, places))
+        checks.append(replace(above(quantity, gain, 0, places), part=part))
     return checks
 
 
