@@ -14,7 +14,7 @@ from uncertainties import UFloat
 from sim.claims.checks import above, below, remove_votes, reported, within
 from sim.claims.evidence import Evidence
 from sim.claims.inference import conjunction_p, reported_order, trend
-from sim.claims.place import Place, replicate_mean, with_interval
+from sim.claims.place import Place, replicate_mean
 from sim.claims.verdict import Check, Untestable
 from sim.papers.gallas.judges.bed import half_height, height_spread, layer_width, peak_density
 from sim.papers.gallas.judges.lines import common_beds, complete_line, select_replicated
@@ -256,14 +256,14 @@ def compare_differences(density: np.ndarray, most: float) -> tuple[UFloat, tuple
     )
     size = np.abs(differences.mean(axis=1))
     error = differences.std(axis=1, ddof=1) / sqrt(beds)
-    largest = np.unravel_index(size.argmax(), size.shape)
-    half_width = stats.t.ppf(0.975, beds - 1) * error[largest]
+    pair, slice_index = np.unravel_index(size.argmax(), size.shape)
+    largest = differences[pair, :, slice_index]
     with_scatter = np.hypot(error, most / sqrt(2 * number * (beds - 1)))
     p_below, p_above = stats.t.sf(
         np.array([1, -1])[:, None, None] * (most - size) / with_scatter, beds - 1
     )
     p_values = float(p_below.max()), conjunction_p(p_above.ravel().tolist(), 1)
-    return with_interval(float(size[largest]), float(half_width)), p_values
+    return replicate_mean(np.sign(largest.mean()) * largest), p_values
 
 
 def g20(
