@@ -4,7 +4,6 @@ import subprocess
 import time
 from math import pi, sqrt
 
-import psutil
 import pytest
 import xarray as xr
 import yaml
@@ -18,6 +17,7 @@ from sim.dataset.build import build
 from sim.parameters import parse_point
 from sim.report.status import survey
 from sim.study.load import load_study
+from tests.made.processes import is_alive
 from tests.made.runs import write_run
 
 #: A command that tells which process it has started, and waits for it.
@@ -68,15 +68,7 @@ def test_a_command_can_be_killed_with_all_that_it_has_started(tmp_path):
     child = tmp_path / "child"
     found = cost(tmp_path, "waiting", until=child.exists)
     assert 0 < found.own <= found.memory
-    assert any(is_over(int(child.read_text())) or time.sleep(0.1) for _ in range(600))
-
-
-def is_over(number: int) -> bool:
-    """Return whether a process has ended, also where nobody asks for its end."""
-    try:
-        return psutil.Process(number).status() == psutil.STATUS_ZOMBIE
-    except psutil.NoSuchProcess:
-        return True
+    assert any(not is_alive(int(child.read_text())) or time.sleep(0.1) for _ in range(600))
 
 
 def test_a_command_that_ends_before_it_is_to_be_killed_has_failed(tmp_path):

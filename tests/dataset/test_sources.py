@@ -9,7 +9,6 @@ import threading
 from pathlib import Path
 
 import numpy as np
-import psutil
 import pytest
 import xarray as xr
 
@@ -23,7 +22,7 @@ from sim.parameters import amounts, parse_point
 from tests.made import mixed
 from tests.made.mixed import PATHS, POINTS, SHOWN, STATES, Mixed, ids
 from tests.made.netcdf import store
-from tests.made.processes import ROOT, wait_until
+from tests.made.processes import ROOT, is_alive, wait_until
 from tests.made.runs import write_run
 
 #: Numbers of the points in the dataset.
@@ -218,13 +217,6 @@ def test_processes_end_with_their_parent(files, small_batches):
     children = list(map(int, done.stdout.split()))
     assert len(children) == 2, done.stderr
     wait_until(lambda: not any(map(is_alive, children)))
-
-
-def is_alive(pid: int) -> bool:
-    try:
-        return psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
-    except psutil.NoSuchProcess:
-        return False
 
 
 @pytest.fixture(scope="module")

@@ -15,6 +15,8 @@ from contextlib import chdir
 from pathlib import Path
 from subprocess import CompletedProcess
 
+import psutil
+
 from sim.__main__ import main
 from sim.parameters import Parameters, canonical_values
 
@@ -30,6 +32,14 @@ def wait_until(is_so: Callable[[], bool], *processes: subprocess.Popen) -> None:
         if processes and all(process.poll() is not None for process in processes):
             assert is_so(), "ended before it happened"
         time.sleep(0.02)
+
+
+def is_alive(number: int) -> bool:
+    """Return whether a process goes on; one that has ended may wait for someone to ask."""
+    try:
+        return psutil.Process(number).status() != psutil.STATUS_ZOMBIE
+    except psutil.NoSuchProcess:
+        return False
 
 
 def program(*words: str, **options) -> subprocess.CompletedProcess:
