@@ -44,7 +44,6 @@ class Evidence:
         self.reading = dict(reading or {})
         self._results = results
         self._points = points or Points(results)
-        self._places: dict[str, Place] = {}
 
     @property
     def grid(self) -> str:
@@ -181,9 +180,10 @@ class Evidence:
         return {"protocol": self.protocol} | self.reading | dict(where)
 
     def _place(self, point: str) -> Place:
-        if point not in self._places:
-            self._places[point] = Place(self._results, point)
-        return self._places[point]
+        key = self._results.grid, point
+        if key not in self._points.places:
+            self._points.places[key] = Place(self._results, point)
+        return self._points.places[key]
 
 
 def _describe(where: Mapping[str, Any]) -> str:

@@ -20,6 +20,9 @@ Groups = Sequence[np.ndarray]
 #: How the name of a likelihood begins: a paper with one run per point sees what its sentence says.
 LIKELIHOOD = "probability that of one run per point"
 
+# Statistics are cached by the values they are of: readings and grids that do not change these ask
+# for them again.
+
 #: Largest number of values whose trend is tested by permutations, and number of permutations.
 FEW, PERMUTATIONS = 12, 4999
 
@@ -73,9 +76,9 @@ def trend(
     for groups in strata:
         values = sign * np.concatenate(groups)
         order = np.repeat(np.arange(len(groups)), [len(group) for group in groups])
-        for tail, alternative in ((p_rising, "greater"), (p_falling, "less")):
-            tail.append(_trend_p(order, values, alternative))
-        taus.append(stats.kendalltau(order, values).statistic)
+        statistics = _rank_trend(tuple(order), tuple(values))
+        for collected, one in zip((taus, p_rising, p_falling), statistics, strict=True):
+            collected.append(one)
         sizes.append(values.size)
         if monotone:
             numbers = [*combinations(range(len(groups)), 2)]
@@ -113,6 +116,14 @@ def _reversal(groups: Groups, one: int, other: int, labels: Sequence[str], unit:
     return f"{verb} from {labels[one]} to {labels[other]} by {amount} {unit}".rstrip()
 
 
+@lru_cache(maxsize=10_000)
+def _rank_trend(order: tuple[int, ...], values: tuple[float, ...]) -> tuple[float, float, float]:
+    """Return Kendall's τ of values (N,) and their order, and its p-values of a rise and a fall."""
+    arrays = np.array(order), np.array(values)
+    p_values = (_trend_p(*arrays, alternative) for alternative in ("greater", "less"))
+    return float(stats.kendalltau(*arrays).statistic), *p_values
+
+
 def _trend_p(order: np.ndarray, values: np.ndarray, alternative: str) -> float:
     """Return the p-value that values (N,) rise with their order, or fall.
 
@@ -145,7 +156,12 @@ def reported_order(quantity: str, strata: Sequence[Groups], *, rising: bool = Tr
 
 def single_rise(groups: Groups) -> UFloat:
     """Return the probability that one value of each group, drawn at random, rises throughout."""
-    return ufloat(*share_of_rises(groups))
+    return ufloat(*_share_of_rises(tuple(map(tuple, groups))))
+
+
+@lru_cache(maxsize=10_000)
+def _share_of_rises(groups: tuple[tuple[float, ...], ...]) -> tuple[float, float]:
+    return share_of_rises([np.array(group) for group in groups])
 
 
 def reported_likelihood(quantity: str, likelihoods: Iterable[UFloat]) -> Check:
@@ -175,7 +191,6 @@ def mann_whitney_p(above: np.ndarray, below: np.ndarray) -> float:
 
 @lru_cache(maxsize=10_000)
 def _mann_whitney_p(above: tuple[float, ...], below: tuple[float, ...]) -> float:
-    # Readings and grids that do not change two samples ask for them again.
     return _finite_p(stats.mannwhitneyu(above, below, alternative="greater").pvalue)
 
 

@@ -59,6 +59,7 @@ class Place:
         self._variables = results.dataset.variables
         self._index = results.dataset.indexes["point"].get_loc(point)
         self._is_completed = self._variables["status"].values[self._index] == "completed"
+        self._measures: dict[tuple[Any, ...], np.ndarray] = {}
 
     def __getitem__(self, name: str) -> Any:
         return np.asarray(self._variables[name].values[self._index]).item()
@@ -167,8 +168,15 @@ class Place:
     def measure_replicates(
         self, function: Callable[..., float], *names: str, grid: str = ""
     ) -> np.ndarray:
-        """Return a measure of profiles per completed replicate, (R,); see `measure`."""
-        columns = [self.profile(name, grid) for name in names]
-        height = columns[0][1]
-        rows = zip(*(values for values, _ in columns), strict=True)
-        return np.array([function(height, *row) for row in rows])
+        """Return a measure of profiles per completed replicate, (R,); see `measure`.
+
+        Readings and alternatives ask for the same measure again, which is therefore cached.
+        """
+        key = function, names, grid
+        if key not in self._measures:
+            columns = [self.profile(name, grid) for name in names]
+            height = columns[0][1]
+            rows = zip(*(values for values, _ in columns), strict=True)
+            self._measures[key] = np.array([function(height, *row) for row in rows])
+            self._measures[key].flags.writeable = False
+        return self._measures[key]

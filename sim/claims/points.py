@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from sim.base.additions import plain_name
+from sim.claims.place import Place
 from sim.dataset.results import Results
 from sim.parameters import SYSTEMS, default_of
 from sim.parameters.laws import LAW
@@ -80,7 +81,10 @@ class Rows:
 
 
 class Points(Rows):
-    """The points of a study with a completed replicate."""
+    """The points of a study with a completed replicate.
+
+    ``places`` holds those already looked up, by profile grid and point: readings share them.
+    """
 
     def __init__(self, results: Results):
         variables = results.dataset.variables
@@ -95,6 +99,7 @@ class Points(Rows):
         )
         self._steps = np.nansum(variables["steps"].values, axis=1)[self._indices]
         self._completed = self._completed[self._indices]
+        self.places: dict[tuple[str, str], Place] = {}
 
     def select_richest(self, system: str, rows: np.ndarray, where: Mapping[str, Any]) -> str:
         """Return the point with the fewest unusual starts, most replicates and longest runs."""

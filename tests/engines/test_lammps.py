@@ -124,7 +124,7 @@ def apart(first, second):
 def test_impacts_have_the_digits_of_ours_and_of_plain_python(law, partner):
     steep = tan(radians(85))
     # From head-on to grazing: each start of LAMMPS takes a quarter of a second.
-    for restitution, slope in ((0.7, 0.0), (0.95, 0.0), (0.7, 0.3), (0.95, 1.0), (0.95, steep)):
+    for restitution, slope in ((0.7, 0.0), (0.95, 1.0), (0.95, steep)):
         (ours, theirs), plain = rebounds(law, partner, slope, restitution)
         assert apart(ours, theirs) <= CASES[law][1][partner], (restitution, slope)
         for found, expected in zip((ours, theirs), plain, strict=False):
@@ -177,6 +177,7 @@ def test_a_flow_begins_alike_and_keeps_its_particles(values):
     assert touching[0] == pytest.approx(touching[1], rel=0.3) and touching[1] > 0
 
 
+@pytest.mark.long
 def test_two_processes_give_the_flow_of_one():
     one, two = (build(point(depth=2, cell=5, ranks=ranks), 0) for ranks in (1, 2))
     for _ in range(3):

@@ -204,7 +204,7 @@ def kill_workflow_only(drill: Drill, average: int) -> Path | None:
 
 
 def test_a_run_that_outlives_its_workflow_is_kept(tmp_path, request):
-    drill, average = Drill(tmp_path), 60
+    drill, average = Drill(tmp_path), 15
     request.addfinalizer(drill.end)
     # On a machine that looks too late, the run has ended before its workflow is killed.
     while not (output := kill_workflow_only(drill, average)):

@@ -24,7 +24,6 @@ EXAMPLES, STUDY, CLAIM = ROOT / "docs" / "examples", "silbert.yaml", "silbert_st
 
 #: What other plug-ins add to the study of the paper.
 PLOTS = """\
-pages: true
 plots:
   - {name: slip, x: angle, y: base_slip}
   - {name: spread, kind: boxes, x: angle, y: velocity}
@@ -38,6 +37,7 @@ defaults:
   chute: {law: hertz_mindlin, diameter_spread: 0.3, depth: 1.5, cell: 4, transient: 10, average: 20}
 series:
   - {name: moduli, system: chute, grid: {youngs_modulus: [1.0e+6, 2.0e+6]}}
+pages: true
 """ + PLOTS.replace("angle", "youngs_modulus")
 
 #: Jobs that an edit of a file entails.

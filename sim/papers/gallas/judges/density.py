@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import cache
 from itertools import combinations
 from math import inf, nan, sqrt
 
@@ -73,6 +74,7 @@ def g15(
     ]
 
 
+@cache
 def plateau_end(diameter: float) -> Callable[[np.ndarray, np.ndarray], float]:
     """Return a function of height and density: the height (m) at which the plateau ends.
 
