@@ -70,15 +70,12 @@ def trend(
         Unit of the values, for that text.
     """
     sign = 1 if rising else -1
-    p_rising: list[float] = []
-    p_falling: list[float] = []
-    taus, sizes, p_pairs, pairs, p_apart = [], [], [], [], []
+    rank_trends = []
+    sizes, p_pairs, pairs, p_apart = [], [], [], []
     for groups in strata:
         values = sign * np.concatenate(groups)
         order = np.repeat(np.arange(len(groups)), [len(group) for group in groups])
-        statistics = _rank_trend(tuple(order), tuple(values))
-        for collected, one in zip((taus, p_rising, p_falling), statistics, strict=True):
-            collected.append(one)
+        rank_trends.append(_rank_trend(tuple(order), tuple(values)))
         sizes.append(values.size)
         if monotone:
             numbers = [*combinations(range(len(groups)), 2)]
@@ -89,6 +86,7 @@ def trend(
                 p_pairs.append(mann_whitney_p(low, raised))
                 if margin is not None:
                     p_apart.append(mann_whitney_p(raised, low))
+    taus, p_rising, p_falling = zip(*rank_trends, strict=True)
     p_contrary = [_stouffer_p(p_falling, sizes)]
     if monotone:
         p_contrary += [*(p_falling if len(strata) > 1 else ()), *p_pairs]
@@ -120,8 +118,8 @@ def _reversal(groups: Groups, one: int, other: int, labels: Sequence[str], unit:
 def _rank_trend(order: tuple[int, ...], values: tuple[float, ...]) -> tuple[float, float, float]:
     """Return Kendall's τ of values (N,) and their order, and its p-values of a rise and a fall."""
     arrays = np.array(order), np.array(values)
-    p_values = (_trend_p(*arrays, alternative) for alternative in ("greater", "less"))
-    return float(stats.kendalltau(*arrays).statistic), *p_values
+    p_rising, p_falling = (_trend_p(*arrays, tail) for tail in ("greater", "less"))
+    return float(stats.kendalltau(*arrays).statistic), p_rising, p_falling
 
 
 def _trend_p(order: np.ndarray, values: np.ndarray, alternative: str) -> float:

@@ -201,7 +201,9 @@ def test_a_job_on_a_cluster_knows_the_batches_of_the_workflow_that_planned(tmp_p
     assert f"{POINTS} points: " not in process.stderr
 
 
-@pytest.mark.parametrize("asked", [(), ("--max-jobs-per-timespan", "5/1s")])
+@pytest.mark.parametrize(
+    "asked", [(), pytest.param(("--max-jobs-per-timespan", "5/1s"), marks=pytest.mark.long)]
+)
 def test_the_scheduler_is_woken_by_jobs_that_end_alone(tree, asked):
     """Its usual limit of starts per second would wake it once a second for each job that ended.
 
