@@ -333,7 +333,7 @@ def _add_dataset_options(parsers: dict[str, Parser]) -> None:
         "--finished",
         type=Path,
         metavar="FILE.nc",
-        help="write only the points whose runs have finished, to be adopted elsewhere",
+        help="write only the points that have finished or are adopted, to be adopted elsewhere",
     )
     parsers["adopt"].add_argument("dataset_path", type=Path, metavar="DATASET.nc")
     figure.add_argument("names", nargs="+", metavar="NAME", help="such as walton_2")

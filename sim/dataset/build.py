@@ -21,6 +21,7 @@ import xarray as xr
 from sim.base.errors import InputError
 from sim.base.files import atomic_write, require_writable
 from sim.base.seals import seal
+from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.boundaries import add_rounds, find_sides, tabulate
 from sim.dataset.combine import natural_velocities, profiles, root, runs, si_parameters
 from sim.dataset.earlier import keep_dataset
@@ -81,8 +82,8 @@ def build(
     scheduler : str, optional
         Address of a dask scheduler whose workers read them instead.
     finished : Path, optional
-        Write this file instead, which must not exist yet. Its dataset has only points whose run
-        files are whole and have their amounts, and no boundaries.
+        Write this file instead, which must not exist yet. Its dataset has only points that are
+        adopted or whose run files are whole and have their amounts, and no boundaries.
 
     Returns
     -------
@@ -95,7 +96,7 @@ def build(
     InputError
         When a run file is missing or damaged; the message names it. All damaged files are set
         aside, so that the workflow computes them again. With ``finished``, when that file exists,
-        or when there is no run file.
+        or when there is no such point.
     """
     study = load_study(study_path, results)
     folder = Path(results) / study.name
@@ -161,7 +162,7 @@ def gather_results(
 
 
 def _select_finished(study: Study, folder: Path, output: Path) -> Study:
-    """Return a study of the points, with those of finished rounds, whose run files are complete."""
+    """Return a study of the points that have finished, with those of rounds, here or elsewhere."""
     if output.exists():
         raise InputError.of_value("--finished", "", str(output), "a file that is not there yet")
     if output.parent.resolve() == (folder / "runs").resolve():
@@ -177,13 +178,18 @@ def _select_finished(study: Study, folder: Path, output: Path) -> Study:
                 points[key] = point_with_membership(
                     points, parameters, boundary.name, boundary.figures
                 )
+    adopted = AdoptedPoints(study, folder).sources(
+        {key: point.parameters for key, point in points.items()}
+    )
     finished = {
         key: point
         for key, point in points.items()
-        if current_status(folder / "runs" / f"{key}.nc", point.parameters)
+        if key in adopted or current_status(folder / "runs" / f"{key}.nc", point.parameters)
     }
     if not finished:
-        raise InputError(f"{study.path}: no point has a run file with all that is wanted of it")
+        raise InputError(
+            f"{study.path}: no point is adopted or has a run file with all that is wanted of it"
+        )
     output.parent.mkdir(parents=True, exist_ok=True)
     return replace(study, points=finished, boundaries=())
 

@@ -356,7 +356,7 @@ def test_points_says_what_is_adopted(study, half_dataset):
 
 def test_what_has_finished_is_written_beside_nothing_else(study, tmp_path):
     output = tmp_path / "new" / "half.nc"
-    with pytest.raises(InputError, match="no point has a run file with all that is wanted"):
+    with pytest.raises(InputError, match="no point is adopted or has a run file with all"):
         build(study.path, study.results, finished=output)
     assert not output.parent.exists()
     for number in HALF:
@@ -372,6 +372,14 @@ def test_what_has_finished_is_written_beside_nothing_else(study, tmp_path):
         build(study.path, study.results, finished=output)
     with pytest.raises(InputError, match="a file that is not among the runs"):
         build(study.path, study.results, finished=study.runs / "half.nc")
+
+
+def test_what_is_adopted_counts_as_finished(study, half_dataset, tmp_path):
+    """So a study may go on elsewhere, and elsewhere again."""
+    adopt(study.path, half_dataset, study.results)
+    study.write(REST[-1])
+    both = build(study.path, study.results, finished=tmp_path / "both.nc")
+    assert set(load_results(both).dataset["point"].values) == set(ids(study, *HALF, REST[-1]))
 
 
 def test_boundaries_refine_by_adopted_points(tmp_path):
