@@ -148,16 +148,23 @@ def test_an_observable_changes_nothing_that_others_read_and_ends_nothing(folder,
         build("own.yaml")
 
 
+def long(*values: str):
+    """Return values of parameters of a test that is a long one with them."""
+    return pytest.param(*values, marks=pytest.mark.long)
+
+
 @pytest.mark.parametrize(
     ("right", "wrong", "why"),
     [
         ("* law.modulus * edge * overlap", "* law.moduls", "cannot be compiled: .*moduls"),
-        ("elastic + drag", "elastc + drag", "cannot be compiled: NameError: .*'elastc'"),
+        long("elastic + drag", "elastc + drag", "cannot be compiled: NameError: .*'elastc'"),
         ("remembers=1", "remembers=2", "2 as remembers says, is no tuple of 2 floats: got"),
         ("(drag,), lost", "drag, lost", "1 as remembers says, is no tuple of 1 floats: got float"),
-        ("(drag,), lost", "(1,), lost", "1 as remembers says, is no tuple of 1 floats: got .*int"),
+        long(
+            "(drag,), lost", "(1,), lost", "1 as remembers says, is no tuple of 1 floats: got .*int"
+        ),
         ("(drag,), lost", "(drag,)", "what force returns is no tuple of normal force, tangential"),
-        ("tz * scale)", "tz)[:2]", "the tangential force that force returns is no tuple of 3"),
+        long("tz * scale)", "tz)[:2]", "the tangential force that force returns is no tuple of 3"),
     ],
 )
 def test_what_cannot_be_compiled_is_told_with_its_line(folder, right, wrong, why):

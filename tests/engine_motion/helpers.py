@@ -1,6 +1,7 @@
 """What the engine's tests share: constants, laws, drivers of single contacts, start states."""
 
 from functools import partial
+from itertools import product
 from math import pi, sqrt
 from typing import NamedTuple
 
@@ -30,6 +31,26 @@ EXPONENTS = (0.0, 1 / 3, 1.0, 2.0)
 MEMORIES = ("separation", "shrink", "reset")
 CAPS = ("before", "after")
 SLIDINGS = ("printed", "slip")
+
+#: All readings of Walton and Braun's law.
+READINGS = [
+    {
+        "tangential_exponent": exponent,
+        "overlap_memory": memory,
+        "friction_cap": cap,
+        "sliding_direction": sliding,
+    }
+    for exponent, memory, cap, sliding in product(EXPONENTS, MEMORIES, CAPS, SLIDINGS)
+]
+
+
+def _belongs_to_quarter(exponent: float, memory: str, cap: str, sliding: str) -> bool:
+    i, j = EXPONENTS.index(exponent), MEMORIES.index(memory)
+    return (cap, sliding) == (CAPS[(i + j) % 2], SLIDINGS[(i // 2 + j) % 2])
+
+
+#: A quarter of them, in which every pair of values occurs; compiling the rest takes long.
+PAIRED_READINGS = [reading for reading in READINGS if _belongs_to_quarter(*reading.values())]
 
 #: Laws with which tests take spheres through the whole loop over steps, whose compiling takes long:
 #: together they have every value of every reading, and tests/golden and test_judge run the same.

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from sim.claims.contacts import contact_path
 from sim.engine.contact.damping import spring_damping
 from sim.engine.contact.walton_braun import walton_braun
-from tests.engine_motion.helpers import CAPS, EXPONENTS, MEMORIES, SLIDINGS, disk_forces, rotation
+from tests.engine_motion.helpers import EXPONENTS, PAIRED_READINGS, disk_forces, rotation
 from tests.properties.values import SEEDS, magnitudes, norms
 
 
@@ -98,16 +98,8 @@ Z = np.array([0.0, 0.0, 1.0])
 
 signs = st.sampled_from([-1.0, 1.0])
 
-
-#: Readings of the law of the spheres, each of which the other tests compile too.
-READINGS = st.fixed_dictionaries(
-    {
-        "tangential_exponent": st.sampled_from(EXPONENTS),
-        "overlap_memory": st.sampled_from(MEMORIES),
-        "friction_cap": st.sampled_from(CAPS),
-        "sliding_direction": st.sampled_from(SLIDINGS),
-    }
-)
+#: Readings of the law of the spheres, which other tests compile too.
+READINGS = st.sampled_from(PAIRED_READINGS)
 
 
 @st.composite

@@ -6,7 +6,7 @@ points. Where T = μ F_N slides, the printed recipe turns it by dφ/ds = -K0 sin
 angle with the slip s, so tan(φ/2) falls as exp(-K0 s/(μ F_N)).
 """
 
-from itertools import pairwise, product
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -18,6 +18,8 @@ from tests.engine_motion.helpers import (
     CAPS,
     EXPONENTS,
     MEMORIES,
+    PAIRED_READINGS,
+    READINGS,
     SLIDINGS,
     dissipated_energy,
     sphere_law,
@@ -45,22 +47,14 @@ def closed_stretches(overlap):
     return [slice(a, b) for a, b in edges.reshape(-1, 2)]
 
 
-def readings():
-    """Yield all readings. A quarter has every pair of values; compiling the rest takes long."""
-    for (i, exponent), (j, memory) in product(enumerate(EXPONENTS), enumerate(MEMORIES)):
-        for (k, cap), (m, sliding) in product(enumerate(CAPS), enumerate(SLIDINGS)):
-            is_quick = k == (i + j) % 2 and m == (i // 2 + j) % 2
-            reading = {
-                "tangential_exponent": exponent,
-                "overlap_memory": memory,
-                "friction_cap": cap,
-                "sliding_direction": sliding,
-            }
-            yield pytest.param(reading, marks=() if is_quick else pytest.mark.long)
-
-
 @pytest.mark.parametrize("slip_size", [1e-8, 2e-7, 2e-6])
-@pytest.mark.parametrize("readings", readings())
+@pytest.mark.parametrize(
+    "readings",
+    [
+        pytest.param(one, marks=[pytest.mark.long] * (one not in PAIRED_READINGS))
+        for one in READINGS
+    ],
+)
 def test_law_equals_the_reference(readings, slip_size):
     law, slow = sphere_law(**readings), ContactLaw(100.0, 0.85, 0.4, **readings)
     scale = 0.4 * law.loading * 1e-5
