@@ -112,18 +112,23 @@ def _claim(claims: Mapping[str, Mapping[str, Any]], name: str, verdict: str) -> 
 
 
 def _number(
-    claims: Mapping[str, Mapping[str, Any]], name: str, what: str, interval: bool = True
+    claims: Mapping[str, Mapping[str, Any]],
+    name: str,
+    what: str,
+    interval: bool = True,
+    reading: str = "",
 ) -> str:
-    """Return the measured value of a check under the headline reading and the deciding protocol.
+    """Return the measured value of a check under a reading and the deciding protocol.
 
-    ``what`` names the check. The value has the half width of its 95 % interval, or three digits
-    where ``interval`` is false or there is none.
+    ``what`` names the check; by default the reading is that of the headline. The value has the half
+    width of its 95 % interval, or three digits where ``interval`` is false or there is none.
     """
     claim = claims[name]
+    readings = [reading] if reading else claim["headings"]
     checks = [
         check
         for variant in claim["variants"]
-        if variant["reading"] in claim["headings"] and not variant["control"]
+        if variant["reading"] in readings and not variant["control"]
         if variant["protocol"] in claim["decided_by"].split(", ")
         for check in variant["checks"]
         if check["what"] == what

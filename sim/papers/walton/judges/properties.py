@@ -175,27 +175,28 @@ def w20(
     depth: float,
     large: float,
     quantile: float,
+    stiffness: float,
 ) -> list[Check]:
     """Overlaps of the softest spheres, within a factor ``factor`` of the paper's.
 
-    They are slight below ``max_depth`` and at rest, and large in flows of a greater depth. Which
-    ``quantile`` of the contacts a shallow flow is told by, the paper leaves open.
+    They are slight below ``max_depth`` and at rest, and large in flows of a greater depth. The
+    paper leaves open the ``stiffness`` (N/m) of the softest spheres, and which ``quantile`` of the
+    contacts a shallow flow is told by.
     """
     few, many = ((overlap / factor, overlap * factor) for overlap in (slight, large))
     shallow = [n for n in SHALLOW if n < max_depth]
+    softest = evidence.with_reading(stiffness=stiffness)
     return judge_parts(
-        a=lambda: chain.from_iterable(
-            _shallow_overlap(evidence, n, few, quantile) for n in shallow
-        ),
-        b=lambda: _deep_overlap(evidence, depth, many),
-        c=lambda: _static_overlap(evidence, depth, few),
+        a=lambda: chain.from_iterable(_shallow_overlap(softest, n, few, quantile) for n in shallow),
+        b=lambda: _deep_overlap(softest, depth, many),
+        c=lambda: _static_overlap(softest, depth, few),
     )
 
 
 def _shallow_overlap(
     evidence: Evidence, depth: float, bounds: tuple[float, float], quantile: float
 ) -> list[Check]:
-    place = evidence.at("chute", depth=depth, stiffness=SOFT)
+    place = evidence.at("chute", depth=depth)
     checks = {
         one: _overlap(name, place, scalar, bounds) for one, (name, scalar) in QUANTILES.items()
     }
@@ -204,7 +205,7 @@ def _shallow_overlap(
 
 
 def _deep_overlap(evidence: Evidence, depth: float, bounds: tuple[float, float]) -> list[Check]:
-    place = evidence.at("chute", depth=depth, stiffness=SOFT)
+    place = evidence.at("chute", depth=depth)
     check = _overlap("99.9th percentile of the overlaps", place, "overlap_999", bounds)
     check = majority_if_mixed(check, place, 100 * place.values("overlap_999"))
     median = 100 * place.value("median_overlap")
@@ -213,7 +214,7 @@ def _deep_overlap(evidence: Evidence, depth: float, bounds: tuple[float, float])
 
 
 def _static_overlap(evidence: Evidence, depth: float, bounds: tuple[float, float]) -> list[Check]:
-    place = evidence.at("chute", depth=depth, stiffness=SOFT, angle=0)
+    place = evidence.at("chute", depth=depth, angle=0)
     check = _overlap("mean overlap of the base contacts at rest", place, "base_overlap", bounds)
     moves = "" if place.regime == "arrested" else "the bed on the level plane is not at rest"
     # Nothing fluctuates at rest, so no further samples are needed.
