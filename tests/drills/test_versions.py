@@ -76,6 +76,8 @@ def run(home: Path, *command: object, folder: Path | None = None) -> None:
         "PYTHONPATH": str(ROOT),
         "TALUS_CACHE_DIR": str(home / "cache"),
     }
+    # Else tests of two versions would share what they make.
+    settings.pop("PYTEST_XDIST_WORKER", None)
     done = subprocess.run(
         list(map(str, command)), cwd=folder or home, env=settings, capture_output=True, text=True
     )
