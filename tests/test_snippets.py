@@ -280,6 +280,7 @@ def test_the_tutorial_runs_from_its_first_command_to_its_figure(folder):
     assert len(figure.read_text().splitlines()) == 1 + 8
 
 
+@pytest.mark.long
 def test_the_notebook_runs(monkeypatch):
     monkeypatch.chdir(ROOT)
     monkeypatch.setattr("matplotlib.pyplot.show", lambda: None)

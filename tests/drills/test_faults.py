@@ -7,6 +7,7 @@ import shutil
 import subprocess
 from collections.abc import Iterator
 from errno import EACCES, EDQUOT, EIO, EMFILE, ENOENT, ENOMEM, ENOSPC, ESTALE
+from itertools import product
 from pathlib import Path
 from signal import SIGKILL
 from typing import NamedTuple
@@ -232,8 +233,13 @@ QUICK, OFTEN = ("batch",), int(os.environ.get("TALUS_DRILL_FAULTS", "10"))
 ALL = [*QUICK, *(pytest.param(name, marks=pytest.mark.long) for name in STEPS)]
 
 
-@pytest.mark.parametrize("calls", ERRORS)
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize(
+    ("name", "calls"),
+    [
+        ("batch", Calls.OPEN),
+        *(pytest.param(*one, marks=pytest.mark.long) for one in product(STEPS, ERRORS)),
+    ],
+)
 def test_an_error_of_the_system_takes_nothing(study, name, calls, request):
     """One call fails, or all from there on."""
     chance, total = random.Random(f"{SEED} {name}"), study.step(name).outcome.calls[calls]

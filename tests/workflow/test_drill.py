@@ -203,6 +203,7 @@ def kill_workflow_only(drill: Drill, average: int) -> Path | None:
     return None if output.exists() else output
 
 
+@pytest.mark.long
 def test_a_run_that_outlives_its_workflow_is_kept(tmp_path, request):
     drill, average = Drill(tmp_path), 15
     request.addfinalizer(drill.end)
