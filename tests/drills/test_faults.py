@@ -236,7 +236,7 @@ ALL = [*QUICK, *(pytest.param(name, marks=pytest.mark.long) for name in STEPS)]
 @pytest.mark.parametrize(
     ("name", "calls"),
     [
-        ("batch", Calls.OPEN),
+        *product(QUICK, [Calls.OPEN]),
         *(pytest.param(*one, marks=pytest.mark.long) for one in product(STEPS, ERRORS)),
     ],
 )

@@ -118,13 +118,18 @@ def apart(first, second):
     return float(np.abs(first - second).max()) / SPEED
 
 
+#: Restitution and slope of impacts, from head-on to grazing. A start of LAMMPS takes a quarter of a
+#: second, so that some are long tests.
+IMPACTS = ((0.7, 0.0), (0.95, 1.0), (0.95, tan(radians(85))))
+MORE_IMPACTS = ((0.95, 0.0), (0.7, 0.3))
+
+
+@pytest.mark.parametrize("impacts", [IMPACTS, pytest.param(MORE_IMPACTS, marks=pytest.mark.long)])
 @pytest.mark.parametrize(
     ("law", "partner"), [(law, partner) for law, (_, them) in CASES.items() for partner in them]
 )
-def test_impacts_have_the_digits_of_ours_and_of_plain_python(law, partner):
-    steep = tan(radians(85))
-    # From head-on to grazing: each start of LAMMPS takes a quarter of a second.
-    for restitution, slope in ((0.7, 0.0), (0.95, 1.0), (0.95, steep)):
+def test_impacts_have_the_digits_of_ours_and_of_plain_python(law, partner, impacts):
+    for restitution, slope in impacts:
         (ours, theirs), plain = rebounds(law, partner, slope, restitution)
         assert apart(ours, theirs) <= CASES[law][1][partner], (restitution, slope)
         for found, expected in zip((ours, theirs), plain, strict=False):

@@ -4,13 +4,19 @@ import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sim.claims.contacts import contact_path
 from sim.engine.contact.damping import spring_damping
 from sim.engine.contact.walton_braun import walton_braun
-from tests.engine_motion.helpers import EXPONENTS, PAIRED_READINGS, disk_forces, rotation
+from tests.engine_motion.helpers import (
+    EXPONENTS,
+    PAIRED_READINGS,
+    READINGS,
+    disk_forces,
+    rotation,
+)
 from tests.properties.values import SEEDS, magnitudes, norms
 
 
@@ -98,12 +104,12 @@ Z = np.array([0.0, 0.0, 1.0])
 
 signs = st.sampled_from([-1.0, 1.0])
 
-#: Readings of the law of the spheres, which other tests compile too.
-READINGS = st.sampled_from(PAIRED_READINGS)
+#: Readings of the law of the spheres: those that other tests compile too, in a search all.
+SEARCHED = st.sampled_from(PAIRED_READINGS if settings.default.max_examples <= 50 else READINGS)
 
 
 @st.composite
-def sphere_laws(draw, decades=3, readings=READINGS):
+def sphere_laws(draw, decades=3, readings=SEARCHED):
     """Laws of the spheres with a stiffness around 1 N/m, and any friction and restitution.
 
     Below a restitution of 1e-5 the rounding of 1 - e**2 reaches the force.

@@ -356,7 +356,7 @@ def test_the_explorer_draws_what_is_chosen_and_keeps_it_in_the_address(page, rep
 
 @pytest.mark.parametrize(
     "address",
-    ["x=nonsense&y=velocity&is.nonsense=1&system=toString&item=1", "%E0%A4=1"],
+    ["x=nonsense&y=velocity&is.nonsense=1&system=moon", "system=toString&item=1", "%E0%A4=1"],
 )
 def test_an_address_with_unknown_names_leaves_the_usual_choice(page, report, address):
     page.goto("about:blank")

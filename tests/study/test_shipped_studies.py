@@ -66,7 +66,7 @@ def test_the_paper_study_has_the_papers_sizes(tmp_path):
     assert len(figure_belts) > 250 and sum(p.replicates >= 5 for p in figure_belts) > 200
     chutes = [p for p in points if p.system == "chute"]
     assert {(p.depth, p.cell) for p in chutes} >= {(10, 10), (20, 5), (40, 5)}
-    assert {p.stiffness for p in chutes} >= {100, 1000, 10_000}
+    assert {p.stiffness for p in chutes} == {100, 130, 200, 400, 1000, 10_000}
     base = [study.points[key].parameters for key in study.series["base"]]
     assert all(p.replicates >= 3 for p in base if p.depth <= 10)
 
