@@ -1,7 +1,8 @@
 """Write the four files of a figure from a dataset: PNG, SVG or GIF, data and caption."""
 
 import re
-from collections.abc import Callable, Mapping
+import textwrap
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -24,10 +25,11 @@ from sim.dataset.results import Results, load_results, require_known_options
 from sim.figures.caption import caption
 from sim.figures.data import FigureData, figure_data
 from sim.figures.plot import message_figure
-from sim.figures.style import SETTINGS, escape_label
+from sim.figures.style import DOUBTFUL, SETTINGS, escape_label
 from sim.study.catalogue import FIGURES
 from sim.study.figure_spec import FigureSpec
 from sim.study.plot_kinds import PlotKind, find_kind
+from sim.surrogates.caveats import caveats_in, sentence, with_caveats
 from sim.surrogates.refusals import Refusal, require_answer
 
 #: Resolution of the first picture of an animation, dots per inch.
@@ -39,6 +41,9 @@ PALETTE = 64
 
 #: A number with more digits than a picture shows, except a scale.
 _LONG_NUMBER = re.compile(r"(?<!scale\()(?<![\w.#])(-?\d+\.\d\d)\d{2,}(?![\w.])")
+
+#: Letters of a caveat beneath a picture, for each inch of its width.
+_LETTERS = 17
 
 #: Most passes of the layout.
 PASSES = 6
@@ -198,6 +203,7 @@ def _contents(spec: FigureSpec, results: Results) -> tuple[FigureData, PlotKind,
         except Refusal as refusal:
             table = pd.DataFrame({"refusal": [str(refusal)]})
             return data, _message_kind(kind, str(refusal)), table
+        kind = with_doubts(kind, caveats_in(path))
     if data.rows.empty:
         return data, kind, data.rows
     data = kind.select(data)
@@ -220,6 +226,32 @@ def kind_of_answer(kind: PlotKind, path: Path) -> PlotKind:
 
     draw, table, notes = map(guard, (kind.draw, kind.table, kind.notes))
     return replace(kind, draw=draw, table=table, notes=notes)
+
+
+def with_doubts(kind: PlotKind, caveats: Sequence[str]) -> PlotKind:
+    """Return a kind of plot that tells the caveats of the answer it shows.
+
+    They stand beneath the picture, in the first paragraph of its caption, and in its data.
+    """
+    if not caveats:
+        return kind
+
+    def draw(data: FigureData) -> Figure | Animation:
+        drawn = kind.draw(data)
+        figure = drawn.figure if isinstance(drawn, Animation) else drawn
+        line = textwrap.fill(
+            escape_label(sentence(caveats[:1])), int(_LETTERS * figure.get_figwidth())
+        )
+        figure.supxlabel(line, fontsize=7, color=DOUBTFUL)
+        return drawn
+
+    def notes(data: FigureData) -> list[str]:
+        first, *others = kind.notes(data) or [""]
+        return [f"{first} {sentence(caveats)}".strip(), *others]
+
+    return replace(
+        kind, draw=draw, notes=notes, table=lambda data: with_caveats(kind.table(data), caveats)
+    )
 
 
 def _message_kind(kind: PlotKind, text: str) -> PlotKind:

@@ -89,6 +89,9 @@ _SUBSCRIPT = re.compile(r"(?<![\w$])(Δ?[^\W\d_])_([^\W_]+)(?![\w$])")
 #: A value in a unit that looks as if it stood in brackets.
 _IN_BRACKETS = re.compile(r"^(\S+) = (\S+) (⟨\w⟩)$")
 
+#: Colour of a caveat beneath a picture.
+DOUBTFUL = "#9c2a2a"
+
 #: Style of a level with which values are compared.
 LEVEL: dict[str, Any] = {"color": "#888888", "linestyle": ":", "linewidth": 0.9, "zorder": 1}
 

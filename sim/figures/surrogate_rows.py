@@ -26,9 +26,6 @@ from sim.surrogates.surrogate import Surrogate
 #: Values along a section, and along each side of a map.
 SECTION_STEPS, MAP_STEPS = 161, 61
 
-#: Probability of the regimes of the mean below which another is likelier.
-EVEN = 0.5
-
 #: Runs are near a section where each other parameter is within this share of its range.
 NEAR = 0.25
 

@@ -16,7 +16,6 @@ from sim.figures.plot import SINGLE_SIZE, parameter_label, wrap_label
 from sim.figures.quantity import observable_text
 from sim.figures.style import LEVEL, cycle_style, legend_above, settings
 from sim.figures.surrogate_rows import (
-    EVEN,
     MAP_STEPS,
     NEAR,
     agreement_rows,
@@ -32,6 +31,7 @@ from sim.figures.surrogate_rows import (
     surface_rows,
     with_units,
 )
+from sim.surrogates.caveats import EVEN
 from sim.surrogates.surrogate import Surrogate
 
 #: Looks of error bars in sections, of error bars of predictions, and of the line of a regime.

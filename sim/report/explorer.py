@@ -21,13 +21,13 @@ from sim.base.statistics import student_half_width
 from sim.engine.identity import cache_directory
 from sim.figures.quantity import observable_text, parameter_text
 from sim.figures.surrogate_rows import (
-    EVEN,
     held_note,
     regime_note,
     section_rows,
     shown_settings,
 )
 from sim.study.plottable import numbers
+from sim.surrogates.caveats import EVEN, sentence
 from sim.surrogates.surrogate import Surrogate
 
 #: Significant digits of the numbers.
@@ -144,7 +144,7 @@ def _curves(surrogate: Surrogate) -> Iterator[dict[str, Any]]:
     """Yield a section along each parameter of a surrogate."""
     lead = f"Line and band: surrogate {surrogate.name} and its 95 % interval"
     lead += f", for each {' and '.join(surrogate.choices)}" if surrogate.choices else ""
-    lead += f" ({surrogate.basis})."
+    lead += f" ({surrogate.basis}). {sentence(surrogate.caveats)}".rstrip()
     for axis in surrogate.numeric:
         table = pd.concat(
             [section_rows(surrogate, axis, chosen) for chosen in shown_settings(surrogate)]

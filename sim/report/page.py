@@ -40,9 +40,9 @@ from sim.report.second_opinion import opinions_of
 from sim.study.figure_spec import FigureSpec
 from sim.study.load import Study, load_study
 from sim.study.papers import papers
+from sim.surrogates.caveats import answer_name, caveats_in, sentence
 from sim.surrogates.refusals import refusal_in
 from sim.surrogates.storage import load as load_surrogate
-from sim.surrogates.surrogate import LARGE_ERROR
 
 
 def build(study_path: str | Path, results: str | Path = "results") -> Path:
@@ -130,7 +130,7 @@ def render(
         summary=_summary(dataset, runs) | {"adopted": len(results.adopted)},
         caveats=caveats,
         refusals=_own_reasons(list(refusals.values())),
-        weak=[one for one in surrogates if one.error > LARGE_ERROR],
+        doubts=_doubts(study, figures.parent),
         verdicts=VERDICTS,
         outcomes=VERDICTS | REPORTED,
         claims=rows,
@@ -209,6 +209,13 @@ def _refusals(study: Study, folder: Path) -> dict[str, str]:
     """Return why questions have no answer, by the file of the answer."""
     texts = {question.file: refusal_in(folder / question.file) for question in study.questions}
     return {file: text for file, text in texts.items() if text}
+
+
+def _doubts(study: Study, folder: Path) -> dict[str, str]:
+    """Return the caveats of answers as sentences, by the name of the answer."""
+    files = [folder / question.file for question in study.questions]
+    texts = {answer_name(file).capitalize(): sentence(caveats_in(file)) for file in files}
+    return {name: text for name, text in texts.items() if text}
 
 
 def _summary(dataset: xr.Dataset, runs: list[dict[str, Any]]) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from sim.dataset.results import load_current
 from sim.report.points import align_table
 from sim.study.load import load_study
 from sim.study.surrogate import SurrogateSpec
+from sim.surrogates.caveats import KEY, parted, sentence
 from sim.surrogates.refusals import refusal_in
 from sim.surrogates.results import find_surrogate
 from sim.surrogates.storage import load
@@ -53,18 +54,18 @@ def predict(
     surrogate = find_surrogate(folder, of)
     answer = surrogate(extrapolate=extrapolate, **_values(surrogate, at))
     rows = _rows(answer, surrogate.regimes.names)
-    outside = str(answer.attrs.get("outside", ""))
+    caveats = parted(answer.attrs[KEY])
     if format == "json":
         document = {
             "surrogate": surrogate.name,
             "observable": surrogate.observable,
             "unit": surrogate.unit,
             "error": surrogate.error,
-            "outside": outside,
+            KEY: list(caveats),
             "rows": rows,
         }
         return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False)
-    return "\n".join(_lines(surrogate, rows, outside))
+    return "\n".join(_lines(surrogate, rows, caveats))
 
 
 def _current_folder(source: Path, results: Path) -> Path:
@@ -128,7 +129,9 @@ def _rows(answer: xr.Dataset, regimes: Sequence[str]) -> list[dict[str, Any]]:
     ]
 
 
-def _lines(surrogate: Surrogate, rows: Sequence[dict[str, Any]], outside: str) -> list[str]:
+def _lines(
+    surrogate: Surrogate, rows: Sequence[dict[str, Any]], caveats: Sequence[str]
+) -> list[str]:
     """Return a line for each row, after headings, and what else is to be known."""
     given = [axis.name for axis in surrogate.axes]
     unit = "" if surrogate.unit == "1" else f" ({surrogate.unit})"
@@ -147,4 +150,8 @@ def _lines(surrogate: Surrogate, rows: Sequence[dict[str, Any]], outside: str) -
     ]
     left_out = f" ({surrogate.omissions} left out)" if surrogate.omissions else ""
     notes = [f"surrogate {surrogate.name}: {surrogate.basis}{left_out}"]
-    return [*align_table(headings, cells, set(headings)), *notes, *([outside] if outside else [])]
+    return [
+        *align_table(headings, cells, set(headings)),
+        *notes,
+        *filter(None, [sentence(caveats)]),
+    ]

@@ -16,6 +16,7 @@ from sim.base.messages import input_error, one_of
 from sim.base.words import count_text, printable
 from sim.dataset import results as datasets
 from sim.dataset.results import require_known_options
+from sim.figures.caption import first_clause
 from sim.parameters import NUMERICAL, SYSTEMS, Parameters, parse_point
 from sim.study.feed import plot_entry
 from sim.study.figure_spec import FigureSpec, written
@@ -23,7 +24,9 @@ from sim.study.model import Point
 from sim.study.plot_contents import PlotContents
 from sim.study.plot_file import PlotFile
 from sim.study.plottable import find_observable, numbers
-from sim.surrogates.results import find_surrogate
+from sim.surrogates.caveats import answer_name, caveats_in, sentence
+from sim.surrogates.refusals import refusal_in
+from sim.surrogates.results import answer_files, find_surrogate
 from sim.surrogates.surrogate import Surrogate
 
 if TYPE_CHECKING:
@@ -187,6 +190,12 @@ class LabelledResults(datasets.Results):
                 if not one.name.endswith(_OF_ERRORS) and rows[one.source].notnull().any()
             ]
             lines.append(("  observables", _few(known)))
+            texts = [str(text) for text in rows["caveat"].values if text]
+            if texts:
+                mostly = first_clause(max(dict.fromkeys(texts), key=texts.count))
+                lines.append(("  caveats", f"{count_text(len(texts), 'point')}, mostly {mostly}"))
+        for path in answer_files(self.runs.parent) if self.runs else ():
+            lines.append((answer_name(path), sentence(caveats_in(path)) or refusal_in(path)))
         if len(self.boundaries):
             lines.append(("boundaries", count_text(len(self.boundaries), "row")))
         return [(heading, printable(text)) for heading, text in lines]

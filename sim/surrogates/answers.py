@@ -4,6 +4,8 @@ from pathlib import Path
 
 from sim.base.seals import read_summary
 from sim.study.load import Study, load_study
+from sim.surrogates import tables
+from sim.surrogates.caveats import answer_name, caveats_in, sentence
 from sim.surrogates.refusals import Refusal, refusal_in, save_refusal
 
 
@@ -40,10 +42,15 @@ def build(study_path: str | Path, results: str | Path = "results") -> list[str]:
 
 def summary_lines(study: Study, folder: Path) -> list[str]:
     """Return what the answers in the results of a study say of themselves, a line for each."""
-    files = [folder / question.file for question in study.questions]
-    lines = (refusal_in(path) or _summary_line(path) for path in files if path.is_file())
-    return list(filter(None, lines))
+    paths = [path for question in study.questions if (path := folder / question.file).is_file()]
+    return list(filter(None, (refusal_in(path) or _summary_line(path) for path in paths)))
 
 
 def _summary_line(path: Path) -> str:
-    return str((read_summary(path) or {}).get("line", ""))
+    """Return what an answer says of itself, and what is doubtful about it."""
+    if path.suffix == ".csv":
+        line = f"{answer_name(path)}: {tables.summary_line(path)}"
+    else:
+        line = str((read_summary(path) or {}).get("line", ""))
+    caveats = caveats_in(path)
+    return f"{line.removesuffix('.')}. {sentence(caveats)}" if caveats else line

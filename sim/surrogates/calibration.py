@@ -1,6 +1,6 @@
 """Calibrations as files that ArviZ reads, and what they say in a line."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import netCDF4
@@ -9,21 +9,22 @@ import xarray as xr
 
 from sim.base.files import atomic_write
 from sim.base.seals import append_summary, checked_read, seal
+from sim.surrogates.caveats import KEY
 from sim.surrogates.posterior import LEAST_PROBABILITY, LONG_ENOUGH, summarize
 from sim.surrogates.refusals import require_answer
 
 
-def save(name: str, groups: Mapping[str, xr.Dataset], path: Path) -> None:
+def save(name: str, groups: Mapping[str, xr.Dataset], caveats: Sequence[str], path: Path) -> None:
     """Write the groups of a calibration; the file appears complete or not at all.
 
-    Its end has a line with what it says.
+    Its end has a line with what it says, and what is doubtful about that.
     """
     line = f"calibration {name}: {' '.join(outcome_sentences(groups))}"
     path.parent.mkdir(parents=True, exist_ok=True)
     with atomic_write(path) as temporary:
         for number, (key, group) in enumerate(groups.items()):
             group.to_netcdf(temporary, mode="a" if number else "w", group=key, engine="netcdf4")
-        append_summary(temporary, {"line": line})
+        append_summary(temporary, {"line": line, KEY: list(caveats)})
         seal(temporary)
 
 

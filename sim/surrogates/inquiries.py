@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 
 from sim.dataset.results import Results
 from sim.parameters import point_id
@@ -11,6 +12,7 @@ from sim.study.calibration import CalibrationSpec
 from sim.study.sensitivity import SensitivitySpec
 from sim.study.surrogate import SurrogateSpec
 from sim.surrogates import calibration, tables
+from sim.surrogates.caveats import caveats_of_points, with_caveats
 from sim.surrogates.fitting import fit_surrogate
 from sim.surrogates.indices import (
     morris_indices_of_runs,
@@ -56,18 +58,24 @@ def _surrogate_of(spec: SensitivitySpec | CalibrationSpec, lack: str, folder: Pa
 def _answer_sensitivity(spec: SensitivitySpec, dataset: Results, folder: Path) -> None:
     if spec.design is None:
         lack = f"sensitivity {spec.name}: no indices"
-        table = sobol_indices(_surrogate_of(spec, lack, folder))
+        surrogate = _surrogate_of(spec, lack, folder)
+        table, caveats = sobol_indices(surrogate), surrogate.caveats
     else:
-        table = _indices_of_runs(spec, dataset)
-    tables.save(table, folder / spec.file)
+        sample = sample_points(dataset, spec.of)
+        is_used = points_of_mean(sample, spec.of.regimes)
+        table, caveats = (
+            _indices_of_runs(spec, sample, is_used),
+            caveats_of_points(sample.isel(point=is_used)),
+        )
+    tables.save(with_caveats(table, caveats), folder / spec.file)
 
 
-def _indices_of_runs(spec: SensitivitySpec, dataset: Results) -> pd.DataFrame:
+def _indices_of_runs(
+    spec: SensitivitySpec, sample: xr.Dataset, is_used: np.ndarray
+) -> pd.DataFrame:
     """Return the indices of the runs of a design, taken in the order of the design."""
     assert spec.design, "a surrogate has none"
-    sample = sample_points(dataset, spec.of)
-    counts = points_of_mean(sample, spec.of.regimes)
-    means = pd.Series(np.where(counts, sample["mean"].values, np.nan), sample["point"].values)
+    means = pd.Series(np.where(is_used, sample["mean"].values, np.nan), sample["point"].values)
     errors = pd.Series(sample["standard_error"].values, sample["point"].values)
     # Points of a design that are equal are one point of the study.
     ids = [point_id(point) for point in spec.design.points(spec.design.size)]
@@ -80,12 +88,13 @@ def _indices_of_runs(spec: SensitivitySpec, dataset: Results) -> pd.DataFrame:
 
 
 def _answer_calibration(spec: CalibrationSpec, folder: Path) -> None:
+    surrogate = _surrogate_of(spec, f"calibration {spec.name}: no posterior", folder)
     question = Calibration(
-        predictor=_surrogate_of(spec, f"calibration {spec.name}: no posterior", folder),
+        predictor=surrogate,
         ranges=spec.ranges,
         conditions={name: np.array(one) for name, one in spec.conditions.items()},
         values=np.array(spec.values),
         errors=np.array(spec.errors),
         observable=spec.of.observable,
     )
-    calibration.save(spec.name, calibrate(question), folder / spec.file)
+    calibration.save(spec.name, calibrate(question), surrogate.caveats, folder / spec.file)

@@ -8,6 +8,12 @@ from sim.surrogates.storage import load as load_surrogate
 from sim.surrogates.surrogate import Surrogate
 
 
+def answer_files(folder: Path) -> list[Path]:
+    """Return the files of all answers in a folder of results."""
+    kinds = ("surrogates/*.nc", "sensitivity/*.csv", "calibration/*.nc")
+    return [path for kind in kinds for path in sorted(folder.glob(kind))]
+
+
 def find_surrogate(folder: Path, name: str | None = None) -> Surrogate:
     """Return a surrogate in a folder of results, by its name or by its observable.
 

@@ -34,10 +34,11 @@ def sample_points(results: Results, spec: SurrogateSpec) -> xr.Dataset:
     -------
     xarray.Dataset
         A variable for each axis; ``mean`` of the observable (SI; NaN without a value),
-        ``standard_error`` of the mean, ``replicates`` that completed, ``regime``, and
-        ``core_hours``. Attribute ``scatter`` is 1 where the scatter between initial states is not
-        known, as every point has a single replicate. The standard errors then leave it out.
-        Attribute ``fixed`` maps the parameters that are the same at all points to their values.
+        ``standard_error`` of the mean, ``replicates`` that completed, ``regime``, ``caveat`` of
+        the runs, and ``core_hours``. Attribute ``scatter`` is 1 where the scatter between initial
+        states is not known, as every point has a single replicate. The standard errors then leave
+        it out. Attribute ``fixed`` maps the parameters that are the same at all points to their
+        values.
 
     Raises
     ------
@@ -64,6 +65,7 @@ def sample_points(results: Results, spec: SurrogateSpec) -> xr.Dataset:
         "standard_error": errors,
         "replicates": np.array([row.size for row in values]),
         "regime": np.array([summary["regime"] for summary in summaries], dtype=object),
+        "caveat": rows["caveat"].values.astype(object),
         "core_hours": np.nansum(rows["wall_time"].values, axis=1) * threads / 3600,
     }
     variables = {name: ("point", column) for name, column in columns.items()}

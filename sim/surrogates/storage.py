@@ -11,6 +11,7 @@ import xarray as xr
 from sim.base.files import atomic_write
 from sim.base.seals import append_summary, checked_read, seal
 from sim.study.design import Axis
+from sim.surrogates.caveats import KEY, percent
 from sim.surrogates.process import Process
 from sim.surrogates.refusals import require_answer
 from sim.surrogates.regimes import Regimes, has_known_regime
@@ -131,6 +132,7 @@ def _summary(surrogate: Surrogate) -> dict[str, Any]:
     line = (
         f"surrogate {surrogate.name}: {len(surrogate.process.y)} points"
         + (f" ({omissions} left out)" if omissions else "")
-        + f", error {100 * surrogate.error:.2g} %, {surrogate.hours:.2g} core hours"
+        + f", error {percent(surrogate.error)}, {surrogate.hours:.2g} core hours"
     )
-    return {"line": line, "error": surrogate.error, "points": len(surrogate.process.y)}
+    points, caveats = len(surrogate.process.y), list(surrogate.caveats)
+    return {"line": line, "error": surrogate.error, "points": points, KEY: caveats}

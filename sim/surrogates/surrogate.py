@@ -12,15 +12,13 @@ from sim.base.errors import InputError
 from sim.base.messages import one_of
 from sim.base.statistics import MANY, student
 from sim.study.design import Axis
+from sim.surrogates.caveats import KEY, caveats_at, caveats_of_surrogate, joined, percent
 from sim.surrogates.process import Process, deviations
 from sim.surrogates.regimes import Regimes
 from sim.surrogates.sample import points_of_mean, unit_cube
 
 #: Share of a range by which a value may be outside it: sums of steps need not end on it.
 _SLACK = 1e-9
-
-#: Error of a mean from which on it is called too large to rely on.
-LARGE_ERROR = 0.2
 
 #: Most ranges by which a value may be outside, where it is asked for.
 _MOST_OUTSIDE = 100.0
@@ -132,7 +130,8 @@ class Surrogate:
         Returns
         -------
         xarray.Dataset
-            ``mean``, ``half_width`` of its 95 % interval, and ``probability`` over ``regime``.
+            ``mean``, ``half_width`` of its 95 % interval, and ``probability`` over ``regime``. The
+            attribute ``caveats`` says what is doubtful about them, the worst first.
 
         Raises
         ------
@@ -170,8 +169,15 @@ class Surrogate:
             | {"regime": list(self.regimes.names)}
             | dict(surrogate.setting),
         )
-        answer.attrs = {"surrogate": self.name, "observable": self.observable, "error": self.error}
-        return answer.assign_attrs({"outside": outside} if outside else {})
+        is_counted = [name in self.mean_regimes for name in self.regimes.names]
+        counted = probability[is_counted].sum(axis=0) if is_counted else np.ones(shape)
+        answer.attrs = {
+            "surrogate": self.name,
+            "observable": self.observable,
+            "error": self.error,
+            KEY: joined(caveats_at(self, counted, outside)),
+        }
+        return answer
 
     def _cube(self, x: np.ndarray) -> np.ndarray:
         """Return points as of `predict` in the unit cube of the process."""
@@ -285,10 +291,14 @@ class Surrogate:
 
     @property
     def basis(self) -> str:
-        """Of how many points the mean is, its error, and whether that is too large, in words."""
+        """Of how many points the mean is, and its error, in words."""
         used, total = len(self.process.y), self.sample.sizes["point"]
-        text = f"mean of {used} of {total} points, error {float(f'{100 * self.error:.2g}'):g} %"
-        return f"{text}: too large to rely on" if self.error > LARGE_ERROR else text
+        return f"mean of {used} of {total} points, error {percent(self.error)}"
+
+    @cached_property
+    def caveats(self) -> tuple[str, ...]:
+        """What is doubtful about it, the worst first."""
+        return caveats_of_surrogate(self)
 
     @property
     def omissions(self) -> str:

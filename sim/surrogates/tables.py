@@ -3,6 +3,7 @@
 A seal at the end would be a row to those who read a CSV file.
 """
 
+import csv
 import hashlib
 import io
 from pathlib import Path
@@ -10,6 +11,9 @@ from typing import TYPE_CHECKING
 
 from sim.base.files import atomic_write, read_regular
 from sim.base.seals import checked_read
+
+#: Most parameters that a line names.
+_MOST_NAMED = 3
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -54,6 +58,27 @@ def load(path: Path) -> "pd.DataFrame":
             raise ValueError("its checksum is wrong")
         texts = {"keep_default_na": False, "na_values": [""], "dtype": {"other": str}}
         return pd.read_csv(io.BytesIO(content), **texts)
+
+
+def summary_line(path: Path) -> str:
+    """Return the parameters that matter most, with total index or mean effect and its interval.
+
+    Empty where the file is damaged.
+    """
+    rows = csv.DictReader((read(path) or b"").decode("utf-8", "replace").splitlines())
+    shown = [row for row in rows if row.get("index") in ("total", "mu_star") and row.get("value")]
+    shown.sort(key=lambda row: -float(row["value"]))
+    texts = (
+        f"{row['parameter']} {float(row['value']):.2g} "
+        f"({float(row['low']):.2g} to {float(row['high']):.2g})"
+        for row in shown[:_MOST_NAMED]
+    )
+    index = (
+        {"mu_star": "mean size of the effect"}.get(shown[0]["index"], "total index")
+        if shown
+        else ""
+    )
+    return f"{index} of {', '.join(texts)}" if shown else "nothing matters"
 
 
 def _note(path: Path) -> Path:

@@ -48,5 +48,5 @@ def write_effects(folder: Path, left_out: int = 2, noise: float = 0.1) -> str:
 def write_calibration(folder: Path, shift: float = 0.0) -> str:
     """Write a calibration of made-up measurements; return its path in the folder."""
     _, made = made_measurements(1, shift)
-    calibration.save("made", calibrate(made), folder / "calibration.nc")
+    calibration.save("made", calibrate(made), [], folder / "calibration.nc")
     return "calibration.nc"

@@ -35,6 +35,7 @@ def write_run(
     normal_excess: float = 0.0,
     gain: float = 0.0,
     numerics: int = NUMERICS,
+    caveat: str = "",
     arrays: Mapping[str, Any] | None = None,
 ) -> Path:
     """Write ``<folder>/<point id>.nc`` by the contract of a run file.
@@ -55,6 +56,8 @@ def write_run(
         Relative error put into the base forces of a chute.
     gain : float
         Velocity gained at a constant rate over the run, in √(g·diameter).
+    caveat : str
+        What the run says is doubtful about itself.
     arrays : mapping
         Further variables, or replacements of those made up here.
     """
@@ -64,7 +67,7 @@ def write_run(
     data = _series(parameters, velocities, shear_excess, normal_excess, gain)
     data |= _scalars(parameters, velocities, regime, failed)
     data |= _parameters(parameters) | dict(arrays or {})
-    dataset = xr.Dataset(data, attrs=_attributes(parameters, failed, numerics))
+    dataset = xr.Dataset(data, attrs=_attributes(parameters, failed, numerics) | {"caveat": caveat})
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{point_id(parameters)}.nc"
     with netCDF4.Dataset(path, "w") as file:

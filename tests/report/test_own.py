@@ -123,7 +123,7 @@ def test_a_surrogate_with_a_large_error_is_named_first(tmp_path):
     draw_figures(list(study.entries), dataset, figures, code="x", study_path=study_path)
     write([], "own", dataset.parent)
     text = " ".join(Page(build(study_path, tmp_path).read_text(encoding="utf-8")).text.split())
-    named = re.search(r"Surrogate speed: mean of 8 of 8 points, error \d+ %: too large", text)
+    named = re.search(r"Surrogate speed: Caveat: its error of \d+ % is too large", text)
     assert named and named.start() < text.index("Mean of 8 of 8 points")
 
 

@@ -74,7 +74,8 @@ def folder(tmp_path_factory) -> Path:
         write_run(place / "asked" / "runs", parameters, speed, failed=failed)
     build(place / "study.yaml", place)
     lines = answers.build(place / "study.yaml", place)
-    assert lines[1].startswith("calibration beads: friction = 0.5")
+    assert lines[1].startswith("sensitivity matters: total index of friction 0.6")
+    assert lines[-1].startswith("calibration beads: friction = 0.5")
     return place / "asked"
 
 

@@ -1,0 +1,150 @@
+"""What is doubtful about an answer: computed here, kept in its file, and read by every view of it.
+
+A view is whatever shows an answer: a line of the terminal, a picture with caption and data, the
+head of a report, the explorer, ``predict``, an attribute in Python. None words a doubt of its own.
+"""
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sim.base.seals import read_summary
+from sim.base.words import count_text, printable
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+    from sim.surrogates.surrogate import Surrogate
+
+#: Key of the caveats in the summary of a file, and heading of their column in a table.
+KEY = "caveats"
+
+#: What stands between two caveats in a text.
+_SEPARATOR = "; "
+
+#: Error of a mean from which on it is called too large to rely on.
+LARGE_ERROR = 0.2
+
+#: Share of the points that a mean leaves out from which on it is told.
+_MUCH_LEFT_OUT = 0.5
+
+#: Probability of the regimes of a mean below which another is likelier.
+EVEN = 0.5
+
+#: Most letters of the caveats in a file: one from elsewhere may have a million.
+_LONGEST = 4000
+
+
+def caveats_of_surrogate(surrogate: "Surrogate") -> tuple[str, ...]:
+    """Return what is doubtful about a surrogate, the worst first."""
+    used, total = len(surrogate.process.y), surrogate.sample.sizes["point"]
+    texts = [
+        f"its error of {percent(surrogate.error)} is too large to rely on"
+        if surrogate.error > LARGE_ERROR
+        else "",
+        f"it is of {used} of {total} points ({surrogate.omissions} left out)"
+        if total - used > _MUCH_LEFT_OUT * total
+        else "",
+        *caveats_of_points(surrogate.sample.isel(point=surrogate.in_mean)),
+    ]
+    return tuple(filter(None, texts))
+
+
+def caveats_of_points(sample: "xr.Dataset") -> tuple[str, ...]:
+    """Return what is doubtful about the points of an answer, see `sample_points`."""
+    points = count_text(sample.sizes["point"], "point")
+    # A surrogate of an earlier version does not tell them.
+    texts = [str(text) for text in sample["caveat"].values if text] if "caveat" in sample else []
+    parts = [part for text in texts for part in text.split(_SEPARATOR)]
+    mostly = max(dict.fromkeys(parts), key=parts.count, default="")
+    short = int((sample["regime"].values.astype(str) == "undetermined").sum())
+    return (
+        *([f"runs of {len(texts)} of its {points} carry a caveat ({mostly})"] if texts else []),
+        *(
+            [f"runs of {short} of its {points} are too short to tell a steady flow"]
+            if short
+            else []
+        ),
+    )
+
+
+def caveats_at(surrogate: "Surrogate", counted: np.ndarray, outside: str) -> tuple[str, ...]:
+    """Return what is doubtful about predictions, the worst first.
+
+    Parameters
+    ----------
+    surrogate : Surrogate
+        What predicts.
+    counted : numpy.ndarray
+        Probability of the regimes of its mean at each place, (n,).
+    outside : str
+        How far places are outside the ranges of the points, empty where none is.
+    """
+    unlikely = int((counted < EVEN).sum())
+    if unlikely:
+        where = "there" if counted.size == 1 else f"at {unlikely} of {counted.size} places"
+        regimes = " or ".join(surrogate.mean_regimes)
+        outside = _SEPARATOR.join(
+            filter(None, (f"{where} another regime is likelier than {regimes}", outside))
+        )
+    return tuple(filter(None, (outside, *surrogate.caveats)))
+
+
+def percent(share: float) -> str:
+    """Write a share in percent, to two digits.
+
+    >>> percent(0.5678), percent(12.3456)
+    ('57 %', '1200 %')
+    """
+    return f"{float(f'{100 * share:.2g}'):g} %"
+
+
+def joined(caveats: Sequence[str]) -> str:
+    """Return caveats as one text, as a cell or an attribute has them."""
+    return _SEPARATOR.join(caveats)
+
+
+def parted(text: str) -> tuple[str, ...]:
+    """Return the caveats in a text of `joined`."""
+    return tuple(filter(None, text.split(_SEPARATOR)))
+
+
+def sentence(caveats: Sequence[str]) -> str:
+    """Return caveats as a sentence, empty for none.
+
+    >>> sentence(["its error of 57 % is too large to rely on", "it is of 4 of 48 points"])
+    'Caveat: its error of 57 % is too large to rely on; it is of 4 of 48 points.'
+    """
+    return f"Caveat: {joined(caveats)}." if caveats else ""
+
+
+def answer_name(path: Path) -> str:
+    """Return the name of an answer from the path of its file: ``surrogate speed``."""
+    return f"{path.parent.name.removesuffix('s')} {path.stem}"
+
+
+def with_caveats(table: "pd.DataFrame", caveats: Sequence[str]) -> "pd.DataFrame":
+    """Return a table whose rows end with the caveats, if there are any."""
+    return table.assign(**{KEY: joined(caveats)}) if caveats else table
+
+
+def caveats_in(path: Path) -> tuple[str, ...]:
+    """Return the caveats in the file of an answer, the worst first.
+
+    There are none where the file is missing, damaged, or of an earlier version.
+    """
+    if not path.is_file():
+        return ()
+    if path.suffix == ".csv":
+        with path.open(encoding="utf-8", errors="replace", newline="") as file:
+            row = next(csv.DictReader(file), {})
+        stored = [row.get(KEY) or ""]
+    else:
+        stored = (read_summary(path) or {}).get(KEY) or []
+    if not (isinstance(stored, list) and all(isinstance(text, str) for text in stored)):
+        return ()
+    return parted(printable(joined(stored))[:_LONGEST])
