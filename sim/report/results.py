@@ -76,8 +76,9 @@ class LabelledResults(datasets.Results):
         Returns
         -------
         xarray.DataArray
-            Means over the replicates in SI units, NaN where no point stands. Its coordinate
-            ``half_width`` has the half widths of the 95 % intervals.
+            Means over the replicates in SI units, NaN where no point stands. Its coordinates
+            ``half_width``, ``regime`` and ``caveat`` have the half widths of the 95 % intervals,
+            the regimes of the points and their caveats, empty where there is none.
 
         Raises
         ------
@@ -101,8 +102,11 @@ class LabelledResults(datasets.Results):
         _require_grid(data.rows, names)
         quantity = observed_quantity(data)
         columns = {observable: quantity.value, "half_width": quantity.half_width}
-        table = data.rows[names].assign(**columns).set_index(names)
-        grid = table.to_xarray().set_coords("half_width")[observable]
+        table, doubts = data.rows[names].assign(**columns), ["regime", "caveat"]
+        table[doubts] = data.rows[doubts]
+        stored = table.set_index(names).to_xarray()
+        stored[doubts] = stored[doubts].fillna("").astype(str)
+        grid = stored.set_coords(["half_width", *doubts])[observable]
         for name in names:
             grid[name].attrs = dict(self.dataset[name].attrs)
         grid["half_width"].attrs = {"units": found.unit, "long_name": "half width of 95 % interval"}

@@ -40,6 +40,7 @@ def test_a_grid_has_the_mean_and_the_interval_of_each_point():
     expected = rows.point_half_width.sel(point=(1.5, 0.3)).item()
     assert grid.half_width.sel(depth=1.5, friction=0.3).item() == pytest.approx(expected)
     assert grid.half_width.units == "m s-1"
+    assert grid.regime.sel(depth=1.5, friction=0.3) == "steady" and (grid.caveat == "").all()
 
 
 def test_a_grid_takes_observables_that_plots_take():
