@@ -104,7 +104,7 @@ def stored(tmp_path) -> dict[Path, Read]:
     for path in refused:
         refusals.save_refusal(refusals.Refusal("no answer, as 0 of 8 points count"), path)
     groups = {"observed_data": xr.Dataset(attrs={"outcome": "no fit", "probability": 0.001})}
-    calibration.save("beads", groups, made / "calibration" / "beads.nc")
+    calibration.save("beads", groups, [], made / "calibration" / "beads.nc")
     (made / "rounds").mkdir()
     points = {point_id(POINT): canonical_values(POINT)}
     (made / "rounds" / "1.json").write_text(to_sealed_json(points))

@@ -153,7 +153,7 @@ def originals(tmp_path_factory) -> dict[str, bytes]:
     folder = tmp_path_factory.mktemp("originals")
     storage.save(made_surrogate(axes=AXES[:2]), folder / "surrogate.nc")
     groups = calibrate(made_measurements(1)[1])
-    calibration.save("made", groups, folder / "calibration.nc")
+    calibration.save("made", groups, [], folder / "calibration.nc")
     indices = folder / write_indices(folder)
     indices.rename(folder / "indices.nc")
     save_refusal(Refusal("no answer"), folder / "refusal.nc")

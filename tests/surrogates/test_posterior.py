@@ -35,7 +35,7 @@ def groups():
 
 
 def test_a_posterior_is_what_arviz_reads(groups, tmp_path):
-    save("made", groups, tmp_path / "made.nc")
+    save("made", groups, [], tmp_path / "made.nc")
     found = load(tmp_path / "made.nc")
     assert set(found) == set(groups)
     for name, one in groups.items():
