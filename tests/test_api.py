@@ -85,6 +85,41 @@ def test_a_flow_that_blows_up_says_why():
         flow.run(5, progress=False)
 
 
+def test_a_flow_that_blew_up_moves_no_more():
+    flow = sim.Flow(depth=1.5, cell=4, overlap_limit=1e-4)
+    for _ in range(2):
+        with pytest.raises(sim.BlowUp, match="overlap"):
+            flow.run(5, progress=False)
+    assert flow.series.sizes["time"] == 0
+
+
+SIX = {"depth": 1.5, "cell": 4, "transient": 1, "average": 2, "replicates": 6, "progress": False}
+
+
+def test_a_run_without_a_replicate_that_completed_is_no_number():
+    with pytest.raises(sim.BlowUp, match=r"6 of 6 replicates .*; at depth 1\.5, .* mass 1\.49"):
+        sim.simulate(**SIX, overlap_limit=1e-4)
+    with pytest.warns(UserWarning, match="6 of 6 replicates failed"):
+        run = sim.simulate(**SIX, overlap_limit=1e-4, keep=True)
+    assert run.attrs["status"] == "failed" and run.position.notnull().all()
+
+
+def test_what_a_failed_replicate_measured_is_in_no_mean(caplog):
+    limit = float(sim.simulate(**SIX).max_overlap.median())
+    with pytest.warns(UserWarning, match="[1-5] of 6 replicates failed"):
+        run = sim.simulate(**SIX, overlap_limit=limit)
+    assert "run.nc" not in caplog.text
+    is_failed = run.status == "failed"
+    failed, whole = run.where(is_failed, drop=True), run.where(~is_failed, drop=True)
+    for name in ("mean_velocity", "mass_flux", "velocity_profile", "base_normal", "velocity"):
+        assert failed[name].isnull().all() and whole[name].notnull().any(), name
+    assert (failed.steps > 0).all() and failed.max_overlap.notnull().all()
+    assert run.mass_flux.units == "kg m-1 s-1"
+    with pytest.warns(UserWarning, match="[1-5] of 6 replicates failed"):
+        kept = sim.simulate(**SIX, overlap_limit=limit, keep=True)
+    assert kept.mass_flux.where(is_failed).count() > 0
+
+
 def test_many_short_calls_go_on_for_their_sum():
     flow = sim.Flow("belt", beads=3, width=5)
     interval = flow.parameters.sample_steps * flow.parameters.time_step

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from sim.dataset.results import Results
+from sim.parameters.variables import OF_FAILURES
 from sim.study.plottable import Observable
 
 
@@ -13,12 +14,14 @@ def replicate_values(
 ) -> list[np.ndarray]:
     """Return one array per point: an observable of its replicates, in SI units.
 
-    Replicates without a finite value, such as failed ones, are left out.
+    Replicates that failed, or have no finite value, are left out.
     """
     if observable.is_mean:
         values = [_means(results, point, observable.source) for point in points]
     elif observable.source in results.dataset:
-        values = list(results.dataset[observable.source].sel(point=list(points)).values)
+        rows = results.dataset[[observable.source, "status"]].sel(point=list(points))
+        is_shown = observable.source in OF_FAILURES or rows["status"] == "completed"
+        values = list(rows[observable.source].where(is_shown).values)
     else:
         values = [np.zeros(0)] * len(points)
     return [row[np.isfinite(row)] for row in values]

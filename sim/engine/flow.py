@@ -1,5 +1,6 @@
 """Runs from Python: a point without files, or a flow that is run step by step."""
 
+import warnings
 from numbers import Integral, Real
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -8,19 +9,27 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from sim.base.errors import InputError
+from sim.engine.dynamics.status import BlowUp
 from sim.engine.progress import bar
 from sim.engine.replicate import origin_of
 from sim.engine.run import run_point
 from sim.engine.systems import build
-from sim.parameters import parse_python_point, point_id
+from sim.parameters import Parameters, parse_python_point, point_id
 from sim.parameters.common import MAX_SAMPLES
-from sim.parameters.variables import variables_of
+from sim.parameters.roles import id_parts
+from sim.parameters.variables import mask_failed, variables_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
-def simulate(system: str = "chute", *, progress: bool = True, **parameters: Any) -> "xr.Dataset":
+#: Parameters on which it depends whether spheres overlap too much, besides those of ids.
+_OF_OVERLAPS = ("diameter", "mass", "stiffness", "overlap_limit")
+
+
+def simulate(
+    system: str = "chute", *, progress: bool = True, keep: bool = False, **parameters: Any
+) -> "xr.Dataset":
     """Run a point and return the content of its run file; nothing stays on the disk.
 
     Parameters
@@ -29,6 +38,8 @@ def simulate(system: str = "chute", *, progress: bool = True, **parameters: Any)
         ``"chute"``, ``"belt"`` or ``"conveyor"``.
     progress : bool
         Show a bar, on terminals and in notebooks.
+    keep : bool
+        Return failed replicates as they are, to look at what came before the blow-up.
     **parameters
         Parameters of the system by name, in the units of a study file; parameters that are omitted
         have the value of the paper.
@@ -38,13 +49,16 @@ def simulate(system: str = "chute", *, progress: bool = True, **parameters: Any)
     xarray.Dataset
         Time series over ``(replicate, time)``, profiles over ``(replicate, height)``, first and
         last state of the particles, scalars over ``replicate``, and the parameters, each with
-        ``units`` (SI) and ``long_name``. The attribute ``status`` is ``"failed"`` where a replicate
-        blew up twice; ``reason`` gives the cause.
+        ``units`` (SI) and ``long_name``. Where some replicates blew up twice, a warning says so,
+        the attribute ``status`` is ``"failed"``, ``reason`` gives the cause, and what was measured
+        of them is not-a-number, unless ``keep`` is true.
 
     Raises
     ------
     InputError
         When a parameter is unknown or outside its range; before anything is computed.
+    BlowUp
+        When all replicates blew up, unless ``keep`` is true.
 
     Examples
     --------
@@ -60,11 +74,28 @@ def simulate(system: str = "chute", *, progress: bool = True, **parameters: Any)
     point = parse_python_point("simulate", system, parameters)
     with TemporaryDirectory(prefix="talus-") as folder:
         output = Path(folder) / "run.nc"
-        run_point(point, output, quiet=not progress, record_failure=True)
+        run_point(point, output, quiet=not progress, record_failure=True, temporary=True)
         run = xr.load_dataset(output, engine="netcdf4")
+    if failure := _failure(point, run):
+        if not keep and (run["status"] == "failed").all():
+            raise BlowUp(f"{failure}; keep=True returns what came before")
+        warnings.warn(failure, stacklevel=2)
+    run = run if keep else mask_failed(run)
     arguments = "".join(f", {name}={value!r}" for name, value in parameters.items())
     command = f"talus.simulate({system!r}{arguments})"
     return run.assign_attrs(command=command, history=f"{run.attrs['created']}: {command}")
+
+
+def _failure(point: Parameters, run: "xr.Dataset") -> str:
+    """Return how many replicates blew up, why and at which parameters; empty where none did."""
+    reasons = [str(reason) for reason in run["reason"].values if reason]
+    if not reasons:
+        return ""
+    names = dict.fromkeys((*id_parts(type(point)), *_OF_OVERLAPS))
+    values = ", ".join(f"{name} {getattr(point, name):g}" for name in names if hasattr(point, name))
+    caveat = f"; {point.caveat}" if point.caveat else ""
+    count = f"{len(reasons)} of {run.sizes['replicate']} replicates failed"
+    return f"{point.system}: {count}: {reasons[0]}; at {values}{caveat}"
 
 
 def _is_number(kind: type, value: Any) -> bool:
@@ -113,7 +144,7 @@ class Flow:
         replicate = int(replicate)
         self._system = build(self.parameters, replicate)
         self._batches: list[dict[str, np.ndarray]] = []
-        self._samples, self._remainder = 0, 0.0
+        self._samples, self._remainder, self._failure = 0, 0.0, ""
         if origin := origin_of(self.parameters, Path("flow.nc")):
             origin.start(self._system, replicate)
         else:
@@ -137,9 +168,11 @@ class Flow:
         InputError
             When the duration is not a positive number, or takes more than ten million samples.
         BlowUp
-            When an overlap exceeds ``overlap_limit`` or a position is not a number. A run would
-            start again with half the time step.
+            When an overlap exceeds ``overlap_limit`` or a position is not a number, and in each
+            further call. A run would start again with half the time step.
         """
+        if self._failure:
+            raise BlowUp(self._failure)
         longest = MAX_SAMPLES * self._interval / self.parameters.time_unit
         if not (_is_number(Real, duration) and 0 < duration <= longest):
             allowed = f"a number > 0 and <= {longest:.6g}"
@@ -150,7 +183,11 @@ class Flow:
         remainder, self._remainder = intervals - missing, 0.0
         with bar(missing, point_id(self.parameters), "sample", quiet=not progress) as display:
             while missing:
-                values = self._system.sample(missing).values
+                try:
+                    values = self._system.sample(missing).values
+                except BlowUp as error:
+                    self._failure = str(error)
+                    raise
                 batch = {name: np.array(column, float) for name, column in values.items()}
                 count = len(batch["mean_velocity"])
                 self._batches.append({name: batch[name] for name in self._system.series})

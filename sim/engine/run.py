@@ -41,7 +41,11 @@ BLOW_UP_CODE = 3
 
 
 def run_point(
-    parameters: Parameters, output: Path, quiet: bool = False, record_failure: bool = False
+    parameters: Parameters,
+    output: Path,
+    quiet: bool = False,
+    record_failure: bool = False,
+    temporary: bool = False,
 ) -> int:
     """Run all replicates of a point and write its file.
 
@@ -56,6 +60,8 @@ def run_point(
         Neither bar nor log lines about progress.
     record_failure : bool
         Count a blow-up as a result: the file holds the reason and the exit code is 0.
+    temporary : bool
+        The file will not last, so that no message sends anybody there.
 
     Returns
     -------
@@ -74,7 +80,8 @@ def run_point(
         status = "" if is_old else current_status(output, parameters)
         if not status:
             status = _compute(parameters, output, quiet, origin, is_old)
-            log.info("%s: written", output)
+            if not temporary:
+                _log_file(parameters, output, status)
     return BLOW_UP_CODE if status == "failed" and not record_failure else 0
 
 
@@ -115,7 +122,7 @@ def _compute(
     if origin:
         attributes["origin"] = " ".join(map(str, samples[: parameters.replicates]))
     write(output, stages, _layout(parameters, replicate.system), attributes)
-    _log_results(parameters, output, records)
+    _log_results(parameters, records)
     return attributes["status"]
 
 
@@ -124,11 +131,16 @@ def _lengths(parameters: Parameters) -> dict[str, float]:
     return {name: value for name, value in amounts(parameters).items() if name != "replicates"}
 
 
-def _log_results(parameters: Parameters, output: Path, records: list[Record]) -> None:
-    """Log the result of each replicate and of all together."""
-    if any(record.scalars["reason"] for record in records):
+def _log_file(parameters: Parameters, output: Path, status: str) -> None:
+    """Log where a run is, and of one that failed how to see it again."""
+    if status == "failed":
         command = shlex.join(["python", "-m", "sim", "info", str(output), "--point"])
         log.warning("%s: its point, to see the failure again: %s", point_id(parameters), command)
+    log.info("%s: written", output)
+
+
+def _log_results(parameters: Parameters, records: list[Record]) -> None:
+    """Log the result of each replicate and of all together."""
     for record in records:
         log.log(*_closing_line(parameters, record))
     if len(records) > 1:

@@ -17,9 +17,12 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from sim.base.additions import additions, shipped
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 #: Systems that the table knows.
 ALL = ("chute", "belt", "conveyor")
@@ -203,6 +206,29 @@ def parts(ending: str, system: str) -> dict[str, str]:
 
 #: Scalars of each replicate in a run file.
 SCALARS = variables_of("scalar")
+
+
+#: Scalars that tell how a replicate was run, and how its spheres overlapped: failed ones have them.
+OF_FAILURES = ("steps", "time_step_used", "wall_time", "loop_time", "replicate_seed", "max_overlap")
+
+
+def mask_failed(data: "xr.Dataset") -> "xr.Dataset":
+    """Return a run or a dataset with not-a-number for what was measured of failed replicates.
+
+    They would be averages over what came before a blow-up.
+    """
+    is_failed = data["status"] == "failed"
+    if not bool(is_failed.any()):
+        return data
+    named = variables_of("scalar", "series", "profile", "table").keys() | observable_variables()
+    measured = [
+        name
+        for name, values in data.data_vars.items()
+        if name in named - set(OF_FAILURES)
+        and "replicate" in values.dims
+        and values.dtype.kind == "f"
+    ]
+    return data.assign({name: data[name].where(~is_failed) for name in measured})
 
 
 def reserved_names() -> set[str]:

@@ -1,5 +1,6 @@
 """The results of a study in Python: a short table of them, grids over parameters, and plots."""
 
+import warnings
 from dataclasses import dataclass, replace
 from html import escape
 from math import prod
@@ -18,6 +19,7 @@ from sim.dataset import results as datasets
 from sim.dataset.results import require_known_options
 from sim.figures.caption import first_clause
 from sim.parameters import NUMERICAL, SYSTEMS, Parameters, parse_point
+from sim.parameters.variables import mask_failed
 from sim.study.feed import plot_entry
 from sim.study.figure_spec import FigureSpec, written
 from sim.study.model import Point
@@ -219,6 +221,8 @@ class LabelledResults(datasets.Results):
 def load(results: str | Path) -> LabelledResults:
     """Load the results of a study.
 
+    What was measured of failed replicates is not-a-number, and a warning counts their points.
+
     Parameters
     ----------
     results : str or Path
@@ -230,6 +234,11 @@ def load(results: str | Path) -> LabelledResults:
         When there is no dataset, or it is damaged.
     """
     loaded = LabelledResults(**vars(datasets.load(results)))
+    is_failed = (loaded.dataset["status"] == "failed").values
+    if failed := int(is_failed.any(axis=1).sum()):
+        counts = f"{failed} of {count_text(loaded.dataset.sizes['point'], 'point')}"
+        warnings.warn(f"{results}: runs of {counts} failed, see status and reason", stacklevel=2)
+    loaded = replace(loaded, dataset=mask_failed(loaded.dataset))
     systems = set(map(str, loaded.dataset["system"].values))
     return replace(loaded, dataset=loaded.of(*systems)) if len(systems) == 1 else loaded
 

@@ -43,6 +43,17 @@ def test_a_grid_has_the_mean_and_the_interval_of_each_point():
     assert grid.regime.sel(depth=1.5, friction=0.3) == "steady" and (grid.caveat == "").all()
 
 
+def test_what_was_measured_of_failed_runs_is_in_no_mean_of_a_study(monkeypatch):
+    lost = {"status": ["completed", "failed"], "velocity": [1.0, np.nan], "base_shear": [1.0, 9e9]}
+    points = [GRID[0], made_point("chute", lost, replicates=2, depth=3), BELT]
+    monkeypatch.setattr("sim.dataset.results.load", lambda _: results_of(*points))
+    with pytest.warns(UserWarning, match="mine: runs of 1 of 3 points failed"):
+        found = sim.load("mine")
+    dataset = found.dataset.sel(point=points[1].id)
+    assert dataset.base_shear.values[:2] == pytest.approx([1, np.nan], nan_ok=True)
+    assert dataset.steps.values[:2].all()
+
+
 def test_a_grid_takes_observables_that_plots_take():
     points = [
         made_point("chute", {"velocity": 1.0, "shear_depth": 2e-3 * depth}, depth=depth)
