@@ -1,20 +1,23 @@
 """Questions to surrogates: what matters, and which parameters measurements allow."""
 
 from collections.abc import Iterator
+from typing import Any
 
+from sim.base.additions import plain_name
 from sim.base.errors import Allowed, InputError
 from sim.base.messages import did_you_mean, one_of
 from sim.base.words import count_text
 from sim.parameters import SYSTEMS, field_info
+from sim.parameters.common import CHOICES
 from sim.study.calibration import MOST_MEASUREMENTS, CalibrateFile, CalibrationSpec
 from sim.study.design import Axis, block_size
 from sim.study.figure_spec import FigureSpec
 from sim.study.measured import PURE, MeasuredTable, read_measured
 from sim.study.plot_contents import name_in_words
-from sim.study.plottable import Observable, find_observable, numbers
+from sim.study.plottable import find_observable, numbers
 from sim.study.questions import Question
 from sim.study.sensitivity import FEWEST_BLOCKS, SensitivityFile, SensitivitySpec
-from sim.study.surrogate import SurrogateSpec
+from sim.study.surrogate import COUNTED, SurrogateSpec
 
 #: Least error and largest number of a measurement.
 _TINY, _HUGE = 1e-100, 1e100
@@ -60,7 +63,7 @@ class SensitivityQuestion(_Asked):
         system = self.study.points[self.study.series[name][0]].parameters.system
         observable = self.entry.observable or "velocity"
         find_observable("curves", "observable", observable, system, self.error)
-        regimes = tuple(dict.fromkeys(self.entry.regimes or ("steady",)))
+        regimes = tuple(dict.fromkeys(self.entry.regimes or COUNTED))
         of = SurrogateSpec(self.entry.name, name, observable, system, design.axes, regimes)
         return SensitivitySpec(self.entry.name, of, design)
 
@@ -104,7 +107,6 @@ class CalibrationQuestion(_Asked):
     def spec(self) -> CalibrationSpec:
         """Return the question, with its measurements."""
         surrogate = self.surrogate()
-        observable = numbers(surrogate.system)[surrogate.observable]
         axes = {axis.name: axis for axis in surrogate.axes}
         for name, (low, high) in self.entry.parameters.items():
             if name not in axes:
@@ -119,7 +121,7 @@ class CalibrationQuestion(_Asked):
             raise InputError.of_value(table.path, "measurements", count, allowed)
         for name in self.entry.units:
             table.require_column(name, "as units has it")
-        values, errors = self._measurements(table, observable)
+        values, errors = self._measurements(table, surrogate)
         conditions = {
             name: self._condition(table, axis, surrogate)
             for name, axis in axes.items()
@@ -132,13 +134,18 @@ class CalibrationQuestion(_Asked):
         )
 
     def _measurements(
-        self, table: MeasuredTable, observable: Observable
+        self, table: MeasuredTable, surrogate: SurrogateSpec
     ) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Return what was measured and its errors, in the unit of the observable."""
+        observable = numbers(surrogate.system)[surrogate.observable]
         name, units = self.entry.observable or observable.name, self.entry.units
         column = self.entry.error or f"{name}_error"
         table.require_column(name, "what was measured")
         table.require_column(column, f"the standard error of {name}; error: names another")
+        for key, own, taken in (("observable", name, ()), ("error", column, (name,))):
+            if own in (*taken, *SYSTEMS[surrogate.system].model_fields):
+                allowed = "a column of its own: neither a parameter nor what was measured"
+                raise self.error(key, own, allowed)
         unit = units.get(name, "")
         values = table.numbers(
             name, observable.unit, unit=unit, low=-_HUGE, high=_HUGE, allowed="a number"
@@ -179,13 +186,27 @@ class CalibrationQuestion(_Asked):
             if name in self.entry.parameters:
                 allowed = f"parameters that {table.path.name} has no column of"
                 raise self.error(f"parameters.{name}", self.entry.parameters[name], allowed)
-            fixed = getattr(points[0], name)
-            if type(fixed) not in (int, float):
-                continue
-            allowed = f"{fixed:g}, as all points of series {surrogate.series} have"
+            fixed, *others = dict.fromkeys(getattr(point, name) for point in points)
+            if not others:
+                unit = fields[name].unit
+                self._require_value(
+                    table, name, fixed, unit, f"as all points of {surrogate.series}"
+                )
+
+    def _require_value(
+        self, table: MeasuredTable, name: str, fixed: Any, unit: str, reason: str
+    ) -> None:
+        """Refuse a column unless it has one value in all rows: a number, a word or a switch."""
+        if type(fixed) in (int, float):
             own, slack = self.entry.units.get(name, ""), 1e-6 * abs(fixed)
             ends = {"low": fixed - slack, "high": fixed + slack}
-            table.numbers(name, fields[name].unit, unit=own, allowed=allowed, **ends)
+            table.numbers(name, unit, unit=own, allowed=f"{fixed:g}, {reason}", **ends)
+            return
+        is_switch = isinstance(fixed, bool)
+        word = str(fixed).lower() if is_switch else plain_name(fixed) if name in CHOICES else fixed
+        for row, text in enumerate(table.texts[name]):
+            if (text.lower() if is_switch else text) not in (word, fixed):
+                raise table.error(row, name, text or None, f"{word or 'nothing'}, {reason}")
 
     def pictures(self, spec: CalibrationSpec) -> Iterator[FigureSpec]:
         """Yield the pictures of the answer."""

@@ -5,7 +5,7 @@ import pytest
 from sim.base.errors import InputError
 from sim.report.points import as_json, as_table
 from sim.study.load import load_study, parse_study
-from sim.study.surrogate import MOST_ROUNDS
+from sim.study.surrogate import COUNTED, MOST_ROUNDS
 
 DESIGN = {
     "kind": "sobol",
@@ -33,7 +33,7 @@ def test_a_surrogate_has_the_ranges_and_scales_of_its_design():
     assert (speed.axes[1].low, speed.axes[1].high) == (100, 10000)
     assert speed.axes[2].choices == ("walton_braun", "hertz") and not speed.has_rounds
     assert (speed.observable, speed.system) == ("velocity", "chute")
-    assert speed.regimes == ("steady", "mixed")
+    assert speed.regimes == COUNTED == ("steady", "mixed", "undetermined")
 
 
 def test_a_surrogate_goes_through_a_grid_and_ignores_how_its_points_are_computed():

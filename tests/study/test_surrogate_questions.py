@@ -4,6 +4,7 @@ import pytest
 
 from sim.base.errors import InputError
 from sim.study.load import Study, parse_study
+from sim.study.surrogate import COUNTED
 
 WIDE = {
     "name": "wide",
@@ -61,7 +62,7 @@ def test_a_sensitivity_of_a_surrogate_has_its_pictures(parse):
 def test_a_sensitivity_of_a_design_takes_its_runs(parse):
     study = parse(sensitivity=[{"name": "screen", "series": "many", "observable": "velocity"}])
     (one,) = study.sensitivities
-    assert one.is_screening and one.of.regimes == ("steady",) and one.series == "many"
+    assert one.is_screening and one.of.regimes == COUNTED and one.series == "many"
     assert "screen-screening" in study.plots and "screen-indices" not in study.plots
 
 
@@ -165,12 +166,45 @@ def test_mistakes_in_a_calibration_are_refused_before_anything_runs(parse, chang
         ("300, 6", "300,", "line 3, column velocity_error: got nothing; allowed: an error > 0"),
         ("200", "quick", "line 2, column velocity: got 'quick'; allowed: a number"),
         ("mm/s", "mph", "unit of column velocity: got 'mph'; allowed: a unit such as m s-1"),
-        ("note", "depth", "line 2, column depth: got 'slow'; allowed: 5, as all points of series"),
+        ("note", "depth", "line 2, column depth: got 'slow'; allowed: 5, as all points of wide"),
         ("velocity_error", "error", "column velocity_error: got nothing; did you mean"),
     ],
 )
 def test_measurements_that_cannot_be_used_are_one_line(parse, old, new, text):
     assert f"exp.csv: {text}" in message(parse, TABLE.replace(old, new), calibrate=[CALIBRATE])
+
+
+@pytest.mark.parametrize(
+    ("name", "other", "own", "allowed"),
+    [
+        ("law", "hertz", "walton_braun", "walton_braun"),
+        ("friction_cap", "after", "before", "before"),
+        ("system", "belt", "chute", "chute"),
+        ("start_from", "run.nc", "", "nothing"),
+        ("orientations", "false", "True", "true"),
+        ("orientations", "5", "true", "true"),
+        ("depth", "5.1", "5", "5"),
+        ("depth", "deep", "5.0", "5"),
+        ("overlap_memory", "", "separation", "separation"),
+    ],
+)
+def test_columns_of_parameters_say_what_was_run(parse, name, other, own, allowed):
+    """Words, switches and numbers alike: measurements of other flows are not those of the runs."""
+    table = TABLE.replace("note", name).replace('"fast, or so"', own)
+    parse(table.replace("slow", own), calibrate=[CALIBRATE])
+    found = message(parse, table.replace("slow", other), calibrate=[CALIBRATE])
+    got = repr(other) if other else "nothing"
+    assert f"line 2, column {name}: got {got}; allowed: {allowed}, as all points of wide" in found
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"error": "velocity"}, {"error": "angle"}, {"observable": "angle", "error": "velocity_error"}],
+)
+def test_a_measurement_and_its_error_have_columns_of_their_own(parse, change):
+    key = next(iter(change))
+    found = message(parse, calibrate=[CALIBRATE | change])
+    assert f"calibrate[0].{key}: got {change[key]!r}; allowed: a column of its own" in found
 
 
 def test_more_measurements_than_a_posterior_can_take_are_refused(parse):
