@@ -115,6 +115,21 @@ def outcome(point: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
+#: An undetermined flow that surely slows down: its mean is that of no steady flow.
+SLOWING = "slowing"
+
+
+def answering_regime(one: Mapping[str, Any]) -> str:
+    """Return the regime of an `outcome` as answers count it: `SLOWING` apart from undetermined.
+
+    The mean of a run that is too short to tell is worth its interval; that of a flow whose velocity
+    falls with 95 % certainty depends on when one looks.
+    """
+    gain = np.sign(one["velocity"]) * one["acceleration"]
+    falls = gain + one["acceleration_half_width"] < 0
+    return SLOWING if one["regime"] == "undetermined" and falls else str(one["regime"])
+
+
 def _negligible_slope(point: Mapping[str, Any], completed: NamedValues) -> tuple[float, float]:
     """Return the largest negligible slope (m/s²), and |V| over the mean window (m/s²)."""
     if not completed["velocity"].size:

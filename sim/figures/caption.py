@@ -6,8 +6,11 @@ from dataclasses import replace
 from math import isfinite
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
+from sim.dataset.observed import replicate_values
+from sim.dataset.replicates import SLOWING, answering_regime
 from sim.figures.data import FigureData
 from sim.figures.quantity import Quantity, quantities
 from sim.figures.style import is_undecided
@@ -15,6 +18,7 @@ from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import quantity, setting
 from sim.study.plot_contents import in_words, name_in_words
 from sim.study.plot_kinds import REGIME
+from sim.study.plottable import numbers
 
 #: How captions name the regimes that are not steady.
 _REGIMES = {
@@ -22,6 +26,7 @@ _REGIMES = {
     "arrested": "at rest",
     "undetermined": "slowing, or with a trend that is not clear",
     "mixed": "with replicates in different regimes",
+    SLOWING: "surely slowing down",
 }
 
 
@@ -48,7 +53,7 @@ def caption(data: FigureData, notes: Sequence[str]) -> str:
         parameters_sentence(rows, spec.system, spec.named),
         protocol_sentence(rows, spec.system),
         *others,
-        *answer_sentences(rows, spec.options.get("regimes")),
+        *answer_sentences(data),
         caveat_sentence(rows),
         failure_sentence(rows),
     )
@@ -254,19 +259,26 @@ def _unsteady_counts(rows: pd.DataFrame) -> list[str]:
     return [f"{points_text(count)} {_REGIMES[regime]}" for regime, count in counts.items()]
 
 
-def answer_sentences(rows: pd.DataFrame, regimes: Sequence[str] | None) -> list[str]:
-    """Count the flows not shown to be steady in an answer from flows of some regimes, and others.
+def answer_sentences(data: FigureData) -> list[str]:
+    """Count the flows not shown to be steady in an answer, those left out, and those without value.
 
-    Empty without ``regimes``: what is shown is no such answer.
+    Empty for a figure that shows no answer.
     """
-    if regimes is None:
+    rows, options = data.rows[data.rows["completed"] > 0], data.spec.options
+    if "regimes" not in options:
         return []
-    is_part = rows["regime"].isin(regimes)
-    others = rows[~is_part & (rows["completed"] > 0)]["regime"].value_counts()
-    counts = [f"{points_text(count)} {_REGIMES.get(name, name)}" for name, count in others.items()]
+    observable = numbers(data.spec.system)[options["observable"]]
+    values = replicate_values(data.results, observable, list(rows["point"]))
+    has_value = np.array([row.size > 0 for row in values], bool)
+    regimes = pd.Series(map(answering_regime, rows.to_dict("records")), rows.index, dtype=object)
+    counts = regimes.isin(options["regimes"])
+    others = regimes[~counts & has_value].value_counts()
+    texts = [f"{points_text(count)} {_REGIMES.get(name, name)}" for name, count in others.items()]
+    if lacking := int((~has_value).sum()):
+        texts.append(f"{points_text(lacking)} without a value")
     return [
-        unsteady_sentence(rows[is_part], "part of the answer all the same"),
-        f"Not part of the answer: {', '.join(counts)}." if counts else "",
+        unsteady_sentence(rows[counts & has_value], "part of the answer all the same"),
+        f"Not part of the answer: {', '.join(texts)}." if texts else "",
     ]
 
 

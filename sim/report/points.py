@@ -17,6 +17,7 @@ from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.run_file import require_start_files
 from sim.engine.shared_runs import SharedRun, describe, find_runs
 from sim.parameters import complete_values, field_info
+from sim.report import earlier_regimes
 from sim.study.cost import Estimate, estimate
 from sim.study.load import Point, Study, load_study
 from sim.study.plot_contents import SCATTER_HINT
@@ -50,7 +51,8 @@ def show(study_path: Path, results: Path, format: str) -> str:
     shared = find_runs(results / study.name / "runs", others)
     if format == "json":
         return as_json(study, adopted, shared)
-    return "\n".join((as_table(study, adopted, shared), *_run_lines(study, results)))
+    earlier = earlier_regimes.lines(study, results)
+    return "\n".join((as_table(study, adopted, shared), *_run_lines(study, results), *earlier))
 
 
 def as_table(

@@ -66,6 +66,7 @@ class Question:
                 "answer": spec.file,
                 "settings": spec.settings,
                 "regimes": of.regimes,
+                "observable": of.observable,
                 "unit": numbers(of.system)[of.observable].unit,
                 **options,
             },

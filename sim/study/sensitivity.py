@@ -29,7 +29,8 @@ class SensitivityFile(Strict):
     )
     observable: str = optional("of a series: observable, any number of `plots` (velocity)")
     regimes: list[Regime] = optional(
-        "of a series: regimes whose points count (steady); blocks with others are left out",
+        "of a series: regimes whose points count (steady, mixed, undetermined); blocks with others "
+        "are left out",
         min_length=1,
     )
 

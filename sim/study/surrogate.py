@@ -24,7 +24,10 @@ MOST_ROUNDS = 1000
 #: Points of a design that are drawn at a time.
 _CHUNK = 64
 
-Regime = Literal["steady", "accelerating", "arrested", "mixed", "undetermined"]
+Regime = Literal["steady", "accelerating", "arrested", "mixed", "undetermined", "slowing"]
+
+#: Regimes whose points count unless an entry names others: all but what surely changes or rests.
+COUNTED: tuple[Regime, ...] = ("steady", "mixed", "undetermined")
 
 
 class SurrogateFile(Strict):
@@ -39,9 +42,10 @@ class SurrogateFile(Strict):
     series: str = Field(description="series whose points it goes through")
     observable: str = Field("velocity", description="observable, any number of `plots`")
     regimes: list[Regime] = Field(
-        ["steady", "mixed"],
+        list(COUNTED),
         min_length=1,
-        description="regimes whose points the mean is of; others count for the probabilities alone",
+        description="regimes whose points the mean is of, undetermined ones with their interval "
+        "(slowing: those of them that surely slow down); others count for the probabilities alone",
     )
     error: Real = optional(
         "error at which rounds of further points end, relative to the mean size of the observable; "
@@ -89,7 +93,7 @@ class SurrogateSpec:
     observable: str
     system: str
     axes: tuple[Axis, ...]
-    regimes: tuple[str, ...] = ("steady", "mixed")
+    regimes: tuple[str, ...] = COUNTED
     error: float = 0.0
     budget: float = 0.0
     batch: int = 4

@@ -7,7 +7,7 @@ from sim.study.surrogate import FEWEST_POINTS, SurrogateSpec
 from sim.surrogates.process import fit
 from sim.surrogates.refusals import Refusal
 from sim.surrogates.regimes import fit_regimes
-from sim.surrogates.sample import points_of_mean, unit_cube
+from sim.surrogates.sample import left_out, points_of_mean, unit_cube
 from sim.surrogates.surrogate import Surrogate
 
 
@@ -21,13 +21,13 @@ def fit_surrogate(spec: SurrogateSpec, sample: xr.Dataset) -> Surrogate:
     """
     chosen = points_of_mean(sample, spec.regimes)
     if chosen.sum() < FEWEST_POINTS:
-        regimes = sample["regime"].values.astype(str).tolist()
-        counts = ", ".join(f"{regimes.count(name)} {name}" for name in sorted(set(regimes)))
+        others = left_out(sample, spec.regimes).items()
+        counts = "".join(f" {count} {name}," for name, count in others)
         raise Refusal(
-            f"surrogate {spec.name}: no mean, as {chosen.sum()} of {len(regimes)} points of series "
+            f"surrogate {spec.name}: no mean, as {chosen.sum()} of {len(chosen)} points of series "
             f"{spec.series} count ({' or '.join(spec.regimes)}) and {FEWEST_POINTS} are needed; "
-            f"there are {counts}; longer runs settle more flows, or the study may count others, "
-            "as regimes: [steady, mixed, undetermined]"
+            f"left out are{counts.rstrip(',') or ' none'}; more points, other ranges or the key "
+            "regimes may give others"
         )
     x = unit_cube(spec.axes, {axis.name: sample[axis.name].values for axis in spec.axes})
     process = fit(

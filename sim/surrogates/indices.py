@@ -187,8 +187,8 @@ def _whole_blocks(values: np.ndarray, size: int, source: str) -> tuple[np.ndarra
     if len(whole) < FEWEST_BLOCKS:
         raise Refusal(
             f"{source}: no indices, as {len(whole)} of {len(rows)} blocks of {size} points have a "
-            f"value at each and {FEWEST_BLOCKS} are needed; longer runs settle more flows, and the "
-            "key regimes may name others"
+            f"value at each and {FEWEST_BLOCKS} are needed; more blocks, other ranges or the key "
+            "regimes may give others"
         )
     return whole, len(rows) - len(whole)
 

@@ -5,10 +5,11 @@ from functools import cached_property
 
 import numpy as np
 
+from sim.dataset.replicates import SLOWING
 from sim.surrogates.process import Process, fit_lengths
 
 #: Regimes that say nothing of the flow: the run was too short, or gave no value.
-UNKNOWN = ("undetermined", "failed")
+UNKNOWN = ("undetermined", SLOWING, "failed")
 
 #: Known variance of a label, ±1.
 _EXACT = 1e-4

@@ -1,5 +1,6 @@
 """What a surrogate learns from: mean, error and regime of each point of a series."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -9,7 +10,7 @@ import xarray as xr
 from sim.base.errors import InputError
 from sim.base.statistics import MANY, student
 from sim.dataset.observed import replicate_values
-from sim.dataset.replicates import SCALARS, outcomes
+from sim.dataset.replicates import SCALARS, answering_regime, outcomes
 from sim.dataset.results import Results
 from sim.parameters import NUMERICAL, SYSTEMS
 from sim.study.design import Axis
@@ -64,7 +65,7 @@ def sample_points(results: Results, spec: SurrogateSpec) -> xr.Dataset:
         "mean": np.array([row.mean() if row.size else np.nan for row in values]),
         "standard_error": errors,
         "replicates": np.array([row.size for row in values]),
-        "regime": np.array([summary["regime"] for summary in summaries], dtype=object),
+        "regime": np.array([answering_regime(one) for one in summaries], dtype=object),
         "caveat": rows["caveat"].values.astype(object),
         "core_hours": np.nansum(rows["wall_time"].values, axis=1) * threads / 3600,
     }
@@ -85,6 +86,18 @@ def points_of_mean(sample: xr.Dataset, regimes: tuple[str, ...]) -> np.ndarray:
     """Return which points have a mean and one of some ``regimes``, (n,)."""
     is_used = np.isin(sample["regime"].values.astype(str), regimes)
     return is_used & np.isfinite(sample["mean"].values)
+
+
+def left_out(sample: xr.Dataset, regimes: tuple[str, ...]) -> dict[str, int]:
+    """Return how many points a mean of some ``regimes`` leaves out: by regime, or no value."""
+    names = [
+        name if name == "failed" or np.isfinite(mean) else "without a value"
+        for name, mean in zip(
+            sample["regime"].values.astype(str), sample["mean"].values, strict=True
+        )
+    ]
+    counts = Counter(np.array(names)[~points_of_mean(sample, regimes)].tolist())
+    return dict(sorted(counts.items()))
 
 
 def unit_cube(axes: tuple[Axis, ...], columns: Mapping[str, np.ndarray]) -> np.ndarray:

@@ -15,7 +15,7 @@ from sim.study.design import Axis
 from sim.surrogates.caveats import KEY, caveats_at, caveats_of_surrogate, joined, percent
 from sim.surrogates.process import Process, deviations
 from sim.surrogates.regimes import Regimes
-from sim.surrogates.sample import points_of_mean, unit_cube
+from sim.surrogates.sample import left_out, points_of_mean, unit_cube
 
 #: Share of a range by which a value may be outside it: sums of steps need not end on it.
 _SLACK = 1e-9
@@ -302,11 +302,10 @@ class Surrogate:
 
     @property
     def omissions(self) -> str:
-        """How many points of which regime the mean leaves out, in words; empty for none."""
+        """How many points of which regime, or without a value, the mean leaves out, in words."""
         return ", ".join(f"{count} {name}" for name, count in self.counts.items())
 
     @property
     def counts(self) -> dict[str, int]:
-        """Number of points in each regime that the mean leaves out."""
-        regimes = self.sample["regime"].values[~self.in_mean].astype(str).tolist()
-        return {name: regimes.count(name) for name in sorted(set(regimes))}
+        """Number of points that the mean leaves out, by regime, and of those without a value."""
+        return left_out(self.sample, self.mean_regimes)

@@ -1,15 +1,23 @@
 """Pictures of surrogates: sections, maps, predicted against run."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
 
 from sim.dataset.build import build
+from sim.dataset.results import COLUMNS
+from sim.figures.caption import answer_sentences
+from sim.figures.data import figure_data
 from sim.figures.figure_records import current_record
 from sim.figures.render import find_spec, render
 from sim.report.results import load
+from sim.study.figure_spec import FigureSpec
 from sim.study.load import load_study
+from sim.study.surrogate import COUNTED
 from sim.surrogates import answers
+from tests.made.results import made_point, made_results
 from tests.made.runs import write_run
 
 STUDY = """\
@@ -70,10 +78,7 @@ def test_a_section_has_the_surrogate_and_the_runs_near_it(drawn):
     assert 0 < len(runs) < 16 and (runs["friction [1]"] <= 0.5).all()
     caption = (folder / "figures" / "speed-friction.caption.txt").read_text()
     assert "Held: K1 = 1000 N/m." in caption or "Held: K1 = 1,000 N/m." in caption
-    assert (
-        "The line is dashed where another regime (arrested) is likelier than steady or mixed."
-        in caption
-    )
+    assert "another regime (arrested) is likelier than steady or mixed or undetermined." in caption
 
 
 def test_a_map_covers_the_ranges_for_each_law(drawn):
@@ -81,7 +86,7 @@ def test_a_map_covers_the_ranges_for_each_law(drawn):
     rows = read(folder, "speed-friction-stiffness")
     assert len(rows) == 2 * 61**2
     assert (rows["friction [1]"].min(), rows["friction [1]"].max()) == (0.3, 0.6)
-    chance = rows["probability of steady or mixed"]
+    chance = rows["probability of steady or mixed or undetermined"]
     assert (
         chance[rows["friction [1]"] < 0.4].min() > 0.5 > chance[rows["friction [1]"] > 0.58].max()
     )
@@ -111,3 +116,32 @@ def test_a_picture_is_out_of_date_once_its_surrogate_has_changed(drawn):
     file.write_bytes(whole)
     assert before and after and before.source != after.source
     assert find_spec("speed-friction", plots).kind == "section"
+
+
+def test_what_is_no_part_of_an_answer_is_counted_by_what_it_lacks():
+    """A flow of a regime that counts, without the observable, is no part of the answer."""
+
+    def flow(friction, depth, regime="steady", slope=0.0):
+        scalars = {"velocity": 1.0, "shear_depth": depth, "regime": regime, "acceleration": slope}
+        scalars |= {"acceleration_half_width": 0.01, "independent_samples": 2.0}
+        return made_point("chute", scalars, friction=friction, replicates=1)
+
+    points = [
+        flow(0.30, 1.0, "undetermined"),
+        flow(0.31, np.nan, "undetermined"),
+        flow(0.32, np.nan, "arrested"),
+        flow(0.33, 1.0, "arrested"),
+        flow(0.34, 1.0, "undetermined", slope=-1.0),
+    ]
+    made = made_results(*points)
+    names = ("point", np.full(len(points), "flows", object))
+    table = pd.DataFrame(columns=COLUMNS)
+    results = replace(made, dataset=made.dataset.assign_coords(series=names), boundaries=table)
+    options = {"regimes": COUNTED, "observable": "shear_depth"}
+    spec = FigureSpec("one", "section", "", "chute", "", series=("flows",), options=options)
+    assert answer_sentences(figure_data(results, spec)) == [
+        "Not surely steady, and part of the answer all the same: 1 point whose runs are too short "
+        "to tell.",
+        "Not part of the answer: 1 point at rest, 1 point surely slowing down, "
+        "2 points without a value.",
+    ]

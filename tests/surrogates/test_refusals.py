@@ -54,7 +54,10 @@ calibrate:
 """
 
 #: What is said of the surrogate without a mean, and of what is asked of it.
-NO_MEAN = "surrogate speed: no mean, as 0 of 8 points of series wide count (steady or mixed)"
+NO_MEAN = (
+    "surrogate speed: no mean, as 0 of 8 points of series wide count "
+    "(steady or mixed or undetermined)"
+)
 
 
 def make(folder: Path, points: int, regimes: Sequence[str], study: str = STUDY) -> Path:
@@ -91,7 +94,7 @@ def asked(tmp_path_factory):
 
 def test_each_question_says_in_its_words_why_it_has_no_answer(asked):
     path, lines = asked
-    assert lines[0].startswith(f"{NO_MEAN} and 4 are needed; there are 4 ac")
+    assert lines[0].startswith(f"{NO_MEAN} and 4 are needed; left out are 4 accel")
     assert lines[1].startswith("surrogate any-regime: 8 points, error ")
     assert lines[2].startswith(f"sensitivity matters: no indices without its surrogate; {NO_MEAN}")
     assert lines[3].startswith("sensitivity direct: no indices, as 0 of 8 blocks of 4 points have")

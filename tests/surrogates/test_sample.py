@@ -1,11 +1,14 @@
 """What runs say of a point: mean, error, regime, and the scatter between replicates."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from sim.study.design import Axis
 from sim.study.surrogate import SurrogateSpec
-from sim.surrogates.sample import standard_errors
+from sim.surrogates.sample import left_out, points_of_mean, sample_points, standard_errors
+from tests.made.results import made_point, made_results
 
 SPEC = SurrogateSpec("speed", "flows", "velocity", "chute", (Axis("friction", 0.3, 0.6),))
 
@@ -40,3 +43,54 @@ def test_without_replicates_the_scatter_is_unknown():
     assert is_unknown and errors == pytest.approx(0.02)
     alike, is_unknown = standard_errors([np.ones(3)] * 5, np.full(5, 0.02))
     assert not is_unknown and alike == pytest.approx(0.02)
+
+
+#: Slope of the velocity (m/s²), half width of its interval, and value of the observable of a point
+#: of an undetermined regime, and what answers make of it.
+UNDETERMINED = [
+    (-0.01, 0.02, 1.0, "counts"),
+    (0.01, 0.005, 1.0, "counts"),
+    (-0.01, 0.005, 1.0, "slowing"),
+    (-0.01, 0.02, np.nan, "without a value"),
+    (-0.01, 0.005, np.nan, "without a value"),
+]
+
+
+def sample_of(regime: str, cases=UNDETERMINED, velocity=1.0):
+    points = [
+        made_point(
+            "chute",
+            {
+                "velocity": velocity,
+                "shear_depth": value,
+                "regime": regime,
+                "acceleration": slope * np.sign(velocity),
+                "acceleration_half_width": half_width,
+                "independent_samples": 2.0,
+                "wall_time": 1.0,
+                "loop_time": 1.0,
+            },
+            friction=0.3 + 0.01 * number,
+            replicates=1,
+        )
+        for number, (slope, half_width, value, _) in enumerate(cases)
+    ]
+    results = made_results(*points)
+    series = ("point", np.full(len(points), "flows", object))
+    results = replace(results, dataset=results.dataset.assign_coords(series=series))
+    return sample_points(results, replace(SPEC, observable="shear_depth"))
+
+
+@pytest.mark.parametrize("velocity", [1.0, -1.0])
+def test_flows_too_short_to_tell_count_unless_they_surely_slow_down(velocity):
+    sample = sample_of("undetermined", velocity=velocity)
+    told = [case[-1] for case in UNDETERMINED]
+    assert points_of_mean(sample, SPEC.regimes).tolist() == [one == "counts" for one in told]
+    assert left_out(sample, SPEC.regimes) == {"slowing": 1, "without a value": 2}
+    assert points_of_mean(sample, (*SPEC.regimes, "slowing")).sum() == 3
+    assert points_of_mean(sample, ("steady", "mixed")).sum() == 0
+
+
+def test_flows_that_rest_or_failed_do_not_count():
+    resting = sample_of("arrested", UNDETERMINED[:1])
+    assert left_out(resting, SPEC.regimes) == {"arrested": 1}
