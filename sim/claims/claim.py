@@ -31,7 +31,7 @@ from sim.base.messages import input_error
 from sim.base.require import require_function, require_line, require_one_of, with_declared_types
 from sim.base.words import printable
 from sim.claims.criterion import Bound, fill
-from sim.claims.verdict import Check, Untestable
+from sim.claims.verdict import Ambiguous, Check, Untestable
 from sim.parameters import SYSTEMS
 from sim.parameters.common import broken_rule
 from sim.study.catalogue import FIGURES
@@ -164,8 +164,8 @@ class Claim(BaseModel):
 
         Raises
         ------
-        Untestable, ZeroDivisionError
-            When runs are missing, or a quantity to divide by is zero.
+        Untestable, Ambiguous, ZeroDivisionError
+            When runs are missing or may be either of two flows, or a quantity to divide by is zero.
         InputError
             For any other error of a plug-in's judge, with its line there.
         """
@@ -181,8 +181,8 @@ class Claim(BaseModel):
             if self.kind == "flow":
                 subject.require_points({*check.points, *check.short} for check in checks)
             return checks
-        except Untestable as error:
-            raise Untestable(printable(str(error))) from None
+        except (Untestable, Ambiguous) as error:
+            raise type(error)(printable(str(error))) from None
         except ZeroDivisionError:
             raise
         except (Exception, SystemExit) as error:

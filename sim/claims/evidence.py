@@ -11,8 +11,8 @@ from uncertainties import UFloat
 
 from sim.base.statistics import student, student_half_width
 from sim.claims.place import Place, with_interval
-from sim.claims.points import Points, Rows
-from sim.claims.verdict import Unbounded, Untestable
+from sim.claims.points import ANY, Points, Rows
+from sim.claims.verdict import SIGMAS, Ambiguous, Unbounded, Untestable
 from sim.dataset.results import Results
 from sim.parameters import SYSTEMS
 
@@ -65,25 +65,38 @@ class Evidence:
         """Return the place with these parameters, all others at the paper's values.
 
         Numerical settings (`sim.parameters.roles.numerical_parameters`) that are not named may have
-        any value. Defaults are preferred, then more replicates, then longer runs. Raises
-        `Untestable` when there is no such place, or none of its replicates completed.
+        any value, cell and start (`sim.parameters.roles.start_parameters`) where it makes no
+        difference, or where they are named as `sim.claims.points.ANY`. The paper's are preferred,
+        then more replicates, then longer runs.
+
+        Raises
+        ------
+        Untestable
+            When there is no such place, or none of its replicates completed.
+        Ambiguous
+            When there are two whose velocities differ by more than their intervals.
         """
         rows = self._rows(system, where)
         if not rows.size:
             label = f"{_describe(where)}, all else as in the paper"
             raise Untestable(f"no {self.protocol} run of the {system} at {label}")
-        return self._place(self._points.select_richest(system, rows, where))
+        ((place,),) = self._alike(system, [rows], where)
+        return place
 
     def line(self, system: str, along: str, **where: Any) -> dict[float, Place]:
         """Return the places along a parameter, sorted by its value; all others as for `at`.
 
-        Empty where there are none.
+        All have one cell and one start, if they are not named those that most values of the
+        parameter have. Empty where there are none.
         """
         rows = self._rows(system, where, free=along)
-        values = self._points.columns[along][rows]
+        column = self._points.columns[along][rows]
+        values = sorted(set(column.tolist()))
+        places = self._alike(
+            system, [rows[column == value] for value in values], {**where, along: None}
+        )
         return {
-            value: self._place(self._points.select_richest(system, rows[values == value], where))
-            for value in sorted(set(values.tolist()))
+            value: place for value, found in zip(values, places, strict=True) for place in found
         }
 
     def has_runs(self, system: str) -> bool:
@@ -177,7 +190,31 @@ class Evidence:
 
     def _conditions(self, where: Mapping[str, Any]) -> dict[str, Any]:
         """Return the required parameter values; all other parameters have the paper's values."""
-        return {"protocol": self.protocol} | self.reading | dict(where)
+        # Runs of a reading have its values, whatever else may differ.
+        named = {
+            name: value
+            for name, value in where.items()
+            if value is not ANY or name not in self.reading
+        }
+        return {"protocol": self.protocol} | self.reading | named
+
+    def _alike(
+        self, system: str, places: Sequence[np.ndarray], where: Mapping[str, Any]
+    ) -> list[list[Place]]:
+        """Return the best of the rows at each place, none where none is like those of the others.
+
+        Raises `Ambiguous` for two rows that claim to be one flow and are not.
+        """
+        free = {name for name, value in where.items() if value is ANY}
+        found: list[list[Place]] = []
+        for rows in self._points.alike(system, [rows.tolist() for rows in places], where):
+            ids = self._points.columns["point"][rows].tolist()
+            for row, other in zip(rows[1:], ids[1:], strict=True):
+                names = self._points.differences(system, rows[0], row)
+                if names != ["seed"] and free.isdisjoint(names):
+                    _require_one_flow(self._place(ids[0]), self._place(other), names)
+            found.append([self._place(point) for point in ids[:1]])
+        return found
 
     def _place(self, point: str) -> Place:
         key = self._results.grid, point
@@ -186,9 +223,25 @@ class Evidence:
         return self._points.places[key]
 
 
+def _require_one_flow(first: Place, second: Place, names: Sequence[str]) -> None:
+    """Raise `Ambiguous` where velocities differ by more than both of their intervals."""
+    velocities = first.velocity, second.velocity
+    difference = abs(velocities[0].nominal_value - velocities[1].nominal_value)
+    if difference > SIGMAS * (velocities[0].std_dev + velocities[1].std_dev):
+        both = ", ".join(f"{name} ({first[name]} and {second[name]})" for name in names)
+        speeds = " and ".join(
+            f"{one.nominal_value:.3g} ± {SIGMAS * one.std_dev:.1g}" for one in velocities
+        )
+        raise Ambiguous(
+            f"{first.id} and {second.id} differ in {both}, and in velocity ({speeds} m/s): the "
+            "judge has to name which is meant"
+        )
+
+
 def _describe(where: Mapping[str, Any]) -> str:
     """Write parameters for a message: ``frequency 20, amplitude 1``."""
-    return ", ".join(f"{name} {value}" for name, value in where.items()) or "the paper's values"
+    named = [f"{name} {value}" for name, value in where.items() if value is not ANY]
+    return ", ".join(named) or "the paper's values"
 
 
 def _pool_seeds(

@@ -18,7 +18,7 @@ from sim.claims.readings import (
     reading_label,
     readings_of,
 )
-from sim.claims.verdict import Check, Untestable
+from sim.claims.verdict import Ambiguous, Check, Untestable
 from sim.dataset.results import Results
 from sim.study.papers import Readings
 
@@ -121,7 +121,7 @@ def _judge_under(
 ) -> Variant:
     try:
         checks = claim.checks_on(evidence, alternative=alternative)
-    except Untestable as error:
+    except (Untestable, Ambiguous) as error:
         return Variant(evidence.protocol, reading, reason=str(error), control=control)
     except ZeroDivisionError:
         reason = "a quantity that the claim divides by is exactly zero"
@@ -130,7 +130,7 @@ def _judge_under(
     for value in claim.number.values if claim.number else ():
         try:
             checks_by_number[value] = claim.checks_on(evidence, value, alternative)
-        except (Untestable, ZeroDivisionError):
+        except (Untestable, Ambiguous, ZeroDivisionError):
             continue
     # Judges of a study's own claims need not test whether flows are steady.
     points = dict.fromkeys(point for check in checks for point in check.points)

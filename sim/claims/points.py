@@ -1,6 +1,8 @@
 """Selection of the points of a study, or of its boundaries, by their parameters."""
 
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -11,7 +13,16 @@ from sim.dataset.results import Results
 from sim.parameters import SYSTEMS, default_of
 from sim.parameters.laws import LAW
 from sim.parameters.motions import MOTION
-from sim.parameters.roles import numerical_parameters, start_parameters
+from sim.parameters.roles import amount_parameters, numerical_parameters, start_parameters
+
+#: Stands for the paper's value of a setting, which may follow from other parameters.
+USUAL = object()
+
+#: Value of a numerical setting that a judge names to say that runs may differ in it.
+ANY = object()
+
+#: The `start_parameters` that a row has, those that are named left out.
+Start = tuple[object, ...]
 
 
 class Rows:
@@ -41,7 +52,8 @@ class Rows:
             - {"system", free}
         )
         is_match = self.columns["system"] == system
-        for name in names | (conditions.keys() - {free}):
+        free_names = {free} | {name for name, value in conditions.items() if value is ANY}
+        for name in (names | conditions.keys()) - free_names:
             if name in conditions:
                 is_match = is_match & self._has_value(name, conditions[name])
             else:
@@ -54,15 +66,6 @@ class Rows:
         if name in (LAW.name, MOTION.name):
             return np.array([value in (entry, plain_name(entry)) for entry in values], bool)
         return values == value
-
-    def count_unusual_starts(
-        self, system: str, rows: np.ndarray, where: Mapping[str, Any]
-    ) -> np.ndarray:
-        """Return how many settings of the start differ from the paper's, per row."""
-        names = set(start_parameters(SYSTEMS[system])) - set(where)
-        return sum(
-            (~self._has_default(system, name)[rows] for name in names), np.zeros(len(rows), int)
-        )
 
     def _has_default(self, system: str, name: str) -> np.ndarray:
         """True per row with the paper's value, which may follow from other parameters."""
@@ -101,8 +104,59 @@ class Points(Rows):
         self._completed = self._completed[self._indices]
         self.places: dict[tuple[str, str], Place] = {}
 
-    def select_richest(self, system: str, rows: np.ndarray, where: Mapping[str, Any]) -> str:
-        """Return the point with the fewest unusual starts, most replicates and longest runs."""
-        unusual_starts = self.count_unusual_starts(system, rows, where)
-        order = np.lexsort((-self._steps[rows], -self._completed[rows], unusual_starts))
-        return str(self.columns["point"][rows[order[0]]])
+    def alike(
+        self, system: str, places: Sequence[Sequence[int]], where: Mapping[str, Any]
+    ) -> list[list[int]]:
+        """Return the rows to choose from at each place, the best first; none where none is alike.
+
+        The best are alike in the `start_parameters` that are not in ``where``: they have those of
+        most places, so that a control in another cell does not stand in for a flow. Where several
+        have equally many places, the paper's come first, and the rows of the others follow. Among
+        equals, more replicates come first, then longer runs. Of a
+        parameter that may be `ANY` the paper's value comes before that.
+        """
+        starts = [{row: self._starts(system, row, where) for row in place} for place in places]
+        riches, counts = Counter[Start](), Counter[Start]()
+        for place in starts:
+            counts.update(set().union(*place.values()))
+            for row, fitting in place.items():
+                riches.update(dict.fromkeys(fitting, int(self._completed[row])))
+        equal = {start for start, count in counts.items() if count == max(counts.values())}
+        best = max(equal, key=lambda one: (one.count(USUAL), riches[one]), default=())
+        free = [self._has_default(system, name) for name, value in where.items() if value is ANY]
+
+        def rank(row: int) -> tuple[float, ...]:
+            unusual = sum(not mask[row] for mask in free)
+            return best not in place[row], unusual, -self._completed[row], -self._steps[row]
+
+        chosen = []
+        for place in starts:
+            rows = sorted((row for row in place if equal & place[row]), key=rank)
+            chosen.append(rows if rows and best in place[rows[0]] else [])
+        return chosen
+
+    def _starts(self, system: str, row: int, named: Collection[str]) -> set[Start]:
+        """Return what a row has of the `start_parameters`: values, and `USUAL` for the paper's.
+
+        The paper's cell is another above a depth: a line along the depth may have the paper's
+        throughout, or one value.
+        """
+        names = [name for name in start_parameters(SYSTEMS[system]) if name not in named]
+        return set(
+            product(
+                *(
+                    (self.columns[name][row], *[USUAL] * bool(self._has_default(system, name)[row]))
+                    for name in names
+                )
+            )
+        )
+
+    def differences(self, system: str, first: int, second: int) -> list[str]:
+        """Return the parameters, other than amounts, in which two rows differ."""
+        model = SYSTEMS[system]
+        return [
+            name
+            for name in model.model_fields
+            if name not in amount_parameters(model)
+            and self.columns[name][first] != self.columns[name][second]
+        ]

@@ -53,6 +53,13 @@ class Untestable(Exception):
     """The dataset lacks what a claim is about; the message says what."""
 
 
+class Ambiguous(Exception):
+    """Two points are equally what a judge asks for, and are not one flow; the message names both.
+
+    It is not `Untestable`, so that no judge goes on without the flow.
+    """
+
+
 class Unbounded(Untestable):
     """A boundary was searched and not found: beyond the range or among undecided runs."""
 

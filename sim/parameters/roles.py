@@ -90,7 +90,7 @@ def declare(
         True where its value selects the code to compile; other parameters only change numbers.
     changes_start : bool
         True for a numerical parameter that changes the start of flows, so that answers may depend
-        on it. Unless a claim names it, runs with its default are preferred.
+        on it. Unless a claim names it, its runs have one value or their defaults.
     added : bool
         True for a parameter introduced after points were published. Where it has its default, the
         canonical form, id and run file of old and new points omit it.

@@ -7,7 +7,8 @@ from sim.base.plugins import load_plugins
 from sim.claims.checks import above
 from sim.claims.evidence import Evidence
 from sim.claims.place import replicate_mean
-from sim.claims.verdict import SIGMAS, Unbounded, Untestable
+from sim.claims.points import ANY
+from sim.claims.verdict import SIGMAS, Ambiguous, Unbounded, Untestable
 from tests.made.plugins import restore_plugins
 from tests.made.processes import ROOT
 from tests.made.results import made_boundary, made_point, made_results
@@ -62,13 +63,64 @@ def test_protocols_and_readings_are_kept_apart():
 def test_numerical_settings_may_be_any_but_defaults_and_richer_points_come_first():
     chutes = [
         made_point("chute", {"velocity": 1.0}, depth=10, replicates=2, sample_interval=0.5),
-        made_point("chute", {"velocity": 2.0}, depth=10, replicates=8, cell=5),
-        made_point("chute", {"velocity": 3.0}, depth=10, replicates=4),
+        made_point("chute", {"velocity": 1.001}, depth=10, replicates=8, cell=5),
+        made_point("chute", {"velocity": 1.002}, depth=10, replicates=4),
     ]
-    assert evidence(*chutes).at("chute", depth=10).velocity.nominal_value == pytest.approx(3)
+    assert evidence(*chutes).at("chute", depth=10).velocity.nominal_value == pytest.approx(1.002)
     narrow = evidence(*chutes).at("chute", depth=10, cell=5)
-    assert narrow.velocity.nominal_value == pytest.approx(2)
+    assert narrow.velocity.nominal_value == pytest.approx(1.001)
     assert evidence(chutes[1]).at("chute", depth=10).completed == 8
+
+
+def chute(velocity, **parameters):
+    return made_point("chute", {"velocity": velocity}, **parameters)
+
+
+#: What a control has that the flows of a line do not: one kind of what changes which flow it is.
+CONTROLS = [
+    ({"cell": 8}, {}),
+    ({"cell": 8}, {"cell": 6}),
+    ({}, {"cell": 7}),
+    ({"initial_velocity": 2}, {}),
+    ({}, {"start_from": "run.nc"}),
+]
+
+
+@pytest.mark.parametrize(("usual", "control"), CONTROLS)
+def test_a_control_does_not_stand_in_for_a_flow_of_the_line(usual, control):
+    """A cell of 5 that is the default has made gliding layers, three times as fast as the flow."""
+    line = [chute(0.1 * angle, angle=angle, depth=12, **usual) for angle in (20, 22, 24)]
+    longer = {"angle": 24, "depth": 12, "replicates": 8, "average": 400}
+    study = evidence(chute(5.3, **longer, **control), *line)
+    flows = study.line("chute", "angle", depth=12)
+    assert [flow.velocity.nominal_value for flow in flows.values()] == pytest.approx([2, 2.2, 2.4])
+    # Where only the control was run, the line has no flow.
+    study = evidence(chute(5.3, angle=26, depth=12, **control), *line)
+    assert list(study.line("chute", "angle", depth=12)) == [20, 22, 24]
+    differing = [name for name in control or usual]
+    any_of_them = study.line("chute", "angle", depth=12, **dict.fromkeys(differing, ANY))
+    assert list(any_of_them) == [20, 22, 24, 26]
+
+
+@pytest.mark.parametrize(
+    ("usual", "control"), [*CONTROLS, ({}, {"transient": 900}), ({}, {"steps_per_collision": 80})]
+)
+def test_two_flows_that_are_both_asked_for_and_differ_are_an_error(usual, control):
+    flow, other = chute(1.5, angle=24, **usual), chute(5.3, angle=24, **control)
+    study, (name,) = evidence(flow, other), {*usual, *control}
+    with pytest.raises(Ambiguous) as error:
+        study.at("chute", angle=24)
+    assert flow.id in str(error.value) and other.id in str(error.value)
+    assert f" differ in {name} (" in str(error.value) and "and in velocity (" in str(error.value)
+    value = getattr(flow.parameters, name)
+    assert study.at("chute", angle=24, **{name: value}).id == flow.id
+    alike = evidence(flow, chute(1.501, angle=24, **control))
+    assert alike.at("chute", angle=24).velocity.nominal_value == pytest.approx(1.5, abs=2e-3)
+
+
+def test_other_initial_states_are_no_other_flow():
+    study = evidence(chute(1.5), chute(5.3, seed=2, replicates=2))
+    assert study.at("chute").completed == 5
 
 
 def test_the_plane_has_the_friction_of_the_spheres_unless_named():

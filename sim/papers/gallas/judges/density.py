@@ -44,7 +44,7 @@ def g15(
     It ends at ``end``, within ``margin`` (both ⟨d⟩). The fit is a plateau with a linear fall to
     zero; the plateau ends where the fall begins.
     """
-    place = evidence.at("belt", frequency=frequency)
+    place = evidence.at("belt", initial_velocity=0, frequency=frequency)
     diameter = place["diameter"]
     density, height = place.profile(DENSITY)
     inside = (height > low * diameter) & (height < high * diameter)
@@ -284,7 +284,9 @@ def g20(
     Pairs are damping and shear damping (g).
     """
     flows = [
-        evidence.at("belt", frequency=frequency, damping=damping, shear_damping=shear)
+        evidence.at(
+            "belt", initial_velocity=0, frequency=frequency, damping=damping, shear_damping=shear
+        )
         for damping, shear in (loose, shearing, usual, firm)
     ]
     at_loose, at_shearing, at_usual, at_firm = flows

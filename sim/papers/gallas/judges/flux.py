@@ -180,7 +180,7 @@ def g13(
     for frequency in frequencies:
         # At the usual stiffness this parameter has no effect.
         alike = evidence.with_default("stiffness_keeps")
-        place = alike.at("belt", frequency=frequency, stiffness=usual)
+        place = alike.at("belt", initial_velocity=0, frequency=frequency, stiffness=usual)
         for stiffness in (*stiffnesses, LIMIT):
             line = evidence.line("belt", "stiffness", frequency=frequency)
             label = f"Y = {stiffness} against {usual}, {frequency} Hz"

@@ -51,7 +51,8 @@ def g10(
     checks = []
     for frequency in frequencies:
         places = [
-            evidence.at("belt", frequency=frequency, shear_damping=shear) for shear in (0, usual)
+            evidence.at("belt", initial_velocity=0, frequency=frequency, shear_damping=shear)
+            for shear in (0, usual)
         ]
         ratio = quotient(*(place.velocity for place in places))
         quantity = f"V(γ_s = 0)/V({usual}g) at {frequency} Hz"
@@ -71,7 +72,9 @@ def g11(evidence: Evidence, *, min_ratio: float, usual: float) -> list[Check]:
         for shear, place in evidence.line("belt", "shear_damping", frequency=frequency).items()
         if 0 < shear < 1
     ]
-    firm = [evidence.at("belt", frequency=f, shear_damping=usual) for f in (20, 50)]
+    firm = [
+        evidence.at("belt", initial_velocity=0, frequency=f, shear_damping=usual) for f in (20, 50)
+    ]
     (scatter, freedom), (usual_scatter, usual_freedom) = map(
         relative_scatter, (weakly_damped, firm)
     )
@@ -96,7 +99,8 @@ def g12(
 ) -> list[Check]:
     """From the usual to a strong γ_s (g) the velocity changes by less than ``max_change``."""
     places = [
-        evidence.at("belt", frequency=frequency, shear_damping=shear) for shear in (strong, usual)
+        evidence.at("belt", initial_velocity=0, frequency=frequency, shear_damping=shear)
+        for shear in (strong, usual)
     ]
     change = quotient(*(place.velocity for place in places)) - 1
     quantity = f"V({strong}g)/V({usual}g) - 1 at {frequency} Hz"

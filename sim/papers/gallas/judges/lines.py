@@ -30,7 +30,9 @@ def complete_line(
 
     Raises `Untestable` if one is missing.
     """
-    return {value: evidence.at("belt", **{name: value}, **where) for value in values}
+    return {
+        value: evidence.at("belt", initial_velocity=0, **{name: value}, **where) for value in values
+    }
 
 
 def select_replicated(line: Mapping[float, Place]) -> dict[float, Place]:

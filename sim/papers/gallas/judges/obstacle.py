@@ -62,8 +62,8 @@ def g34(evidence: Evidence, *, min_share: float, frequencies: Sequence[float]) -
     checks = []
     for frequency in frequencies:
         places = (
-            evidence.at("belt", frequency=frequency),
-            evidence.at("belt", frequency=frequency, obstacle=1.5),
+            evidence.at("belt", initial_velocity=0, frequency=frequency),
+            evidence.at("belt", initial_velocity=0, frequency=frequency, obstacle=1.5),
         )
         quantity = (
             f"change of ln(height over drift) beyond {FAR_DISTANCE}⟨d⟩ less {min_share:.0%} "

@@ -84,8 +84,8 @@ def _ellipses(
 
 
 def _upright(evidence: Evidence, frequency: float, min_tilt: float) -> list[Check]:
-    ellipse = evidence.at("belt", frequency=frequency)
-    sliding = evidence.at("belt", frequency=frequency, shear_damping=1)
+    ellipse = evidence.at("belt", initial_velocity=0, frequency=frequency)
+    sliding = evidence.at("belt", initial_velocity=0, frequency=frequency, shear_damping=1)
     more_tilted = f"tilt at γ_s = g less that at 50g, {frequency} Hz"
     return [
         check_more_tilted(sliding, ellipse, more_tilted),
@@ -106,7 +106,7 @@ def _sinusoids(evidence: Evidence, frequencies: tuple[float, float]) -> list[Che
 
 
 def _up_and_down(evidence: Evidence, max_drift: float, min_tilt: float) -> list[Check]:
-    place = evidence.at("belt", frequency=80, shear_damping=0)
+    place = evidence.at("belt", initial_velocity=0, frequency=80, shear_damping=0)
     drift = place.value("path_drift") / place.value("path_vertical")
     return [
         below("drift per cycle over the rms height, γ_s = 0, 80 Hz", drift, max_drift, (place,)),
@@ -136,7 +136,13 @@ def g25(
 
     def with_friction() -> list[Check]:
         places = [
-            evidence.at("belt", frequency=frequency, damping=damping, shear_damping=shear)
+            evidence.at(
+                "belt",
+                initial_velocity=0,
+                frequency=frequency,
+                damping=damping,
+                shear_damping=shear,
+            )
             for damping, shear in (loose, usual)
         ]
         quantity = f"share of pairs higher for their drift with {loose[0]}g than with {usual[0]}g"
@@ -158,9 +164,9 @@ def g32(evidence: Evidence, *, fast: float, slow: float, obstacle: float) -> lis
     height alone is not the shape of a path, so it is reported only.
     """
     places = (
-        evidence.at("belt", frequency=fast, obstacle=obstacle),
-        evidence.at("belt", frequency=fast),
-        evidence.at("belt", frequency=slow),
+        evidence.at("belt", initial_velocity=0, frequency=fast, obstacle=obstacle),
+        evidence.at("belt", initial_velocity=0, frequency=fast),
+        evidence.at("belt", initial_velocity=0, frequency=slow),
     )
     if not all(height_over_drift(place).nominal_value > 0 for place in places):
         raise Untestable(f"a bed drifts backwards at {slow} or {fast} Hz, or behind the obstacle")

@@ -43,14 +43,16 @@ def g26(
     return judge_parts(
         a=lambda: _block(evidence, block, max_agitation, max_lift),
         b=lambda: _loose(evidence, block, loose, max_agitation),
-        c=lambda: check_void(evidence.at("belt", frequency=void), PHASE_0, max_occupancy),
+        c=lambda: check_void(
+            evidence.at("belt", initial_velocity=0, frequency=void), PHASE_0, max_occupancy
+        ),
     )
 
 
 def _block(
     evidence: Evidence, frequency: float, max_agitation: float, max_lift: float
 ) -> list[Check]:
-    block = evidence.at("belt", frequency=frequency, vibration_angle=60)
+    block = evidence.at("belt", initial_velocity=0, frequency=frequency, vibration_angle=60)
     lift = block.value("path_vertical") / (block["amplitude"] * block["diameter"] / sqrt(2))
     together = f"rms velocity about the mean, {frequency} Hz"
     lifted = f"vertical rms of the paths over the belt's, {frequency} Hz"
@@ -63,8 +65,15 @@ def _block(
 def _loose(
     evidence: Evidence, frequency: float, faster: float, max_agitation: float
 ) -> list[Check]:
-    block = evidence.at("belt", frequency=frequency, vibration_angle=60)
-    loose = evidence.at("belt", frequency=faster, vibration_angle=30, damping=10, shear_damping=10)
+    block = evidence.at("belt", initial_velocity=0, frequency=frequency, vibration_angle=60)
+    loose = evidence.at(
+        "belt",
+        initial_velocity=0,
+        frequency=faster,
+        vibration_angle=30,
+        damping=10,
+        shear_damping=10,
+    )
     packing_loss = packing(block) - packing(loose)
     apart = f"rms velocity about the mean, {faster} Hz"
     return [
@@ -135,7 +144,10 @@ def g28(
     evidence: Evidence, *, levels: tuple[float, float], frequency: float, firm: float
 ) -> list[Check]:
     """The bed is packed more densely between two levels with a firm γ (g) than with γ = g."""
-    places = [evidence.at("belt", frequency=frequency, damping=damping) for damping in (firm, 1)]
+    places = [
+        evidence.at("belt", initial_velocity=0, frequency=frequency, damping=damping)
+        for damping in (firm, 1)
+    ]
     dense, light = (packing(place, levels) for place in places)
     check = above(f"packing at γ = {firm}g less that at γ = g", dense - light, 0, places)
     lost = [

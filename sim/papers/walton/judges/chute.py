@@ -3,11 +3,13 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from math import inf, radians, sin
+from typing import Any
 
 from uncertainties import UFloat
 
 from sim.claims.evidence import Evidence
 from sim.claims.place import Place
+from sim.claims.points import ANY
 from sim.claims.verdict import LONGER_RUNS, Check, Untestable
 
 #: Largest change of V over the window, relative to V, of a settled flow.
@@ -44,11 +46,11 @@ def acceleration(place: Place) -> UFloat:
 
 def base_flows(evidence: Evidence, min_depth: float = 0.0) -> dict[float, Place]:
     """Return the flows of the base case by depth, from ``min_depth`` on."""
-    line = evidence.line("chute", "depth")
+    line = evidence.line("chute", "depth", cell=ANY)
     return {depth: place for depth, place in line.items() if depth >= min_depth}
 
 
-def flows_of_one_age(evidence: Evidence, wheres: Sequence[Mapping[str, float]]) -> list[Place]:
+def flows_of_one_age(evidence: Evidence, wheres: Sequence[Mapping[str, Any]]) -> list[Place]:
     """Return flows whose averages begin at one age, in the order of their parameters.
 
     Deep flows order and change with time, so that flows of different ages differ by that alone. Of

@@ -9,6 +9,7 @@ from sim.claims.checks import below, remove_votes, reported, within
 from sim.claims.evidence import Evidence
 from sim.claims.inference import trend
 from sim.claims.place import Place, replicate_mean
+from sim.claims.points import ANY
 from sim.claims.trends import pooled_checks
 from sim.claims.verdict import Check, Untestable
 from sim.papers.walton.judges.chute import (
@@ -34,7 +35,10 @@ def w5(evidence: Evidence, *, max_missing: float) -> list[Check]:
     """
     lines = [base_flows(evidence)]
     for along in ("friction", "restitution", "stiffness"):
-        lines += [evidence.line("chute", along, depth=depth) for depth in lines[0]]
+        lines += [
+            evidence.line("chute", along, depth=depth, cell=ANY, initial_velocity=ANY)
+            for depth in lines[0]
+        ]
     places = {place.id: place for line in lines for place in line.values()}
     missing_energy = {key: place.values("missing_energy") for key, place in places.items()}
     largest = {

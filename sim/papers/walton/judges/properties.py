@@ -12,6 +12,7 @@ from sim.claims.checks import above, judge_parts, remove_votes, reported, withho
 from sim.claims.evidence import Evidence
 from sim.claims.inference import correct_for, outranks, reported_order, trend
 from sim.claims.place import Place, quotient
+from sim.claims.points import ANY
 from sim.claims.verdict import Check, Untestable
 from sim.measures import layers
 from sim.papers.walton.judges.chute import (
@@ -196,7 +197,7 @@ def w20(
 def _shallow_overlap(
     evidence: Evidence, depth: float, bounds: tuple[float, float], quantile: float
 ) -> list[Check]:
-    place = evidence.at("chute", depth=depth)
+    place = evidence.at("chute", cell=ANY, depth=depth)
     checks = {
         one: _overlap(name, place, scalar, bounds) for one, (name, scalar) in QUANTILES.items()
     }
@@ -205,7 +206,7 @@ def _shallow_overlap(
 
 
 def _deep_overlap(evidence: Evidence, depth: float, bounds: tuple[float, float]) -> list[Check]:
-    place = evidence.at("chute", depth=depth)
+    place = evidence.at("chute", cell=ANY, depth=depth)
     check = _overlap("99.9th percentile of the overlaps", place, "overlap_999", bounds)
     check = majority_if_mixed(check, place, 100 * place.values("overlap_999"))
     median = 100 * place.value("median_overlap")
@@ -214,7 +215,7 @@ def _deep_overlap(evidence: Evidence, depth: float, bounds: tuple[float, float])
 
 
 def _static_overlap(evidence: Evidence, depth: float, bounds: tuple[float, float]) -> list[Check]:
-    place = evidence.at("chute", depth=depth, angle=0)
+    place = evidence.at("chute", cell=ANY, depth=depth, angle=0)
     check = _overlap("mean overlap of the base contacts at rest", place, "base_overlap", bounds)
     moves = "" if place.regime == "arrested" else "the bed on the level plane is not at rest"
     # Nothing fluctuates at rest, so no further samples are needed.
@@ -320,7 +321,7 @@ def _stiffer(
     Raises `Untestable` where there is none with the first of the two.
     """
     low, high = stiffnesses
-    line = select_replicated(evidence.line("chute", "stiffness", depth=depth))
+    line = select_replicated(evidence.line("chute", "stiffness", depth=depth, cell=ANY))
     if softest not in line or low not in line:
         raise Untestable(f"no flows with K1 = {softest} and {low} N/m at n = {depth:g}")
     return [
@@ -333,7 +334,7 @@ def _stiffer(
 def _pair_of_one_age(
     evidence: Evidence, depth: float, softest: float, stiffness: float
 ) -> tuple[Place, Place]:
-    wheres = [{"depth": depth, "stiffness": value} for value in (softest, stiffness)]
+    wheres = [{"depth": depth, "stiffness": value, "cell": ANY} for value in (softest, stiffness)]
     soft, stiff = flows_of_one_age(evidence, wheres)
     return soft, stiff
 

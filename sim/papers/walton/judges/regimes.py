@@ -15,6 +15,7 @@ from sim.claims.criterion import fill
 from sim.claims.evidence import Evidence
 from sim.claims.inference import at_least, reported_share, same_by_rank, share_above
 from sim.claims.place import Place, quotient, replicate_mean, with_interval
+from sim.claims.points import ANY
 from sim.claims.verdict import LONGER_RUNS, NOT_REPRODUCED, REPRODUCED, Check, Unbounded, Untestable
 from sim.papers.walton.judges.chute import (
     CELLS,
@@ -55,7 +56,7 @@ def w6(
 
     Flows at ``depths`` are needed at each of the frictions.
     """
-    lines = {mu: evidence.line("chute", "depth", friction=mu) for mu in frictions}
+    lines = {mu: evidence.line("chute", "depth", friction=mu, cell=ANY) for mu in frictions}
     missing = [f"{mu:g}" for mu, line in lines.items() if not line.keys() >= set(depths)]
     if missing:
         where = fill("n = {depths:and}", {"depths": depths})
