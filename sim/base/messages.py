@@ -195,7 +195,7 @@ def _allowed(entry: ErrorDetails, owner: type[BaseModel]) -> str | Allowed:
     """Return the accepted values, in words, for the field of an error."""
     name = _name(entry)
     # In models with lists of values (grids), the ranges are those of the single values.
-    fields = getattr(owner, "parameters", owner).model_fields
+    fields = getattr(owner, "parameters", owner).model_fields | getattr(owner, "in_place", {})
     match entry["type"]:
         case "model_type" | "model_attributes_type" | "dict_type":
             return "a mapping of names to values"

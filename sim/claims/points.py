@@ -112,8 +112,8 @@ class Points(Rows):
         The best are alike in the `start_parameters` that are not in ``where``: they have those of
         most places, so that a control in another cell does not stand in for a flow. Where several
         have equally many places, the paper's come first, and the rows of the others follow. Among
-        equals, more replicates come first, then longer runs. Of a
-        parameter that may be `ANY` the paper's value comes before that.
+        equals, more replicates come first, then longer runs. Where a start may be `ANY`, the
+        paper's comes before that.
         """
         starts = [{row: self._starts(system, row, where) for row in place} for place in places]
         riches, counts = Counter[Start](), Counter[Start]()
@@ -123,7 +123,11 @@ class Points(Rows):
                 riches.update(dict.fromkeys(fitting, int(self._completed[row])))
         equal = {start for start, count in counts.items() if count == max(counts.values())}
         best = max(equal, key=lambda one: (one.count(USUAL), riches[one]), default=())
-        free = [self._has_default(system, name) for name, value in where.items() if value is ANY]
+        free = [
+            self._has_default(system, name)
+            for name in start_parameters(SYSTEMS[system])
+            if where.get(name) is ANY
+        ]
 
         def rank(row: int) -> tuple[float, ...]:
             unusual = sum(not mask[row] for mask in free)

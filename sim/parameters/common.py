@@ -1,6 +1,7 @@
 """Parameters of all systems: canonical numbers, lengths of runs, sizes."""
 
 from collections.abc import Mapping
+from math import pi
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 from annotated_types import Ge, Gt
@@ -49,6 +50,11 @@ Real = Annotated[float, BeforeValidator(canonical_number)]
 
 #: What is allowed for a range, in words.
 TWO_NUMBERS = "two numbers without a unit, the lower one first"
+
+
+def sphere_volume(diameter: float) -> float:
+    """Return the volume of a sphere of a diameter, m³; discs count as spheres."""
+    return pi / 6 * diameter**3
 
 
 def drift_bound(target: float) -> float:
@@ -241,6 +247,11 @@ class Parameters(BaseModel):
     def velocity_unit(self) -> float:
         """Velocity √(g·diameter), m s⁻¹."""
         return (self.gravity * self.diameter) ** 0.5
+
+    @property
+    def density(self) -> float:
+        """Mass of a particle over the volume of the sphere of its diameter, kg m⁻³."""
+        return float(canonical_number(self.mass / sphere_volume(self.diameter)))
 
     def _samples_in(self, length: float) -> int:
         """Return the samples in a length of a run, a multiple of ``time_unit``, rounded."""

@@ -5,6 +5,7 @@ Amounts are how much of a point is run. They are no part of its id, so runs can 
 
 import hashlib
 import json
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache, partial
@@ -25,6 +26,7 @@ from sim.parameters.choices import extended
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.common import Parameters, canonical_number
 from sim.parameters.conveyor import ConveyorParameters
+from sim.parameters.density import DENSITY, doubts, with_mass
 from sim.parameters.engines import ENGINE
 from sim.parameters.laws import LAW
 from sim.parameters.motions import MOTION
@@ -94,7 +96,8 @@ def parse_point(
     Parameters
     ----------
     mapping : dict
-        ``system`` and any of its parameters; omitted ones take the paper's values.
+        ``system`` and any of its parameters; omitted ones take the paper's values. A density
+        (kg/m³) gives the mass.
     source : str or Path
         Named in error messages.
     paths : mapping, optional
@@ -116,9 +119,12 @@ def parse_point(
     if not isinstance(system, str) or system not in SYSTEMS:
         path = (paths or {}).get("system", "system")
         raise InputError.of_value(source, path, system, one_of(system, SYSTEMS))
-    model = SYSTEMS[system]
+    model, paths = SYSTEMS[system], paths or {}
+    values = with_mass(mapping, model, str(source), paths)
+    if DENSITY in mapping:
+        paths = {**paths, "mass": paths.get(DENSITY, DENSITY)}
     try:
-        return model.model_validate(dict(mapping))
+        return model.model_validate(values)
     except ValidationError as error:
         hint = partial(hint_on_key, system=system)
         raise input_error(error, model, str(source), paths, hint) from None
@@ -137,12 +143,19 @@ def hint_on_key(key: str, system: str) -> str:
 
 
 def parse_python_point(source: str, system: Any, values: Mapping[str, Any]) -> Parameters:
-    """Validate a point as `parse_point` does; the values may be numbers of NumPy."""
+    """Validate a point as `parse_point` does; the values may be numbers of NumPy.
+
+    Sizes of particles that are probably not meant are a warning.
+    """
     plain = {
         name: value.item() if getattr(value, "shape", None) == () else value
         for name, value in values.items()
     }
-    return parse_point({**plain, "system": system}, source)
+    point = parse_point({**plain, "system": system}, source)
+    for _, text in doubts(point):
+        # As the caller of `simulate` or `Flow` sees it.
+        warnings.warn(text, stacklevel=3)
+    return point
 
 
 def load_point(path: str | Path) -> Parameters:

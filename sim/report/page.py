@@ -39,6 +39,7 @@ from sim.report.runs import (
 from sim.report.second_opinion import opinions_of
 from sim.study.figure_spec import FigureSpec
 from sim.study.load import Study, load_study
+from sim.study.paper_values import paper_values
 from sim.study.papers import papers
 from sim.surrogates.caveats import answer_name, caveats_in, sentence
 from sim.surrogates.refusals import refusal_in
@@ -154,6 +155,7 @@ def render(
         varied=varied,
         settings=settings,
         parameters=parameter_rows(dataset),
+        paper_values=paper_values(one.parameters for one in study.points.values()),
         boundaries=boundary_rows(study, results.boundaries),
         opinions=opinions_of(study, dataset, figures.parent),
         energy_limit=CLOSED_SHARE,

@@ -17,7 +17,9 @@ from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.run_file import require_start_files
 from sim.engine.shared_runs import SharedRun, describe, find_runs
 from sim.parameters import complete_values, field_info
+from sim.parameters.density import doubts_of
 from sim.report import earlier_regimes
+from sim.study import paper_values
 from sim.study.cost import Estimate, estimate
 from sim.study.load import Point, Study, load_study
 from sim.study.plot_contents import SCATTER_HINT
@@ -74,6 +76,7 @@ def as_table(
         _plot_lines(study),
         study.omission_notes,
         [*_caveat_lines(study), *_pair_lines(study)],
+        paper_values.lines(point.parameters for point in study.points.values()),
         [
             _total_line(list(costs.values())),
             *_adopted_lines(adopted, costs),
@@ -129,9 +132,10 @@ def as_json(
 def warnings(study: Study, results: Path) -> Iterator[str]:
     """Yield what to look at before a run of the study here.
 
-    That is too little memory, no permission to write, and lengths that are probably not meant.
+    That is too little memory, no permission to write, and sizes that are probably not meant.
     """
     yield from _doubtful_lengths(study)
+    yield from doubts_of(point.parameters for point in study.points.values())
     memory = psutil.virtual_memory().total / MEGABYTE
     for key, cost in _costs(study).items():
         if cost.memory > memory:

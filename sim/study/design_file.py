@@ -227,7 +227,7 @@ class DesignFile(Strict):
         )
 
     def _field(self, name: str) -> FieldInfo:
-        return self.over.parameters.model_fields[name]
+        return (self.over.parameters.model_fields | self.over.in_place)[name]
 
     def _is_integer(self, name: str) -> bool:
         return self._field(name).annotation is int

@@ -6,9 +6,11 @@ from typing import Annotated, Any, ClassVar, Self
 from unicodedata import category
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic.fields import FieldInfo
 
 from sim.parameters import Parameters, canonical_number, hint_on_key
 from sim.parameters.common import Real, broken_rule
+from sim.parameters.density import DENSITY, DENSITY_FIELD
 
 #: Unicode categories without letters, some of which move the cursor or reverse the line where a
 #: title is shown; and the maximum lengths of a title and of a text in a paper's files.
@@ -66,6 +68,8 @@ class Some(Strict):
     """Values of some parameters of a system; only those given are set."""
 
     parameters: ClassVar[type[Parameters]]
+    #: Keys that stand in place of a parameter, with their declarations.
+    in_place: ClassVar[dict[str, FieldInfo]] = {DENSITY: DENSITY_FIELD}
 
     @classmethod
     def hint(cls, key: str, value: Any) -> str:

@@ -19,6 +19,7 @@ from sim.parameters import (
     roles,
     with_larger_amounts,
 )
+from sim.parameters.density import DENSITY
 from sim.study.catalogue import FIGURES
 from sim.study.design import Axis, Design
 from sim.study.file import MAX_POINTS, BoundaryFile, SeriesFile, StudyFile
@@ -90,7 +91,14 @@ class _Draft:
     def with_values(self, values: dict[str, Any], path: str) -> "_Draft":
         """Return a copy in which ``values``, given at ``path``, replace earlier ones."""
         paths = {name: f"{path}.{name}" for name in values}
-        return replace(self, values=self.values | values, paths=self.paths | paths)
+        return self._replaced(values, paths)
+
+    def _replaced(self, values: dict[str, Any], paths: dict[str, str]) -> "_Draft":
+        """Return a copy in which values replace earlier ones, and mass and density each other."""
+        other = {DENSITY: "mass", "mass": DENSITY}
+        gone = {other[name] for name in other if name in values} - values.keys()
+        earlier = {name: value for name, value in self.values.items() if name not in gone}
+        return replace(self, values=earlier | values, paths=self.paths | paths)
 
     def combinations(
         self, lists: dict[str, list[Any]], path: str
@@ -103,7 +111,7 @@ class _Draft:
             choice = dict(zip(lists, indices, strict=True))
             values = {name: lists[name][index] for name, index in choice.items()}
             paths = {name: f"{path}.{name}[{index}]" for name, index in choice.items()}
-            draft = replace(self, values=self.values | values, paths=self.paths | paths)
+            draft = self._replaced(values, paths)
             yield {name for name, index in choice.items() if index}, draft
 
 

@@ -1,6 +1,7 @@
 """Models of a study file: its keys, its series and its boundaries, whatever their system."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import chain
 from math import prod
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args
@@ -10,7 +11,8 @@ from pydantic import ConfigDict, Field, model_validator
 from sim.base.additions import additions
 from sim.base.plugins import ALLOWED, PATTERN
 from sim.parameters import AMOUNTS, SYSTEMS, Parameters
-from sim.parameters.common import TWO_NUMBERS, Real, broken_rule
+from sim.parameters.common import TWO_NUMBERS, Real, broken_rule, sphere_volume
+from sim.parameters.density import DENSITY
 from sim.study.calibration import CalibrateFile
 from sim.study.design import Axis, axis_of
 from sim.study.design_file import DesignFile
@@ -124,12 +126,13 @@ class SeriesFile(_Family):
     def axes(self, points: Sequence[Parameters]) -> tuple[Axis, ...]:
         """Return the parameters that its points vary, as its design, grid or cases give them."""
         if self.design:
-            return self.design.axes
+            return tuple(_of_mass(axis, points) for axis in self.design.axes)
         in_cases = (name for case in self.cases or [] for name in case.explicit_values())
         fields = SYSTEMS[self.system].model_fields
         columns = {
             name: [getattr(one, name) for one in points]
-            for name in dict.fromkeys((*self.grid_lists, *in_cases))
+            for given in dict.fromkeys((*self.grid_lists, *in_cases))
+            for name in ["mass" if given == DENSITY else given]
             if name not in AMOUNTS
         }
         return tuple(
@@ -146,6 +149,22 @@ class SeriesFile(_Family):
         return (prod(map(len, self.grid_lists.values())) if self.grid else 0) + len(
             self.cases or []
         )
+
+
+def _of_mass(axis: Axis, points: Sequence[Parameters]) -> Axis:
+    """Return an axis of densities as that of the masses that points have, any other unchanged."""
+    if axis.name != DENSITY:
+        return axis
+    volumes = [sphere_volume(point.diameter) for point in points]
+    low, high = min(volumes), max(volumes)
+    return replace(
+        axis,
+        name="mass",
+        low=low * axis.low,
+        high=high * axis.high,
+        choices=tuple(sorted({point.mass for point in points})) if axis.choices else (),
+        normal=None,
+    )
 
 
 class BoundaryFile(_Family):

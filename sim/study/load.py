@@ -1,5 +1,6 @@
 """Load a study: read, validate, expand, feed and ask its file; and its points as a table."""
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -8,12 +9,14 @@ from typing import TYPE_CHECKING, Any
 from sim.base.errors import InputError
 from sim.base.files import require_writable
 from sim.parameters import complete_values
+from sim.parameters.density import doubts_of
 from sim.study.ask import ask
 from sim.study.cost import estimate
 from sim.study.expand import expand
 from sim.study.extra_amounts import read_extra_amounts, with_extra_amounts
 from sim.study.feed import feed
 from sim.study.model import Boundary, Point, Study
+from sim.study.paper_values import paper_values
 from sim.study.read import Document, read, with_parts
 from sim.study.validate import validate
 
@@ -94,7 +97,9 @@ def points(study: str | Path | Mapping[str, Any]) -> "pd.DataFrame":
     pandas.DataFrame
         The index holds the ids of the points. Columns are all parameters in the units of a study
         file, ``particles``, ``core_seconds`` (an estimate for all replicates), ``series`` and
-        ``figures``. Parameters that the system of a point does not have are missing.
+        ``figures``. Parameters that the system of a point does not have are missing. The attribute
+        ``paper_values`` lists what all points have as a paper has it. Sizes of particles that are
+        probably not meant are a warning.
 
     Raises
     ------
@@ -115,6 +120,8 @@ def points(study: str | Path | Mapping[str, Any]) -> "pd.DataFrame":
         validated_study = load_study(study, None)
     else:
         raise InputError.of_value("points", "study", study, "the path of a study file or a mapping")
+    for text in doubts_of(point.parameters for point in validated_study.points.values()):
+        warnings.warn(text, stacklevel=2)
     rows = {
         point.id: complete_values(point.parameters)
         | {
@@ -125,4 +132,7 @@ def points(study: str | Path | Mapping[str, Any]) -> "pd.DataFrame":
         }
         for point in validated_study.points.values()
     }
-    return pd.DataFrame.from_dict(rows, orient="index").rename_axis("point")
+    table = pd.DataFrame.from_dict(rows, orient="index").rename_axis("point")
+    members = [point.parameters for point in validated_study.points.values()]
+    table.attrs["paper_values"] = paper_values(members)
+    return table

@@ -12,6 +12,7 @@ from pydantic import BaseModel, BeforeValidator, Field, ValidationError, create_
 from sim.base.errors import InputError
 from sim.base.messages import input_error
 from sim.parameters import AMOUNTS, SYSTEMS, Parameters, roles
+from sim.parameters.density import DENSITY
 from sim.study.catalogue import FIGURES
 from sim.study.design_file import DesignFile, Distribution, Over, read_values
 from sim.study.entries import (
@@ -72,7 +73,7 @@ def _system_models(system: str) -> SystemModels:
         DesignFile,
         system,
         f"Points of the {system} that are spread over ranges of parameters.",
-        {"over": _with_parameters(Over, system, model.model_fields.keys() - AMOUNTS)},
+        {"over": _with_parameters(Over, system, {DENSITY, *model.model_fields} - AMOUNTS)},
     )
     shared: dict[str, Any] = {
         "system": Literal[system],
@@ -105,7 +106,7 @@ def _with_parameters(base: type[Some], system: str, names: Collection[str] | Non
     ``names`` limits the fields to these parameters.
     """
     fields: dict[str, Any] = {}
-    for key, parameter in SYSTEMS[system].model_fields.items():
+    for key, parameter in (SYSTEMS[system].model_fields | base.in_place).items():
         if key == "system" or (names is not None and key not in names):
             continue
         value: Any = parameter.annotation

@@ -72,7 +72,7 @@ def w9(evidence: Evidence, *, depths: tuple[float, float], deepest: float) -> li
     ranked: set[float] = set()
     low, high = depths
     for cell in WIDTHS:
-        line = select_replicated(evidence.line("chute", "depth", cell=cell))
+        line = select_replicated(evidence.line("chute", "depth", cell=cell, transient=ANY))
         flows = {n: place for n, place in line.items() if low <= n <= high}
         flows = {n: place for n, place in flows.items() if not reason_unrankable(place)}
         groups = [np.array([place.values("velocity").mean()]) for place in flows.values()]
