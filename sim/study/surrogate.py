@@ -53,7 +53,7 @@ class SurrogateFile(Strict):
         gt=0,
         le=1,
     )
-    budget: Real = optional("core hours that rounds may add", gt=0, le=1e6)
+    budget: Real = optional("core hours that rounds may add, of processor time", gt=0, le=1e6)
     batch: int = Field(4, description="points that a round adds", ge=1, le=1000)
 
     @model_validator(mode="after")

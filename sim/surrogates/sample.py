@@ -60,18 +60,29 @@ def sample_points(results: Results, spec: SurrogateSpec) -> xr.Dataset:
         counts = np.maximum(1, np.isfinite(widths).sum(axis=1))
         own = np.sqrt(np.nansum(widths**2, axis=1)) / counts / student(MANY)
     errors, is_unknown = standard_errors(values, own)
-    threads = np.nan_to_num(rows["threads"].values.astype(float), nan=1.0)
     columns = {axis.name: rows[axis.name].values for axis in spec.axes} | {
         "mean": np.array([row.mean() if row.size else np.nan for row in values]),
         "standard_error": errors,
         "replicates": np.array([row.size for row in values]),
         "regime": np.array([answering_regime(one) for one in summaries], dtype=object),
         "caveat": rows["caveat"].values.astype(object),
-        "core_hours": np.nansum(rows["wall_time"].values, axis=1) * threads / 3600,
+        "core_hours": np.nansum(_core_seconds(rows), axis=1) / 3600,
     }
     variables = {name: ("point", column) for name, column in columns.items()}
     attributes = {"scatter": int(is_unknown), "fixed": _fixed(rows, spec)}
     return xr.Dataset(variables, {"point": points}, attributes)
+
+
+def _core_seconds(rows: xr.Dataset) -> np.ndarray:
+    """Return the processor time (s) of each replicate in its loop over time steps, (n, R).
+
+    How busy the machine was does not change it. Where a run does not tell it, the wall time of all
+    threads stands for it.
+    """
+    threads = np.nan_to_num(rows["threads"].values.astype(float), nan=1.0)
+    walls = rows["wall_time"].values * threads[:, None]
+    loops = rows["loop_time"].values if "loop_time" in rows else np.full_like(walls, np.nan)
+    return np.where(np.isfinite(loops), loops, walls)
 
 
 def _fixed(rows: xr.Dataset, spec: SurrogateSpec) -> dict[str, Any]:

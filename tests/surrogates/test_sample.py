@@ -94,3 +94,18 @@ def test_flows_too_short_to_tell_count_unless_they_surely_slow_down(velocity):
 def test_flows_that_rest_or_failed_do_not_count():
     resting = sample_of("arrested", UNDETERMINED[:1])
     assert left_out(resting, SPEC.regimes) == {"arrested": 1}
+
+
+def hours_of(**scalars) -> np.ndarray:
+    made = made_results(made_point("chute", {"velocity": 1.0} | scalars, scatter=0.0, threads=4))
+    series = ("point", np.array(["flows"], object))
+    results = replace(made, dataset=made.dataset.assign_coords(series=series))
+    return sample_points(results, SPEC)["core_hours"].values
+
+
+def test_hours_are_those_of_the_processor_however_busy_the_machine_was():
+    """Five replicates of 72 s each; a run that does not tell its loop has used four threads."""
+    assert hours_of(wall_time=90.0, loop_time=72.0) == pytest.approx(0.1)
+    assert hours_of(wall_time=900.0, loop_time=72.0) == pytest.approx(0.1)
+    assert hours_of(wall_time=18.0) == hours_of(wall_time=18.0, loop_time=np.nan)
+    assert hours_of(wall_time=18.0) == pytest.approx(0.1)
