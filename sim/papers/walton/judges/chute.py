@@ -61,7 +61,7 @@ def flows_of_one_age(evidence: Evidence, wheres: Sequence[Mapping[str, Any]]) ->
     lines = [select_replicated(evidence.line("chute", "transient", **where)) for where in wheres]
     common = set.intersection(*map(set, lines))
     if not common:
-        return [evidence.at("chute", **where) for where in wheres]
+        return [evidence.at("chute", **where, transient=ANY) for where in wheres]
     start = max(common, key=lambda start: (min(line[start].completed for line in lines), start))
     return [line[start] for line in lines]
 

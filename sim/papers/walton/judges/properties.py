@@ -138,7 +138,7 @@ def _over_restitution(
     where = {"depth": depth, "cell": CELLS[depth]}
     for stiffness in (STIFFER, SOFT):
         line = select_replicated(
-            evidence.line("chute", "restitution", **where, stiffness=stiffness)
+            evidence.line("chute", "restitution", **where, stiffness=stiffness, transient=ANY)
         )
         compared = [e for e in line if restitutions[0] <= e <= restitutions[1]]
         if len(compared) > 2:

@@ -317,7 +317,7 @@ def _check_starts(
     fast: tuple[float, float],
 ) -> list[Check]:
     where = {"depth": depth, "cell": CELLS[depth]}
-    starts = [*evidence.line("chute", "initial_velocity", **where)]
+    starts = [*evidence.line("chute", "initial_velocity", **where, transient=ANY)]
     wheres = [where | {"initial_velocity": start} for start in starts]
     line = dict(zip(starts, flows_of_one_age(evidence, wheres), strict=True)) if starts else {}
     near = _nearest_start(line)
