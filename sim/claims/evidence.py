@@ -66,7 +66,7 @@ class Evidence:
 
         Numerical settings (`sim.parameters.roles.numerical_parameters`) that are not named may have
         any value, cell and start (`sim.parameters.roles.start_parameters`) where it makes no
-        difference, or where they are named as `sim.claims.points.ANY`. The paper's are preferred,
+        difference, or where they are named as `ANY`. The paper's are preferred,
         then more replicates, then longer runs.
 
         Raises

@@ -5,9 +5,8 @@ import pytest
 
 from sim.base.plugins import load_plugins
 from sim.claims.checks import above
-from sim.claims.evidence import Evidence
+from sim.claims.evidence import ANY, Evidence
 from sim.claims.place import replicate_mean
-from sim.claims.points import ANY
 from sim.claims.verdict import SIGMAS, Ambiguous, Unbounded, Untestable
 from tests.made.plugins import restore_plugins
 from tests.made.processes import ROOT

@@ -7,9 +7,8 @@ from typing import Any
 
 from uncertainties import UFloat
 
-from sim.claims.evidence import Evidence
+from sim.claims.evidence import ANY, Evidence
 from sim.claims.place import Place
-from sim.claims.points import ANY
 from sim.claims.verdict import LONGER_RUNS, Check, Untestable
 
 #: Largest change of V over the window, relative to V, of a settled flow.

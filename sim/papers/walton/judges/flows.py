@@ -6,10 +6,9 @@ from math import inf, nan, radians, tan
 import numpy as np
 
 from sim.claims.checks import below, remove_votes, reported, within
-from sim.claims.evidence import Evidence
+from sim.claims.evidence import ANY, Evidence
 from sim.claims.inference import trend
 from sim.claims.place import Place, replicate_mean
-from sim.claims.points import ANY
 from sim.claims.trends import pooled_checks
 from sim.claims.verdict import Check, Untestable
 from sim.papers.walton.judges.chute import (

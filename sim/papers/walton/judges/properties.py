@@ -9,10 +9,9 @@ from math import inf
 import numpy as np
 
 from sim.claims.checks import above, judge_parts, remove_votes, reported, withhold, within
-from sim.claims.evidence import Evidence
+from sim.claims.evidence import ANY, Evidence
 from sim.claims.inference import correct_for, outranks, reported_order, trend
 from sim.claims.place import Place, quotient
-from sim.claims.points import ANY
 from sim.claims.verdict import Check, Untestable
 from sim.measures import layers
 from sim.papers.walton.judges.chute import (
