@@ -439,7 +439,11 @@ def test_doubtful_values_are_pointed_out(parse, tmp_path):
     study = parse(chute_study(base={"diameter": 100}, grid={"depth": [2, 5]}))
     (line,) = warnings(study, tmp_path)
     assert line == "diameter: 100 at 2 points is 100 m; if you mean 100 mm, write 0.1"
-    assert not [*warnings(parse(chute_study(base={"diameter": 0.1, "density": 1300, "stiffness": 1e4})), tmp_path)]
+    assert not [
+        *warnings(
+            parse(chute_study(base={"diameter": 0.1, "density": 1300, "stiffness": 1e4})), tmp_path
+        )
+    ]
     line = "warning of replicates: 2 at 1 point: the 95 % interval of two is 12.7 standard errors"
     cases = [{"replicates": 2}, {"depth": 2, "replicates": 3}]
     assert line in as_table(parse(chute_study(cases=cases)))
