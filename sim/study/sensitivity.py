@@ -33,7 +33,9 @@ class SensitivityFile(Strict):
         min_length=1,
     )
     rough: bool = Field(
-        False, description="indices of a surrogate whose error is too large to rely on, too"
+        False,
+        description="of a surrogate: whether there are indices, too, where its error is too large "
+        "to rely on",
     )
 
     @model_validator(mode="after")

@@ -97,11 +97,13 @@ def _indices_of_runs(
     )
     if spec.is_screening:
         is_number = [axis.is_number for axis in design.axes]
-        return morris_indices_of_runs(runs, design.shares(design.size), _places(design), is_number)
+        return morris_indices_of_runs(
+            runs, design.shares(design.size), places_of(design), is_number
+        )
     return sobol_indices_of_runs(runs)
 
 
-def _places(design: Design) -> np.ndarray:
+def places_of(design: Design) -> np.ndarray:
     """Return the values that a design runs as shares of the ranges of its axes, (n, k).
 
     These are not the shares that it asks for: values are rounded, those of integers to integers.

@@ -6,7 +6,7 @@ as a study would: a surrogate is fitted to values of replicates, or these are an
 
 import argparse
 from collections.abc import Callable, Iterator
-from functools import partial
+from functools import lru_cache, partial
 
 import numpy as np
 import pandas as pd
@@ -88,6 +88,7 @@ FUNCTIONS: tuple[Function, ...] = (
 )
 
 
+@lru_cache
 def true_indices(function: Function, dimensions: int) -> np.ndarray:
     predictor = MadePredictor(lambda *x: function(np.column_stack(x)), [[0, 1]] * dimensions)
     return sobol_indices(predictor, TRUE_BLOCKS)["value"].to_numpy()
@@ -115,6 +116,7 @@ def of_runs(function: Function, case: tuple, seed: int) -> pd.DataFrame:
     return sobol_indices_of_runs(runs)
 
 
+@lru_cache
 def true_of_runs(function: Function, kind: str) -> np.ndarray:
     if kind == "morris":
         return of_runs(function, (kind, 1000, 0.0), 1)["value"].to_numpy()

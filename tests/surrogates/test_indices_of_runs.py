@@ -6,9 +6,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from sim.study.design import Axis, Design
 from sim.surrogates.caveats import caveats_of_indices
 from sim.surrogates.index_table import COLUMNS
-from sim.surrogates.indices_of_runs import morris_indices_of_runs, sobol_indices_of_runs
+from sim.surrogates.indices_of_runs import (
+    DesignRuns,
+    morris_indices_of_runs,
+    sobol_indices_of_runs,
+)
+from sim.surrogates.inquiries import places_of
 from sim.surrogates.predictor import scaled
 from sim.surrogates.refusals import Refusal
 from tests.made.indices import made_runs
@@ -153,6 +159,23 @@ def test_effects_are_of_the_values_that_were_run(rounded, low, high):
         places=lambda x: np.column_stack([(rounded(x[:, 0]) - low) / (high - low), x[:, 1:]]),
     )
     assert column(found, "mu") == pytest.approx([high - low, 0, 0])
+
+
+def test_places_are_those_of_the_values_of_a_design():
+    axes = (
+        Axis("order", 3, 5, is_integer=True),
+        Axis("angle", 14.0, 18.0),
+        Axis("stiffness", 1e2, 1e4, "log"),
+        Axis("law", 0, 1, choices=("walton_braun", "hertz")),
+    )
+    made = Design("morris", axes, 50, 1, (), lambda row: row, ("study.yaml", "design"))
+    places, rows = places_of(made), made.rows(50)
+    assert set(places[:, 0]) == {0, 0.5, 1} and set(places[:, 3]) == {0, 1}
+    assert places[:, 1:3] == pytest.approx(made.shares(50)[:, 1:3], abs=1e-5)
+    values = np.array([float(row["order"]) for row in rows])
+    runs = DesignRuns(made.names, values, 0 * values, np.arange(50), "s")
+    found = morris_indices_of_runs(runs, made.shares(50), places, [True] * 3 + [False])
+    assert column(found, "mu_star") == pytest.approx([2, 0, 0, 0])
 
 
 def test_words_have_no_order():
