@@ -222,7 +222,8 @@ def _effects(effects: np.ndarray, noise: float) -> np.ndarray:
         half[1] = np.hypot(half[1], _FOLDED * np.sqrt(noise))
         ends = np.array([moments - half, moments + half])
     rows = np.vstack([moments, ends])
-    rows[:, 2] = np.sqrt(np.maximum(0.0, rows[:, 2]))
+    rows[:, 1:] = np.maximum(0.0, rows[:, 1:])
+    rows[:, 2] = np.sqrt(rows[:, 2])
     return rows
 
 

@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from sim.study.design import Axis, Design
+from sim.surrogates import tables
 from sim.surrogates.caveats import caveats_of_indices
 from sim.surrogates.index_table import COLUMNS
 from sim.surrogates.indices_of_runs import (
@@ -17,6 +18,8 @@ from sim.surrogates.indices_of_runs import (
 from sim.surrogates.inquiries import places_of
 from sim.surrogates.predictor import scaled
 from sim.surrogates.refusals import Refusal
+from tests.figures.drawing import picture, table
+from tests.made.answers import picture_data
 from tests.made.indices import made_runs
 from tests.surrogates.predictors import ISHIGAMI, ISHIGAMI_FIRST, ISHIGAMI_TOTAL
 from tests.surrogates.test_indices import column
@@ -136,12 +139,18 @@ def test_effects_of_a_linear_function_are_its_slopes():
     assert column(found, "sigma") == pytest.approx([0, 0, 0], abs=1e-9)
 
 
-def test_equal_effects_have_no_interval():
+def test_equal_effects_have_no_interval(tmp_path):
     """Nobody knows how far others may be off, but where the parameter changes no bit."""
     found = screening(lambda x: 3 * x[:, 0] - 2 * x[:, 1])
     has_none = found["parameter"].isin(["x", "y"])
     assert (found["low"].isna() == has_none).all() and (found["high"].isna() == has_none).all()
     assert (found["doubt"].str.contains("no interval") == has_none).all()
+    named = found.replace({"x": "friction", "y": "restitution", "z": "angle"})
+    tables.save(named, tmp_path / "sensitivity" / "screened.csv")
+    line = tables.summary_line(tmp_path / "sensitivity" / "screened.csv")
+    assert line == "mean size of the effect of friction 3, restitution 2, angle 0 (0 to 0)"
+    data = picture_data(tmp_path, "screening", "sensitivity/screened.csv")
+    assert len(table(data)) == 9 and picture(data).axes[0].get_xlim()[1] > 3
 
 
 @pytest.mark.parametrize(
