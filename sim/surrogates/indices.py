@@ -22,8 +22,9 @@ from sim.surrogates.surrogate import Surrogate
 #: Blocks of a sample of a surrogate, a power of two; and samples, with as many realisations each.
 BLOCKS, _SCRAMBLINGS, _REALISATIONS = 2**11, 8, 4
 
-#: Waves of a realisation, and range of its correlation length, of the unit cube.
-_WAVES, _LENGTHS = 128, (0.15, 1.0)
+#: Waves of a realisation, and range of its correlation length, of the unit cube: from the shortest
+#: that a process may have.
+_WAVES, _LENGTHS = 128, (0.05, 1.0)
 
 #: Share of the ranges without such a flow beyond which there are no indices, and the number of
 #: points where this is looked at.
