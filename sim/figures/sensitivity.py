@@ -18,6 +18,7 @@ from sim.figures.plot import SINGLE_SIZE, wrap_label
 from sim.figures.quantity import label_with_unit, unit_of
 from sim.figures.style import COLOURS, LEVEL, cycle_style, escape_label, legend_above
 from sim.study.plot_contents import parameter_phrase
+from sim.surrogates.index_table import NEGLIGIBLE
 from sim.surrogates.tables import load
 
 #: Height of the room of a parameter, and of a picture without any, inches.
@@ -25,12 +26,6 @@ _ROW, _FRAME = 0.42, 1.3
 
 #: Most pairs of parameters that a picture has room for.
 _MOST_PAIRS = 15
-
-#: Parameters whose total index is below count as without effect.
-_NEGLIGIBLE = 0.01
-
-#: Share of the variance from which on the errors of runs are worth a warning.
-_MUCH_NOISE = 0.05
 
 
 def draw_indices(data: FigureData) -> Figure:
@@ -59,20 +54,30 @@ def indices_table(data: FigureData) -> pd.DataFrame:
 def indices_notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption of bars of indices."""
     table = _table(data)
-    total, first = (
-        _of(table, index).set_index("parameter")["value"] for index in ("total", "first")
-    )
-    if total.isna().all():
-        return ["The observable does not vary, so nothing can matter."]
-    small = [name for name in total.index if total[name] < _NEGLIGIBLE]
-    sentences = [
+    return [
         "First order: the share of the variance that goes away when the parameter is known. Total: "
         "the share that is left when all others are known.",
-        f"First-order indices sum to {first.sum():.2f}; what they lack of 1 is from interactions.",
+        _sum_note(_of(table, "sum").iloc[0]),
+        *_negligible_note(table),
+        *_sample_notes(table),
     ]
-    if small:
-        sentences.append(f"Below {_NEGLIGIBLE:g}: {', '.join(small)}.")
-    return [*sentences, *_sample_notes(table)]
+
+
+def _sum_note(row: pd.Series) -> str:
+    """Return what the sum of the first-order indices says of interactions."""
+    text = f"First-order indices sum to {row['value']:.2f} ({row['low']:.2f} to {row['high']:.2f})"
+    if row["high"] < 1:
+        return f"{text}; what they lack of 1 is from interactions."
+    if row["low"] <= 1:
+        return f"{text}, 1 within its interval: what they lack of 1 may be chance."
+    return f"{text}, more than 1: they are too noisy."
+
+
+def _negligible_note(table: pd.DataFrame) -> list[str]:
+    """Return which parameters have no effect, by the upper ends of their intervals."""
+    total = _of(table, "total")
+    names = total["parameter"][(total["high"] < NEGLIGIBLE) & (total["doubt"] == "")]
+    return [f"Below {NEGLIGIBLE:g}, interval included: {', '.join(names)}."] if len(names) else []
 
 
 def draw_interactions(data: FigureData) -> Figure:
@@ -116,15 +121,16 @@ def draw_screening(data: FigureData) -> Figure:
         axes.errorbar(
             x["value"],
             y["value"],
-            xerr=x["high"] - x["value"],
-            yerr=y["high"] - y["value"],
+            xerr=[[x["value"] - x["low"]], [x["high"] - x["value"]]],
+            yerr=[[y["value"] - y["low"]], [y["high"] - y["value"]]],
             color=style.colour,
             marker=style.marker,
             linestyle="none",
             elinewidth=0.9,
             label=escape_label(parameter_phrase(data.spec.system, name)),
         )
-    end = 1.05 * max(means["high"].max(), deviations["high"].max()) or 1.0
+    ends = pd.concat([means, deviations])[["value", "high"]]
+    end = 1.05 * np.nanmax(ends) or 1.0
     axes.plot([0, end], [0, end], **LEVEL, label="σ = μ*")
     axes.set_xlim(0, end)
     axes.set_ylim(min(0.0, -0.02 * end), end)
@@ -172,7 +178,7 @@ def _draw_bars(
 ) -> None:
     """Draw horizontal bars with intervals, from the top, ``shift`` rows lower."""
     places = np.arange(len(rows)) + shift
-    half = rows["high"] - rows["value"]
+    half = [rows["value"] - rows["low"], rows["high"] - rows["value"]]
     axes.barh(places, rows["value"], height, color=colour, label=label)
     look: dict[str, Any] = {"fmt": "none", "ecolor": "black", "elinewidth": 0.9, "capsize": 2}
     axes.errorbar(rows["value"], places, xerr=half, **look)
@@ -186,28 +192,23 @@ def _name_rows(axes: Axes, names: Sequence[str]) -> None:
 
 
 def _sample_notes(table: pd.DataFrame) -> list[str]:
-    """Return sentences on intervals, lost blocks and the errors of runs."""
+    """Return sentences on intervals and lost blocks."""
     first = table.iloc[0]
-    if first["noise"] > 0 or first["left_out"] > 0 or "mu_star" in set(table["index"]):
-        what = "trajectories" if "mu_star" in set(table["index"]) else "blocks"
+    if np.isfinite(first["error"]):
+        return [
+            "Bars: 95 % intervals, of the sample and of the surrogate's error. All values within "
+            "the ranges count the same."
+        ]
+    what = "trajectories" if "mu_star" in set(table["index"]) else "blocks"
+    notes = [f"Bars: 95 % intervals, from the scatter between {first['blocks']} {what}."]
+    if first["left_out"]:
         total = first["blocks"] + first["left_out"]
-        notes = [f"Bars: 95 % intervals, from resampled {what} of {first['blocks']}."]
-        if first["left_out"]:
-            notes.append(
-                f"Left out: {first['left_out']} of {total} {what}, in which a run failed or its "
-                "flow is of a regime that does not count. If these lie in one corner of the "
-                "ranges, the answer is of the rest."
-            )
-        if first["noise"] > _MUCH_NOISE:
-            notes.append(
-                f"The errors of the runs are {100 * first['noise']:.0f} % of the variance: they "
-                "look like an interaction of all parameters."
-            )
-        return notes
-    return [
-        "Bars: 95 % intervals, of the sample and of the surrogate's error. All values within the "
-        "ranges count the same."
-    ]
+        notes.append(
+            f"Left out: {first['left_out']} of {total} {what}, in which a run failed or its flow "
+            "is of a regime that does not count. If these lie in one corner of the ranges, the "
+            "answer is of the rest."
+        )
+    return notes
 
 
 def _with_headings(table: pd.DataFrame, unit: str) -> pd.DataFrame:

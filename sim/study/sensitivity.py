@@ -33,6 +33,11 @@ class SensitivityFile(Strict):
         "are left out",
         min_length=1,
     )
+    rough: bool = Field(
+        False,
+        description="of a surrogate: whether there are indices, too, where its error is too large "
+        "to rely on",
+    )
 
     @model_validator(mode="after")
     def _require_one_source(self) -> Self:
@@ -41,6 +46,8 @@ class SensitivityFile(Strict):
         for key in ("series", "observable", "regimes") if self.surrogate is not None else ():
             if (value := getattr(self, key)) is not None:
                 raise broken_rule(key, value, "none with surrogate, which has its own")
+        if self.rough and self.surrogate is None:
+            raise broken_rule("rough", True, "none with series, whose runs need no surrogate")
         return self
 
 
@@ -56,11 +63,14 @@ class SensitivitySpec:
         The surrogate, or what a surrogate of the series would be of.
     design : Design, optional
         Design of the series whose runs are analysed; none for a surrogate.
+    is_rough : bool
+        Whether it is asked of a surrogate whose error is too large to rely on, too.
     """
 
     name: str
     of: SurrogateSpec
     design: Design | None = None
+    is_rough: bool = False
 
     @property
     def series(self) -> str:
@@ -81,4 +91,4 @@ class SensitivitySpec:
     def settings(self) -> tuple[Any, ...]:
         """What it depends on besides runs; rules rerun when this changes."""
         own = (self.design.kind, self.design.size, self.design.seed) if self.design else ()
-        return (self.name, *own, self.of.settings)
+        return (self.name, *own, self.is_rough, self.of.settings)

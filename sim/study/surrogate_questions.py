@@ -48,7 +48,7 @@ class SensitivityQuestion(_Asked):
     def spec(self) -> SensitivitySpec:
         """Return the question."""
         if self.entry.surrogate is not None:
-            return SensitivitySpec(self.entry.name, self.surrogate())
+            return SensitivitySpec(self.entry.name, self.surrogate(), is_rough=self.entry.rough)
         name = self.entry.series
         design = self.study.designs.get(name)
         if design is None or design.kind not in ("saltelli", "morris"):

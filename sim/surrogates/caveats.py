@@ -35,6 +35,9 @@ _MUCH_LEFT_OUT = 0.5
 #: Probability of the regimes of a mean below which another is likelier.
 EVEN = 0.5
 
+#: Shares of the ranges, and of the variance of runs, from which on indices tell them.
+_MUCH_ABSENT, _MUCH_NOISE = 0.01, 0.05
+
 #: Most letters of the caveats in a file: one from elsewhere may have a million.
 _LONGEST = 4000
 
@@ -70,6 +73,29 @@ def caveats_of_points(sample: "xr.Dataset") -> tuple[str, ...]:
             else []
         ),
     )
+
+
+def caveats_of_indices(table: "pd.DataFrame") -> tuple[str, ...]:
+    """Return what is doubtful about indices besides their surrogate or runs, the worst first.
+
+    See `sim.surrogates.index_table.COLUMNS`.
+    """
+    first, alone = table.iloc[0], table[table["other"] == ""]
+    names = alone["index"] + " " + alone["parameter"]
+    rows = {text: names[alone["doubt"] == text] for text in dict.fromkeys(alone["doubt"])}
+    texts = [
+        f"in {percent(first['absent'])} of the ranges no such flow is likely"
+        if first["absent"] >= _MUCH_ABSENT
+        else "",
+        *(f"{', '.join(which)}: {text}" for text, which in rows.items() if text),
+        "the noise of the runs is not known, as points have one replicate, and adds to totals"
+        if np.isnan(first["noise"])
+        else "",
+        f"the noise of the runs is {percent(first['noise'])} of their variance"
+        if first["noise"] > _MUCH_NOISE
+        else "",
+    ]
+    return tuple(filter(None, texts))
 
 
 def caveats_at(surrogate: "Surrogate", counted: np.ndarray, outside: str) -> tuple[str, ...]:

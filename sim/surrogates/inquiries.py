@@ -6,20 +6,25 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from sim.dataset.observed import replicate_values
 from sim.dataset.results import Results
 from sim.parameters import point_id
 from sim.study.calibration import CalibrationSpec
+from sim.study.design import Design
+from sim.study.plottable import numbers
 from sim.study.sensitivity import SensitivitySpec
 from sim.study.surrogate import SurrogateSpec
 from sim.surrogates import calibration, tables
-from sim.surrogates.caveats import caveats_of_points, with_caveats
+from sim.surrogates.caveats import caveats_of_indices, caveats_of_points, with_caveats
 from sim.surrogates.fitting import fit_surrogate
-from sim.surrogates.indices import (
+from sim.surrogates.indices import indices_of_surrogate
+from sim.surrogates.indices_of_runs import (
+    DesignRuns,
     morris_indices_of_runs,
-    sobol_indices,
     sobol_indices_of_runs,
 )
 from sim.surrogates.posterior import Calibration, calibrate
+from sim.surrogates.predictor import unscaled
 from sim.surrogates.refusals import Refusal
 from sim.surrogates.sample import points_of_mean, sample_points
 from sim.surrogates.storage import load, save
@@ -57,34 +62,59 @@ def _surrogate_of(spec: SensitivitySpec | CalibrationSpec, lack: str, folder: Pa
 
 def _answer_sensitivity(spec: SensitivitySpec, dataset: Results, folder: Path) -> None:
     if spec.design is None:
-        lack = f"sensitivity {spec.name}: no indices"
-        surrogate = _surrogate_of(spec, lack, folder)
-        table, caveats = sobol_indices(surrogate), surrogate.caveats
+        source = f"sensitivity {spec.name}"
+        surrogate = _surrogate_of(spec, f"{source}: no indices", folder)
+        table, caveats = indices_of_surrogate(surrogate, source, spec.is_rough), surrogate.caveats
     else:
         sample = sample_points(dataset, spec.of)
         is_used = points_of_mean(sample, spec.of.regimes)
         table, caveats = (
-            _indices_of_runs(spec, sample, is_used),
+            _indices_of_runs(spec, dataset, sample, is_used),
             caveats_of_points(sample.isel(point=is_used)),
         )
+    caveats = *caveats, *caveats_of_indices(table)
     tables.save(with_caveats(table, caveats), folder / spec.file)
 
 
 def _indices_of_runs(
-    spec: SensitivitySpec, sample: xr.Dataset, is_used: np.ndarray
+    spec: SensitivitySpec, dataset: Results, sample: xr.Dataset, is_used: np.ndarray
 ) -> pd.DataFrame:
     """Return the indices of the runs of a design, taken in the order of the design."""
     assert spec.design, "a surrogate has none"
+    design = spec.design
     means = pd.Series(np.where(is_used, sample["mean"].values, np.nan), sample["point"].values)
-    errors = pd.Series(sample["standard_error"].values, sample["point"].values)
     # Points of a design that are equal are one point of the study.
-    ids = [point_id(point) for point in spec.design.points(spec.design.size)]
-    values = means.reindex(ids).to_numpy(), errors.reindex(ids).to_numpy()
-    source = f"sensitivity {spec.name}"
+    ids = [point_id(point) for point in design.points(design.size)]
+    observable = numbers(spec.of.system)[spec.of.observable]
+    beds = replicate_values(dataset, observable, list(means.index))
+    scatter = [row.var(ddof=1) / row.size if row.size > 1 else np.nan for row in beds]
+    runs = DesignRuns(
+        names=design.names,
+        values=means.reindex(ids).to_numpy(),
+        variances=pd.Series(scatter, means.index).reindex(ids).to_numpy(),
+        points=pd.factorize(np.array(ids))[0],
+        source=f"sensitivity {spec.name}",
+    )
     if spec.is_screening:
-        shares = spec.design.shares(spec.design.size)
-        return morris_indices_of_runs(spec.design.names, shares, *values, source)
-    return sobol_indices_of_runs(spec.design.names, *values, source)
+        is_number = [axis.is_number for axis in design.axes]
+        return morris_indices_of_runs(
+            runs, design.shares(design.size), places_of(design), is_number
+        )
+    return sobol_indices_of_runs(runs)
+
+
+def places_of(design: Design) -> np.ndarray:
+    """Return the values that a design runs as shares of the ranges of its axes, (n, k).
+
+    These are not the shares that it asks for: values are rounded, those of integers to integers.
+    """
+    rows = design.rows(design.size)
+    columns = [
+        [row[axis.name] if axis.is_number else axis.choices.index(row[axis.name]) for row in rows]
+        for axis in design.axes
+    ]
+    bounds = np.array([(axis.low, axis.high) for axis in design.axes])
+    return unscaled(np.column_stack(columns), bounds, [axis.scale for axis in design.axes])
 
 
 def _answer_calibration(spec: CalibrationSpec, folder: Path) -> None:

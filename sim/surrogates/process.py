@@ -19,6 +19,9 @@ _CHUNK = 2000
 #: Least variance of a point, relative to that of all: it keeps the matrix invertible.
 _LEAST_VARIANCE = 1e-9
 
+#: Share of the upper bound of a length from which on it is at this bound.
+_AT_BOUND = 0.99
+
 #: Ranges of amplitude (variance of the values is 1), lengths (of the unit cube) and scatter.
 _AMPLITUDES, _LENGTHS, _SCATTERS = (1e-2, 1e3), (0.05, 20.0), (1e-6, 1.0)
 
@@ -94,6 +97,12 @@ class Process:
         middle, spread = self._in_unit(self._offset + self._scale * mean, self._scale * error)
         unit = np.abs(middle) if self.is_log else 1.0
         return LeftOut(middle, spread, self._scale * np.sqrt(noise) * unit)
+
+    @property
+    def at_bound(self) -> np.ndarray:
+        """Which dimensions (d,) have a length at its upper bound: their effect is not told."""
+        lengths = self.theta[1 : 1 + self.x.shape[1]]
+        return np.asarray(lengths >= np.log(_AT_BOUND * _LENGTHS[1]))
 
     @cached_property
     def _values(self) -> np.ndarray:

@@ -285,6 +285,16 @@ class Surrogate:
         return float(np.mean(deviations(self.process.left_out(), self.process.y) < student(MANY)))
 
     @property
+    def unsure(self) -> tuple[str, ...]:
+        """Parameters that are numbers whose length is at its bound: they may matter or not."""
+        shown = [1 if len(axis.choices) <= 2 else len(axis.choices) for axis in self.axes]
+        names = [
+            axis.name for axis, count in zip(self.axes, shown, strict=True) for _ in range(count)
+        ]
+        at_bound = zip(names, self.process.at_bound, strict=True)
+        return tuple(name for name, is_so in at_bound if is_so and name in self.parameters)
+
+    @property
     def hours(self) -> float:
         """Core hours of all its points."""
         return float(self.sample["core_hours"].sum())

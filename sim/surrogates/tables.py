@@ -56,8 +56,9 @@ def load(path: Path) -> "pd.DataFrame":
         content = read(path)
         if content is None:
             raise ValueError("its checksum is wrong")
-        texts = {"keep_default_na": False, "na_values": [""], "dtype": {"other": str}}
-        return pd.read_csv(io.BytesIO(content), **texts)
+        words = {"other": object, "doubt": object}
+        texts = {"keep_default_na": False, "na_values": [""], "dtype": words}
+        return pd.read_csv(io.BytesIO(content), **texts).fillna({"other": "", "doubt": ""})
 
 
 def summary_line(path: Path) -> str:
@@ -69,8 +70,8 @@ def summary_line(path: Path) -> str:
     shown = [row for row in rows if row.get("index") in ("total", "mu_star") and row.get("value")]
     shown.sort(key=lambda row: -float(row["value"]))
     texts = (
-        f"{row['parameter']} {float(row['value']):.2g} "
-        f"({float(row['low']):.2g} to {float(row['high']):.2g})"
+        f"{row['parameter']} {float(row['value']):.2g}"
+        + (f" ({float(row['low']):.2g} to {float(row['high']):.2g})" if row["low"] else "")
         for row in shown[:_MOST_NAMED]
     )
     index = (

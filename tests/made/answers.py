@@ -4,11 +4,13 @@ from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pandas as pd
 
 from sim.figures.data import FigureData
 from sim.study.figure_spec import FigureSpec
 from sim.surrogates import calibration
+from sim.surrogates.index_table import tabulate
 from sim.surrogates.indices import sobol_indices
 from sim.surrogates.posterior import calibrate
 from tests.surrogates.made_calibration import SLOPE, made_measurements
@@ -28,20 +30,18 @@ def picture_data(folder: Path, kind: str, answer: str) -> FigureData:
 
 def write_indices(folder: Path, error: float = 0.05) -> str:
     """Write the indices of the made-up slope; return their path in the folder."""
-    sobol_indices(replace(SLOPE, error=error), BLOCKS).to_csv(folder / "indices.csv", index=False)
+    table = sobol_indices(replace(SLOPE, error=error), BLOCKS).assign(error=error)
+    table.to_csv(folder / "indices.csv", index=False)
     return "indices.csv"
 
 
 def write_effects(folder: Path, left_out: int = 2, noise: float = 0.1) -> str:
     """Write effects of a screening; return their path in the folder."""
-    rows = [
-        (index, name, "", value, value - 0.1, value + 0.1, 10, left_out, noise)
-        for index, values in (("mu", (1.0, -0.5, 0.0)), ("mu_star", (1.0, 0.5, 0.05)))
-        for name, value in zip(SLOPE.parameters, values, strict=True)
-    ]
-    rows += [("sigma", name, "", 0.3, 0.2, 0.4, 10, left_out, noise) for name in SLOPE.parameters]
-    columns = ["index", "parameter", "other", "value", "low", "high", "blocks", "left_out", "noise"]
-    pd.DataFrame(rows, columns=columns).to_csv(folder / "effects.csv", index=False)
+    names = [(index, name, "") for index in ("mu", "mu_star", "sigma") for name in SLOPE.parameters]
+    values = np.array([1.0, -0.5, 0.0, 1.0, 0.5, 0.05, 0.3, 0.3, 0.3])
+    ends = values - 0.1, values + 0.1
+    table = tabulate(names, values, *ends, blocks=10, left_out=left_out, noise=noise)
+    table.to_csv(folder / "effects.csv", index=False)
     return "effects.csv"
 
 

@@ -51,12 +51,15 @@ def message(parse, *arguments, **keys) -> str:
 
 
 def test_a_sensitivity_of_a_surrogate_has_its_pictures(parse):
-    study = parse(sensitivity=[{"name": "matters", "surrogate": "speed"}])
-    (one,) = study.sensitivities
+    entry = {"name": "matters", "surrogate": "speed"}
+    study = parse(sensitivity=[entry, entry | {"name": "all-the-same", "rough": True}])
+    one, other = study.sensitivities
+    assert not one.is_rough and other.is_rough
     assert one.file == "sensitivity/matters.csv" and one.of.name == "speed" and not one.design
     assert {"matters-indices", "matters-interactions"} <= set(study.plots)
     assert study.plots["matters-indices"].options["answer"] == one.file
-    assert [question.file for question in study.questions] == ["surrogates/speed.nc", one.file]
+    files = [question.file for question in study.questions]
+    assert files == ["surrogates/speed.nc", one.file, other.file]
 
 
 def test_a_sensitivity_of_a_design_takes_its_runs(parse):
@@ -75,6 +78,7 @@ def test_a_sensitivity_of_a_design_takes_its_runs(parse):
         ({"series": "wide"}, "series: got 'wide'; allowed: a series whose design is of kind salt"),
         ({"series": "many", "observable": "sped"}, "observable: got 'sped'; allowed: "),
         ({"surrogate": "speed", "nme": 1}, "nme: unknown key"),
+        ({"series": "many", "rough": True}, "rough: got true; allowed: none with series"),
     ],
 )
 def test_mistakes_in_a_sensitivity_are_refused_by_their_key(parse, entry, text):

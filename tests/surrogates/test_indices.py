@@ -6,14 +6,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from sim.surrogates.indices import (
-    COLUMNS,
-    morris_indices_of_runs,
-    sobol_indices,
-    sobol_indices_of_runs,
-)
+from sim.surrogates.caveats import caveats_of_indices
+from sim.surrogates.index_table import COLUMNS, with_doubts
+from sim.surrogates.indices import indices_of_surrogate, sobol_indices
 from sim.surrogates.predictor import scaled, unscaled
 from sim.surrogates.refusals import Refusal
+from sim.surrogates.surrogate import Surrogate
+from tests.made.surrogates import design, made_surrogate
 from tests.surrogates.predictors import (
     ISHIGAMI,
     ISHIGAMI_FIRST,
@@ -26,6 +25,9 @@ from tests.surrogates.predictors import (
 
 #: Half a unit of the third digit, and some.
 DIGITS = 1e-3
+
+#: Blocks where digits do not count.
+BLOCKS = 2**5
 
 
 def column(table: pd.DataFrame, index: str) -> list[float]:
@@ -69,7 +71,7 @@ def test_the_error_of_a_surrogate_widens_the_intervals():
 
 
 def test_intervals_hold_the_exact_values():
-    exact = [*ISHIGAMI_FIRST, *ISHIGAMI_TOTAL, 0, ISHIGAMI_X_Z, 0]
+    exact = [*ISHIGAMI_FIRST, *ISHIGAMI_TOTAL, sum(ISHIGAMI_FIRST), 0, ISHIGAMI_X_Z, 0]
     held = [
         (table["low"] <= exact) & (exact <= table["high"])
         for blocks in (2**7, 2**8, 2**9)
@@ -79,66 +81,52 @@ def test_intervals_hold_the_exact_values():
 
 
 def test_what_does_not_vary_has_no_indices():
-    found = sobol_indices(MadePredictor(lambda x, y: 0 * x + 3.1, [[0, 1]] * 2), 2**5)
-    assert found["value"].isna().all()
+    surrogate = made_surrogate()
+    for spread in (0.0, 4e-16, 1e-13):
+        mean = 3.1 + spread * surrogate.sample["friction"]
+        still = replace(surrogate, sample=surrogate.sample.assign(mean=mean))
+        with pytest.raises(Refusal, match="asked: no indices, as the observable does not vary"):
+            indices_of_surrogate(still, "asked")
 
 
-def saltelli_runs(number: int) -> tuple[np.ndarray, np.ndarray]:
-    from SALib.sample import sobol
-
-    problem = {"num_vars": 3, "names": list("xyz"), "bounds": [[0, 1]] * 3}
-    shares = sobol.sample(problem, number, calc_second_order=False, seed=3)
-    values, _ = ISHIGAMI.predict(scaled(shares, ISHIGAMI.bounds, ISHIGAMI.scales))
-    return values, np.full(len(values), 0.1)
-
-
-def test_runs_of_a_saltelli_design_are_analysed_and_broken_blocks_counted():
-    values, errors = saltelli_runs(512)
-    whole = sobol_indices_of_runs("xyz", values, errors, "study: s")
-    assert column(whole, "first") == pytest.approx(ISHIGAMI_FIRST, abs=0.06)
-    assert column(whole, "total") == pytest.approx(ISHIGAMI_TOTAL, abs=0.06)
-    assert column(whole, "interaction") == []
-    assert whole["noise"].unique() == pytest.approx(0.01 / 13.84, rel=0.05)
-    values[[3, 4, 11]] = np.nan
-    broken = sobol_indices_of_runs("xyz", values, errors, "study: s")
-    assert set(broken["blocks"]) == {510} and set(broken["left_out"]) == {2}
-    assert np.isfinite(broken["value"]).all() and not broken["value"].equals(whole["value"])
+def test_a_surrogate_that_has_not_learned_has_no_indices_unless_asked_for():
+    poor = made_surrogate(lambda x: 1 + np.sin(40 * x[:, 0]) * np.cos(30 * x[:, 1]), 8)
+    assert poor.error > 0.2
+    with pytest.raises(Refusal, match="no indices, as surrogate speed is a mean of 8 of 8 points"):
+        indices_of_surrogate(poor, "asked")
+    table = indices_of_surrogate(poor, "asked", True, BLOCKS)
+    assert set(table["error"]) == {poor.error} and "too large to rely on" in poor.caveats[0]
 
 
-def test_too_few_whole_blocks_are_no_answer():
-    values, errors = saltelli_runs(16)
-    values[:: 2 * 5] = np.nan
-    assert len(sobol_indices_of_runs("xyz", values, errors, "s"))
-    values[5] = np.nan
-    with pytest.raises(Refusal) as caught:
-        sobol_indices_of_runs("xyz", values, errors, "study: screening")
-    message = "study: screening: no indices, as 7 of 16 blocks of 5 points have a value"
-    assert str(caught.value).startswith(message)
+def flows_beyond(edge: float) -> Surrogate:
+    """Return a surrogate of flows that are steady beyond a share of the range of friction."""
+    regime = np.where(design(32, 2)[:, 0] < edge, "arrested", "steady")
+    return made_surrogate(count=32, regime=regime)
 
 
-def morris_runs(function, number=20):
-    from SALib.sample import morris
-
-    problem = {"num_vars": 3, "names": list("xyz"), "bounds": [[0, 1]] * 3}
-    shares = morris.sample(problem, number, seed=3)
-    values = function(*shares.T)
-    return shares, values, np.zeros(len(values))
+def test_the_share_of_the_ranges_without_such_a_flow_is_told():
+    table = indices_of_surrogate(flows_beyond(0.4), "asked", blocks=BLOCKS)
+    assert table["absent"].unique() == pytest.approx(0.4, abs=0.05)
+    assert "% of the ranges no such flow is likely" in caveats_of_indices(table)[0]
 
 
-def test_effects_of_a_linear_function_are_its_slopes():
-    shares, values, errors = morris_runs(lambda x, y, z: 3 * x - 2 * y + 0 * z)
-    found = morris_indices_of_runs("xyz", shares, values, errors, "s")
-    assert column(found, "mu") == pytest.approx([3, -2, 0])
-    assert column(found, "mu_star") == pytest.approx([3, 2, 0])
-    assert column(found, "sigma") == pytest.approx([0, 0, 0], abs=1e-9)
-    assert (found["high"] - found["low"]).max() < 1e-9
+def test_most_of_the_ranges_without_such_a_flow_is_no_answer():
+    with pytest.raises(Refusal, match=r"steady or mixed, and in [67]. % of the ranges no such"):
+        indices_of_surrogate(flows_beyond(0.7), "asked")
 
 
-def test_interactions_show_in_sigma_and_lost_trajectories_are_counted():
-    shares, values, errors = morris_runs(lambda x, y, z: x * y + 0 * z)
-    values[5] = np.nan
-    found = morris_indices_of_runs("xyz", shares, values, errors, "s")
-    assert set(found["blocks"]) == {19} and set(found["left_out"]) == {1}
-    x, y, z = column(found, "sigma")
-    assert min(x, y) > 0.2 and z == pytest.approx(0, abs=1e-9)
-    assert (found["low"] <= found["value"]).all() and (found["high"] > found["low"]).any()
+def test_a_length_at_its_bound_is_unsure_and_never_without_effect():
+    table = with_doubts(sobol_indices(ISHIGAMI, BLOCKS).assign(error=0.1), ("x2",))
+    is_unsure = table["doubt"].str.startswith("unsure")
+    assert (is_unsure == ((table["parameter"] == "x2") | (table["other"] == "x2"))).all()
+    (text,) = caveats_of_indices(table)
+    assert text.startswith("first x2, total x2: unsure")
+
+
+def test_a_surrogate_names_the_parameters_whose_length_is_at_its_bound():
+    surrogate = made_surrogate()
+    assert surrogate.unsure == ()
+    theta = surrogate.process.theta.copy()
+    theta[2] = np.log(20.0)
+    stuck = replace(surrogate, process=replace(surrogate.process, theta=theta))
+    assert stuck.unsure == ("depth",)

@@ -1,0 +1,176 @@
+"""How often the intervals of sensitivities hold the truth: a row for each kind of question.
+
+`python -m tests.coverage.sensitivity` prints the table of docs/validation.md. Each design is asked
+as a study would: a surrogate is fitted to values of replicates, or these are analysed as they are.
+"""
+
+import argparse
+from collections.abc import Callable, Iterator
+from functools import lru_cache, partial
+
+import numpy as np
+import pandas as pd
+
+from sim.study.design import Axis
+from sim.study.surrogate import SurrogateSpec
+from sim.surrogates.fitting import fit_surrogate
+from sim.surrogates.indices import indices_of_surrogate, sobol_indices
+from sim.surrogates.indices_of_runs import morris_indices_of_runs, sobol_indices_of_runs
+from sim.surrogates.predictor import scaled
+from sim.surrogates.refusals import Refusal
+from sim.surrogates.sample import standard_errors
+from tests.made.indices import Function, made_runs
+from tests.made.surrogates import design, made_sample, smooth
+from tests.surrogates.predictors import ISHIGAMI, MadePredictor, g_function
+
+#: Designs of a case; blocks of a surrogate, and of a truth.
+DESIGNS, BLOCKS, TRUE_BLOCKS = 40, 2**7, 2**12
+
+#: Digits of a truth.
+DIGITS = 1e-3
+
+
+def flat(x):
+    """A function of two parameters of three."""
+    return 0.5 + np.exp(x[:, 0]) * (0.3 + 0.5 * x[:, 1] ** 2)
+
+
+def eight(x):
+    return 1 + x[:, 0] + x[:, 1] ** 2 + 0.5 * np.sin(3 * x[:, 2]) * x[:, 3] + x[:, 4:].sum(axis=1)
+
+
+def ishigami(x):
+    return ISHIGAMI.predict(scaled(x, ISHIGAMI.bounds, ISHIGAMI.scales))[0]
+
+
+def step(height: float, x: np.ndarray) -> np.ndarray:
+    return smooth(x) * (1 + height * (x[:, 0] + 0.5 * x[:, 1] > 0.7))
+
+
+def g(x):
+    return g_function(*x.T)
+
+
+#: Function, parameters, points, noise of a replicate, and share of the first range without a flow.
+SURROGATES = {
+    "smooth, 2 parameters, 16 points": (smooth, 2, 16, 0.05, 0.0),
+    "smooth, 3 parameters, 16 points": (smooth, 3, 16, 0.05, 0.0),
+    "smooth, 8 parameters, 64 points": (eight, 8, 64, 0.05, 0.0),
+    "Ishigami, 64 points": (ishigami, 3, 64, 0.0, 0.0),
+    "Ishigami, 128 points": (ishigami, 3, 128, 0.0, 0.0),
+    "Sobol' G, 64 points": (g, 4, 64, 0.0, 0.0),
+    "noise 1 %, 32 points": (smooth, 3, 32, 0.01, 0.0),
+    "noise 20 %, 32 points": (smooth, 3, 32, 0.2, 0.0),
+    "noise 30 %, 32 points": (smooth, 3, 32, 0.3, 0.0),
+    "step of 30 %, 32 points": (partial(step, 0.3), 3, 32, 0.01, 0.0),
+    "step of 100 %, 32 points": (partial(step, 1.0), 3, 32, 0.01, 0.0),
+    "regime that ends at 30 % of a range, 32 points": (smooth, 3, 32, 0.02, 0.3),
+    "regime that ends at 70 % of a range, 32 points": (smooth, 3, 32, 0.02, 0.7),
+    "4 of 48 points": (eight, 5, 48, 0.02, 11 / 12),
+}
+
+#: Kind, blocks and noise of a replicate, relative to its value.
+RUNS = {
+    f"{kind} of runs, {blocks} {what}, noise {100 * noise:g} %": (kind, blocks, noise)
+    for kind, what, numbers in (
+        ("saltelli", "blocks", (16, 32, 64)),
+        ("morris", "trajectories", (10, 20, 40)),
+    )
+    for blocks in numbers
+    for noise in (0.0, 0.05, 0.2, 0.3)
+}
+
+#: Functions of the runs.
+FUNCTIONS: tuple[Function, ...] = (
+    flat,
+    ishigami,
+    lambda x: g_function(*x.T, np.full(len(x), 0.25)),
+)
+
+
+@lru_cache
+def true_indices(function: Function, dimensions: int) -> np.ndarray:
+    predictor = MadePredictor(lambda *x: function(np.column_stack(x)), [[0, 1]] * dimensions)
+    return sobol_indices(predictor, TRUE_BLOCKS)["value"].to_numpy()
+
+
+def of_surrogate(case: tuple, seed: int) -> pd.DataFrame:
+    """Return the indices of the surrogate of a case; a refusal where there are none."""
+    function, dimensions, count, noise, edge = case
+    x = design(count, dimensions, seed)
+    rng = np.random.default_rng(seed)
+    beds = function(x)[:, None] * (1 + noise * rng.normal(size=(count, 2)))
+    errors, _ = standard_errors(list(beds), np.zeros(count))
+    regime = np.where(x[:, 0] < edge, "arrested", "steady")
+    axes = tuple(Axis(f"x{number}", 0.0, 1.0) for number in range(dimensions))
+    spec = SurrogateSpec("made", "wide", "velocity", "chute", axes)
+    sample = made_sample(x, beds.mean(axis=1), axes, errors, regime)
+    return indices_of_surrogate(fit_surrogate(spec, sample), "made", blocks=BLOCKS)
+
+
+def of_runs(function: Function, case: tuple, seed: int) -> pd.DataFrame:
+    kind, blocks, noise = case
+    runs, shares, places = made_runs(function, kind, blocks, seed=seed, noise=noise)
+    if kind == "morris":
+        return morris_indices_of_runs(runs, shares, places, [True] * 3)
+    return sobol_indices_of_runs(runs)
+
+
+@lru_cache
+def true_of_runs(function: Function, kind: str) -> np.ndarray:
+    if kind == "morris":
+        return of_runs(function, (kind, 1000, 0.0), 1)["value"].to_numpy()
+    return true_indices(function, 3)[:7]
+
+
+def answers(name: str, designs: int) -> Iterator[tuple[Callable[[], pd.DataFrame], np.ndarray]]:
+    """Yield a question and the truth for each design of a case."""
+    seeds = range(1, designs + 1)
+    if name in SURROGATES:
+        case = SURROGATES[name]
+        truth = true_indices(*case[:2])
+        yield from ((partial(of_surrogate, case, seed), truth) for seed in seeds)
+        return
+    for function in FUNCTIONS:
+        truth = true_of_runs(function, RUNS[name][0])
+        yield from ((partial(of_runs, function, RUNS[name], seed), truth) for seed in seeds)
+
+
+def coverage(name: str, designs: int = DESIGNS) -> tuple[int, int, list[float]]:
+    """Return how many designs there are, how many have an answer, and what share each holds."""
+    held: list[float] = []
+    number = 0
+    for ask, truth in answers(name, designs):
+        number += 1
+        try:
+            table = ask()
+        except Refusal:
+            continue
+        slack = DIGITS * max(1.0, np.abs(truth).max())
+        inside = (table["low"] <= truth + slack) & (truth - slack <= table["high"])
+        held.append(float(inside[table["low"].notna()].mean()))
+    return number, len(held), held
+
+
+def row(name: str, designs: int = DESIGNS) -> str:
+    """Return a row of the table of docs/validation.md."""
+    number, answered, held = coverage(name, designs)
+    if not held:
+        return f"| {name} | 0 of {number} | no answer | |"
+    share, worst = 100 * np.mean(held), 100 * min(held)
+    return f"| {name} | {answered} of {number} | {share:.1f} | {worst:.0f} |"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("cases", nargs="*", metavar="CASE", help="those to work out (all)")
+    parser.add_argument("--designs", type=int, default=DESIGNS)
+    chosen = parser.parse_args()
+    print("| case | designs with an answer | truths held, % | worst design, % |")
+    print("| --- | --- | --- | --- |")
+    for name in chosen.cases or [*SURROGATES, *RUNS]:
+        print(row(name, chosen.designs), flush=True)
+
+
+if __name__ == "__main__":
+    main()
