@@ -1,36 +1,45 @@
 """Gallas' drag between rotating particles: a spring, and drags in normal and shear direction.
 
-The normal force is F_N = K α + 2ζ √(K m*) dα/dt, with the ζ that gives the restitution e. The shear
+The normal force is F_N = K α + 2ζ √(K m*) dα/dt, with the ζ that gives the restitution e, and where
+it pulls at the end of a contact it is kept or clipped. The shear
 force γ_s m* v_t acts against the slip velocity v_t and has neither a limit nor a memory (Gallas,
 Herrmann and Sokołowski, Eqs. 2-4, with the reduced mass of the partners in both drags).
 """
 
-from math import hypot, log, pi, sqrt
+from math import sqrt
 from typing import Any, NamedTuple
 
+from sim.parameters.dashpot import LEAST_FORCE, contact_time, damping_fraction
 from sim.parameters.laws import SMALL_OVERLAP, law
 from sim.parameters.spheres import SphereParameters
 
 
 class Drag(NamedTuple):
-    """``stiffness`` K (N/m); ``damping`` 2ζ √K over the time step, and ``shear`` γ_s over it."""
+    """``stiffness`` K (N/m); ``damping`` 2ζ √K over the time step, and ``shear`` γ_s over it;
+    ``least`` normal force (N)."""
 
     stiffness: float
     damping: float
     shear: float
+    least: float
 
 
 def collision_time(p: SphereParameters) -> float:
-    """Return π √(m*/K) √(1 + (ln e/π)²) of the lightest particles, s."""
-    return 2 * p.loading_time * hypot(1, log(p.restitution) / pi)
+    """Return the time for which the lightest particles push, s, as `spring_dashpot` has it."""
+    return 2 * p.loading_time * contact_time(p.restitution, p.attraction)
 
 
 def make(p: SphereParameters, partners: Any) -> Drag:
     """Return the law of a point, the same for all partners."""
-    decay = -log(p.restitution)
-    damping = 2.0 * (decay / sqrt(pi**2 + decay**2)) * sqrt(p.stiffness)
+    share, whole = damping_fraction(p.restitution, p.attraction)
+    damping = 2.0 * (share / whole) * sqrt(p.stiffness)
     shear = p.shear_damping * p.gravity
-    return Drag(float(p.stiffness), damping / partners.time_step, shear / partners.time_step)
+    return Drag(
+        float(p.stiffness),
+        damping / partners.time_step,
+        shear / partners.time_step,
+        LEAST_FORCE[p.attraction],
+    )
 
 
 def force(law, overlap, approach, slip, tangential, memory, radius, mass):
@@ -38,7 +47,8 @@ def force(law, overlap, approach, slip, tangential, memory, radius, mass):
 
     See `sim.parameters.laws.law`. The numbers are the drag (N), and 1 as the contact has begun.
     """
-    drag = law.damping * sqrt(mass) * approach
+    spring = law.stiffness * overlap
+    drag = max(law.damping * sqrt(mass) * approach, law.least - spring)
     shear = law.shear * mass
     shear_force = (shear * slip[0], shear * slip[1], shear * slip[2])
     # Drags start and end abruptly: the excess of their first step makes up for the part that is
@@ -49,7 +59,7 @@ def force(law, overlap, approach, slip, tangential, memory, radius, mass):
         loss += 0.5 * (
             shear_force[0] * slip[0] + shear_force[1] * slip[1] + shear_force[2] * slip[2]
         )
-    return law.stiffness * overlap + drag, shear_force, (drag, 1.0), loss
+    return max(spring + drag, law.least), shear_force, (drag, 1.0), loss
 
 
 def energy(law, overlap, tangential, memory, radius, mass):
@@ -66,5 +76,5 @@ law(
     collision_time=collision_time,
     remembers=2,
     max_overlap=SMALL_OVERLAP,
-    owns=("shear_damping",),
+    owns=("shear_damping", "attraction"),
 )

@@ -4,12 +4,15 @@ With the normal stiffness S = 2 E* √(R* α): F_N = (2/3) S α + 2 √(5/6) β 
 β = -ln e/√(π² + ln² e) the restitution is e at every velocity and size (Tsuji, Tanaka and
 Ishida, Powder Technol. 71 (1992) 239). The tangential stiffness is a constant share of S, 2(1 - ν)
 /(2 - ν) of spheres with Poisson's ratio ν (Mindlin, J. Appl. Mech. 16 (1949) 259), and its force is
-cut to μ |F_N|.
+cut to μ |F_N|. A force that is kept while the contact unloads stretches its softening spring without
+work. So an option lets it fall with the stiffness: the spring then keeps its length. Loading stiffens
+the spring at its force, which shortens it. Either way work is lost, never gained.
 """
 
-from math import log, pi, sqrt
+from math import inf, sqrt
 from typing import Any, NamedTuple
 
+from sim.parameters.dashpot import LEAST_FORCE, damping_fraction
 from sim.parameters.laws import SMALL_OVERLAP, law
 from sim.parameters.spheres import SphereParameters
 
@@ -19,12 +22,23 @@ IMPACT = 10
 
 class Hertz(NamedTuple):
     """``modulus`` E* (Pa); ``tangential`` stiffness relative to the normal one; ``damping``
-    2 √(5/6) β over the time step (1/s); ``friction`` μ."""
+    2 √(5/6) β over the time step (1/s); ``friction`` μ; ``least`` normal force (N)."""
 
     modulus: float
     tangential: float
     damping: float
     friction: float
+    least: float = -inf
+
+
+class Rescaled(NamedTuple):
+    """The same numbers, for the tangential force that falls with the stiffness."""
+
+    modulus: float
+    tangential: float
+    damping: float
+    friction: float
+    least: float = -inf
 
 
 def effective_modulus(p: SphereParameters) -> float:
@@ -42,15 +56,17 @@ def collision_time(p: SphereParameters) -> float:
     return 2.87 * ((p.lightest_mass / 2 / effective_modulus(p)) ** 2 / (radius * speed)) ** 0.2
 
 
-def make(p: SphereParameters, partners: Any) -> Hertz:
+def make(p: SphereParameters, partners: Any) -> Hertz | Rescaled:
     """Return the law of a point for one kind of partners; plane and spheres are of one material."""
-    decay = -log(p.restitution)
-    damping = 2.0 * sqrt(5.0 / 6.0) * decay / sqrt(pi**2 + decay**2)
-    return Hertz(
+    share, whole = damping_fraction(p.restitution, p.attraction)
+    damping = 2.0 * sqrt(5.0 / 6.0) * share / whole
+    kind = Hertz if p.tangential_unloading == "kept" else Rescaled
+    return kind(
         effective_modulus(p),
         float(p.tangential_ratio),
         damping / partners.time_step,
         float(partners.friction),
+        LEAST_FORCE[p.attraction],
     )
 
 
@@ -60,8 +76,9 @@ def force(law, overlap, approach, slip, tangential, memory, radius, mass):
     See `sim.parameters.laws.law`.
     """
     stiffness = 2.0 * law.modulus * sqrt(radius * max(overlap, 0.0))
-    drag = law.damping * sqrt(stiffness * mass) * approach
-    normal = 2.0 / 3.0 * stiffness * overlap + drag
+    elastic = 2.0 / 3.0 * stiffness * overlap
+    drag = max(law.damping * sqrt(stiffness * mass) * approach, law.least - elastic)
+    normal = max(elastic + drag, law.least)
     spring = law.tangential * stiffness
     tx = tangential[0] + spring * slip[0]
     ty = tangential[1] + spring * slip[1]
@@ -71,6 +88,18 @@ def force(law, overlap, approach, slip, tangential, memory, radius, mass):
     scale = limit / size if size > limit else 1.0
     loss = 0.5 * (memory[0] + drag) * approach
     return normal, (tx * scale, ty * scale, tz * scale), (drag,), loss
+
+
+def rescaled_force(law, overlap, approach, slip, tangential, memory, radius, mass):
+    """Return what `force` does, of a tangential force that has fallen with the stiffness.
+
+    It also remembers the stiffness (N/m).
+    """
+    stiffness = 2.0 * law.modulus * sqrt(radius * max(overlap, 0.0))
+    share = stiffness / memory[1] if stiffness < memory[1] else 1.0
+    held = (tangential[0] * share, tangential[1] * share, tangential[2] * share)
+    normal, along, (drag,), loss = force(law, overlap, approach, slip, held, memory, radius, mass)
+    return normal, along, (drag, stiffness), loss
 
 
 def energy(law, overlap, tangential, memory, radius, mass):
@@ -90,5 +119,7 @@ law(
     energy=energy,
     collision_time=collision_time,
     remembers=1,
+    variants={Rescaled: (rescaled_force, 2)},
     max_overlap=SMALL_OVERLAP,
+    owns=("attraction", "tangential_unloading"),
 )

@@ -30,6 +30,7 @@ POINTS = points()
 #: is new, and compiling takes long.
 KNOWN_LAWS = {
     "conveyor_hertz",
+    "conveyor_hertz_rescaled",
     "conveyor_drag",
     "conveyor_discs_bumps",
     "conveyor_discs_dashpot",

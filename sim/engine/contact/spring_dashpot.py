@@ -1,11 +1,11 @@
 """Linear spring and dashpot with the friction of Cundall and Strack, the law of most DEM codes.
 
-Cundall and Strack, Géotechnique 29 (1979) 47. Normal force F_N = K α + c dα/dt, kept where it is
-attractive at the end of a contact, so that the restitution is exact; tangential spring K_t s, cut
-to μ |F_N|.
+Cundall and Strack, Géotechnique 29 (1979) 47. Normal force F_N = K α + c dα/dt, kept or clipped
+where it is attractive at the end of a contact, with the c that gives the restitution; tangential
+spring K_t s, cut to μ |F_N|.
 """
 
-from math import log, pi, sqrt
+from math import inf, sqrt
 from typing import NamedTuple
 
 from sim.engine.compile import implements
@@ -17,29 +17,25 @@ from sim.engine.contact.friction import (
     work_against,
 )
 from sim.engine.contact.roots import SMALLEST, inverse_square_root
+from sim.parameters.dashpot import LEAST_FORCE, damping_fraction
 
 
 class SpringDashpot(NamedTuple):
     """Parameters of the law for one kind of partners.
 
     ``stiffness`` K and ``tangential`` stiffness K_t (N/m), ``damping`` c over the time step (N/m):
-    the damping force per approach during a step; ``friction`` μ.
+    the damping force per approach during a step; ``friction`` μ; ``least`` normal force (N).
     """
 
     stiffness: float
     damping: float
     tangential: float
     friction: float
+    least: float = -inf
 
 
 #: The drag of the last step.
 declare_memory(SpringDashpot, 1)
-
-
-def damping_ratio(restitution: float) -> float:
-    """Return the damping relative to the critical one that gives this restitution."""
-    decay = -log(restitution)
-    return decay / sqrt(pi**2 + decay**2)
 
 
 def spring_dashpot(
@@ -49,14 +45,17 @@ def spring_dashpot(
     mass: float,
     time_step: float,
     tangential_ratio: float = 0.8,
+    attraction: str = "kept",
 ) -> SpringDashpot:
-    """Return the law for K (N/m), e, μ, reduced mass (kg), time step (s) and K_t/K."""
-    damping = 2.0 * damping_ratio(restitution) * sqrt(stiffness * mass)
+    """Return the law for K (N/m), e, μ, reduced mass (kg), time step (s), K_t/K and attraction."""
+    share, whole = damping_fraction(restitution, attraction)
+    damping = 2.0 * (share / whole) * sqrt(stiffness * mass)
     return SpringDashpot(
         float(stiffness),
         damping / time_step,
         float(tangential_ratio * stiffness),
         float(friction),
+        LEAST_FORCE[attraction],
     )
 
 
@@ -67,11 +66,12 @@ def _spring_dashpot(law, overlap, approach, normal, slip, memory):
 
     def body(law, overlap, approach, normal, slip, memory):
         before, drag_before = memory[:3], memory[3]
-        drag = law.damping * approach
+        spring = law.stiffness * overlap
+        drag = max(law.damping * approach, law.least - spring)
         # The drag starts and ends abruptly: the excess of its first step makes up for the part that
         # is missing after its last.
         drag_before = drag if drag_before == 0.0 else drag_before
-        force = law.stiffness * overlap + drag
+        force = max(spring + drag, law.least)
         limit = law.friction * abs(force)
 
         ux, uy, uz = friction_direction(normal, before)
