@@ -35,8 +35,8 @@ LAYERED = 0.5
 
 _LAYERS_TEXT = (
     f"on bumps in a cell narrower than {WIDE_CELL} σ the flow has ordered in layers (layer_order "
-    f"above {LAYERED:g}), which may glide on each other and be several times as fast as a flow in a "
-    "wider cell"
+    f"above {LAYERED:g}), which may glide on each other and be several times as fast as a flow in "
+    "a wider cell"
 )
 
 #: The scalars that make up the energy ledger of a replicate.
@@ -98,7 +98,8 @@ def layer_orders(run: RunFile, parameters: Parameters) -> list[float]:
         return []
     measured = observables(parameters.system)["layer_order"].measure
     completed = (run["status"] == "completed").nonzero()[0]
-    return [measured(Replicate(run, int(k))).get("layer_order", nan) for k in completed]
+    orders: Any = [measured(Replicate(run, int(k))) for k in completed]
+    return [one.get("layer_order", nan) for one in orders]
 
 
 def caveat_of_run(run: Summary, parameters: Parameters, orders: Iterable[float] = ()) -> str:

@@ -4,9 +4,9 @@ With the normal stiffness S = 2 E* √(R* α): F_N = (2/3) S α + 2 √(5/6) β 
 β = -ln e/√(π² + ln² e) the restitution is e at every velocity and size (Tsuji, Tanaka and
 Ishida, Powder Technol. 71 (1992) 239). The tangential stiffness is a constant share of S, 2(1 - ν)
 /(2 - ν) of spheres with Poisson's ratio ν (Mindlin, J. Appl. Mech. 16 (1949) 259), and its force is
-cut to μ |F_N|. A force that is kept while the contact unloads stretches its softening spring without
-work. So an option lets it fall with the stiffness: the spring then keeps its length. Loading stiffens
-the spring at its force, which shortens it. Either way work is lost, never gained.
+cut to μ |F_N|. A force that is kept while the contact unloads stretches its softening spring
+without work. So an option lets it fall with the stiffness: the spring then keeps its length.
+Loading stiffens the spring at its force, which shortens it. Either way work is lost, never gained.
 """
 
 from math import inf, sqrt

@@ -1,11 +1,11 @@
 """The damping that gives a restitution, of laws with a spring and a dashpot.
 
-Relative to the critical one it is ζ, for a linear spring K α with a dashpot 2 ζ √(K m) dα/dt and for
-Hertz's spring with Tsuji's dashpot alike: with y = α^(5/4) the latter has the equation of the former
-in the plane of y and dα/dt (Antypov and Elliott, EPL 94 (2011) 50004). Where the force may pull, the
-contact ends as the overlap does, and -ln e = π ζ/√(1 - ζ²). Where it is clipped at zero, it ends as
-the force does, at the time 2 f(ζ)/ω₀, and -ln e = 2 ζ f(ζ) with f(ζ) = arccos ζ/√(1 - ζ²), beyond
-ζ = 1 arcosh ζ/√(ζ² - 1) (Schwager and Pöschel, Granular Matter 9 (2007) 465).
+Relative to the critical one it is ζ, for a linear spring K α with a dashpot 2 ζ √(K m) dα/dt and
+for Hertz's spring with Tsuji's dashpot alike: with y = α^(5/4) the latter has the equation of the
+former in the plane of y and dα/dt (Antypov and Elliott, EPL 94 (2011) 50004). Where the force may
+pull, the contact ends as the overlap does, and -ln e = π ζ/√(1 - ζ²). Where it is clipped at zero,
+it ends as the force does, at the time 2 f(ζ)/ω₀, and -ln e = 2 ζ f(ζ) with f(ζ) = arccos ζ/√(1 -
+ζ²), beyond ζ = 1 arcosh ζ/√(ζ² - 1) (Schwager and Pöschel, Granular Matter 9 (2007) 465).
 """
 
 from functools import cache

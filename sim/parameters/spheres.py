@@ -143,8 +143,8 @@ class SphereParameters(Parameters):
     )
     attraction: Literal["kept", "clipped"] = declare(
         "kept",
-        description="a dashpot that would pull at the end of a contact does, or the normal force is "
-        "then 0; the restitution is the same",
+        description="a dashpot that would pull at the end of a contact does so, or the normal "
+        "force is then 0; the restitution is the same",
         added=True,
     )
     tangential_unloading: Literal["kept", "rescaled"] = declare(

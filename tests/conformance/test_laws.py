@@ -24,7 +24,7 @@ from tests.engine_motion.helpers import LAWS, rotation
 from tests.engine_motion.points import energy_residual, series_of
 from tests.engine_motion.spheres import NORMAL, TANGENT, Impacts, SphereMotion
 
-#: Laws with what else their points say: options and, of Walton and Braun's, readings that change it.
+#: Laws with what else their points say: options, and readings that change Walton and Braun's.
 CASES = {name: {} for name in names_of(LAW)}
 CASES |= {f"{name} clipped": {"attraction": "clipped"} for name in ("spring_dashpot", "drag")}
 CASES["hertz rescaled"] = {"attraction": "clipped", "tangential_unloading": "rescaled"}

@@ -288,7 +288,9 @@ def test_what_it_cannot_do_is_refused_in_one_line(key):
     with pytest.raises(InputError) as caught:
         parse_point(given, "point.yaml")
     line = str(caught.value)
-    assert line.startswith(f"point.yaml: {key.split()[0]}: ") and allowed in line and "\n" not in line
+    assert (
+        line.startswith(f"point.yaml: {key.split()[0]}: ") and allowed in line and "\n" not in line
+    )
 
 
 def test_ids_of_before_stay_and_those_of_the_engine_say_it():

@@ -27,7 +27,13 @@ def rebound(ratio: float, attraction: str, power: float) -> tuple[float, float]:
     ends.terminal, ends.direction = True, -1
     start = 1e-9
     found = solve_ivp(
-        lambda _, y: [y[1], -force(*y)], (0, 1e3), [start, 1.0], "LSODA", events=ends, rtol=1e-10, atol=1e-13
+        lambda _, y: [y[1], -force(*y)],
+        (0, 1e3),
+        [start, 1.0],
+        "LSODA",
+        events=ends,
+        rtol=1e-10,
+        atol=1e-13,
     )
     return -found.y[1, -1], found.t[-1]
 

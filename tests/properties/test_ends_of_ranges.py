@@ -105,7 +105,9 @@ def touched_images(system) -> int:
         place, radius = place[:, ~fixed | fixed.any()], radius[~fixed | fixed.any()]
     gap = place[:, :, None] - place[:, None, :]
     reach, count = radius[:, None] + radius, 0
-    shifts = np.stack(np.meshgrid(*[[-2, -1, 0, 1, 2]] * len(lengths)), -1).reshape(-1, len(lengths))
+    shifts = np.stack(np.meshgrid(*[[-2, -1, 0, 1, 2]] * len(lengths)), -1).reshape(
+        -1, len(lengths)
+    )
     for shift in shifts:
         moved = gap.copy()
         for axis, (length, turns) in enumerate(zip(lengths, shift, strict=True)):
