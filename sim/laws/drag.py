@@ -1,27 +1,33 @@
 """Gallas' drag between rotating particles: a spring, and drags in normal and shear direction.
 
-The normal force is F_N = K α + 2ζ √(K m*) dα/dt, with the ζ that gives the restitution e, and where
-it pulls at the end of a contact it is kept or clipped. The shear
-force γ_s m* v_t acts against the slip velocity v_t and has neither a limit nor a memory (Gallas,
-Herrmann and Sokołowski, Eqs. 2-4, with the reduced mass of the partners in both drags).
+The normal force is F_N = K α + 2ζ √(K m*) dα/dt, with the ζ that gives the restitution e, kept or
+clipped where it pulls. The shear force γ_s m* v_t acts against the slip velocity v_t and has
+neither a limit nor a memory (Gallas, Herrmann and Sokołowski, Eqs. 2-4, with the reduced mass of
+the partners in both drags).
 """
 
 from math import sqrt
 from typing import Any, NamedTuple
 
-from sim.parameters.dashpot import LEAST_FORCE, contact_time, damping_fraction
+from sim.parameters.dashpot import contact_time, damping_fraction
 from sim.parameters.laws import SMALL_OVERLAP, law
 from sim.parameters.spheres import SphereParameters
 
 
 class Drag(NamedTuple):
-    """``stiffness`` K (N/m); ``damping`` 2ζ √K over the time step, and ``shear`` γ_s over it;
-    ``least`` normal force (N)."""
+    """``stiffness`` K (N/m); ``damping`` 2ζ √K over the time step, and ``shear`` γ_s over it."""
 
     stiffness: float
     damping: float
     shear: float
-    least: float
+
+
+class Clipped(NamedTuple):
+    """The same numbers, for a normal force that never pulls."""
+
+    stiffness: float
+    damping: float
+    shear: float
 
 
 def collision_time(p: SphereParameters) -> float:
@@ -29,17 +35,13 @@ def collision_time(p: SphereParameters) -> float:
     return 2 * p.loading_time * contact_time(p.restitution, p.attraction)
 
 
-def make(p: SphereParameters, partners: Any) -> Drag:
+def make(p: SphereParameters, partners: Any) -> Drag | Clipped:
     """Return the law of a point, the same for all partners."""
     share, whole = damping_fraction(p.restitution, p.attraction)
     damping = 2.0 * (share / whole) * sqrt(p.stiffness)
     shear = p.shear_damping * p.gravity
-    return Drag(
-        float(p.stiffness),
-        damping / partners.time_step,
-        shear / partners.time_step,
-        LEAST_FORCE[p.attraction],
-    )
+    kind = Drag if p.attraction == "kept" else Clipped
+    return kind(float(p.stiffness), damping / partners.time_step, shear / partners.time_step)
 
 
 def force(law, overlap, approach, slip, tangential, memory, radius, mass):
@@ -47,8 +49,7 @@ def force(law, overlap, approach, slip, tangential, memory, radius, mass):
 
     See `sim.parameters.laws.law`. The numbers are the drag (N), and 1 as the contact has begun.
     """
-    spring = law.stiffness * overlap
-    drag = max(law.damping * sqrt(mass) * approach, law.least - spring)
+    drag = law.damping * sqrt(mass) * approach
     shear = law.shear * mass
     shear_force = (shear * slip[0], shear * slip[1], shear * slip[2])
     # Drags start and end abruptly: the excess of their first step makes up for the part that is
@@ -59,7 +60,16 @@ def force(law, overlap, approach, slip, tangential, memory, radius, mass):
         loss += 0.5 * (
             shear_force[0] * slip[0] + shear_force[1] * slip[1] + shear_force[2] * slip[2]
         )
-    return max(spring + drag, law.least), shear_force, (drag, 1.0), loss
+    return law.stiffness * overlap + drag, shear_force, (drag, 1.0), loss
+
+
+def clipped_force(law, overlap, approach, slip, tangential, memory, radius, mass):
+    """Return what `force` does, without the pull of the normal force."""
+    normal, along, (drag, begun), loss = force(
+        law, overlap, approach, slip, tangential, memory, radius, mass
+    )
+    pull = min(normal, 0.0)
+    return normal - pull, along, (drag - pull, begun), loss - 0.5 * pull * approach
 
 
 def energy(law, overlap, tangential, memory, radius, mass):
@@ -77,4 +87,5 @@ law(
     remembers=2,
     max_overlap=SMALL_OVERLAP,
     owns=("shear_damping", "attraction"),
+    variants={Clipped: (clipped_force, 2)},
 )

@@ -7,12 +7,13 @@ Ishida, Powder Technol. 71 (1992) 239). The tangential stiffness is a constant s
 cut to μ |F_N|. A force that is kept while the contact unloads stretches its softening spring
 without work. So an option lets it fall with the stiffness: the spring then keeps its length.
 Loading stiffens the spring at its force, which shortens it. Either way work is lost, never gained.
+Another option clips a normal force that pulls.
 """
 
-from math import inf, sqrt
+from math import sqrt
 from typing import Any, NamedTuple
 
-from sim.parameters.dashpot import LEAST_FORCE, damping_fraction
+from sim.parameters.dashpot import damping_fraction
 from sim.parameters.laws import SMALL_OVERLAP, law
 from sim.parameters.spheres import SphereParameters
 
@@ -22,23 +23,24 @@ IMPACT = 10
 
 class Hertz(NamedTuple):
     """``modulus`` E* (Pa); ``tangential`` stiffness relative to the normal one; ``damping``
-    2 √(5/6) β over the time step (1/s); ``friction`` μ; ``least`` normal force (N)."""
+    2 √(5/6) β over the time step (1/s); ``friction`` μ."""
 
     modulus: float
     tangential: float
     damping: float
     friction: float
-    least: float = -inf
 
 
-class Rescaled(NamedTuple):
-    """The same numbers, for the tangential force that falls with the stiffness."""
+class Optional(NamedTuple):
+    """The same numbers, and those of the options: 1 where the normal force ``clips`` its pull, and
+    where the tangential force ``falls`` with its stiffness, else 0."""
 
     modulus: float
     tangential: float
     damping: float
     friction: float
-    least: float = -inf
+    clips: float
+    falls: float
 
 
 def effective_modulus(p: SphereParameters) -> float:
@@ -56,18 +58,18 @@ def collision_time(p: SphereParameters) -> float:
     return 2.87 * ((p.lightest_mass / 2 / effective_modulus(p)) ** 2 / (radius * speed)) ** 0.2
 
 
-def make(p: SphereParameters, partners: Any) -> Hertz | Rescaled:
+def make(p: SphereParameters, partners: Any) -> Hertz | Optional:
     """Return the law of a point for one kind of partners; plane and spheres are of one material."""
     share, whole = damping_fraction(p.restitution, p.attraction)
     damping = 2.0 * sqrt(5.0 / 6.0) * share / whole
-    kind = Hertz if p.tangential_unloading == "kept" else Rescaled
-    return kind(
+    usual = Hertz(
         effective_modulus(p),
         float(p.tangential_ratio),
         damping / partners.time_step,
         float(partners.friction),
-        LEAST_FORCE[p.attraction],
     )
+    clips, falls = p.attraction == "clipped", p.tangential_unloading == "rescaled"
+    return Optional(*usual, float(clips), float(falls)) if clips or falls else usual
 
 
 def force(law, overlap, approach, slip, tangential, memory, radius, mass):
@@ -76,9 +78,8 @@ def force(law, overlap, approach, slip, tangential, memory, radius, mass):
     See `sim.parameters.laws.law`.
     """
     stiffness = 2.0 * law.modulus * sqrt(radius * max(overlap, 0.0))
-    elastic = 2.0 / 3.0 * stiffness * overlap
-    drag = max(law.damping * sqrt(stiffness * mass) * approach, law.least - elastic)
-    normal = max(elastic + drag, law.least)
+    drag = law.damping * sqrt(stiffness * mass) * approach
+    normal = 2.0 / 3.0 * stiffness * overlap + drag
     spring = law.tangential * stiffness
     tx = tangential[0] + spring * slip[0]
     ty = tangential[1] + spring * slip[1]
@@ -90,16 +91,18 @@ def force(law, overlap, approach, slip, tangential, memory, radius, mass):
     return normal, (tx * scale, ty * scale, tz * scale), (drag,), loss
 
 
-def rescaled_force(law, overlap, approach, slip, tangential, memory, radius, mass):
-    """Return what `force` does, of a tangential force that has fallen with the stiffness.
-
-    It also remembers the stiffness (N/m).
-    """
+def optional_force(law, overlap, approach, slip, tangential, memory, radius, mass):
+    """Return what `force` does, with the options of the law; it also remembers the stiffness."""
     stiffness = 2.0 * law.modulus * sqrt(radius * max(overlap, 0.0))
-    share = stiffness / memory[1] if stiffness < memory[1] else 1.0
+    share = 1.0 - law.falls * (1.0 - stiffness / memory[1]) if stiffness < memory[1] else 1.0
     held = (tangential[0] * share, tangential[1] * share, tangential[2] * share)
-    normal, along, (drag,), loss = force(law, overlap, approach, slip, held, memory, radius, mass)
-    return normal, along, (drag, stiffness), loss
+    normal, (tx, ty, tz), (drag,), loss = force(
+        law, overlap, approach, slip, held, memory, radius, mass
+    )
+    pull = law.clips * min(normal, 0.0)
+    rubs = 0.0 if pull < 0.0 else 1.0
+    along = (tx * rubs, ty * rubs, tz * rubs)
+    return normal - pull, along, (drag - pull, stiffness), loss - 0.5 * pull * approach
 
 
 def energy(law, overlap, tangential, memory, radius, mass):
@@ -119,7 +122,7 @@ law(
     energy=energy,
     collision_time=collision_time,
     remembers=1,
-    variants={Rescaled: (rescaled_force, 2)},
     max_overlap=SMALL_OVERLAP,
     owns=("attraction", "tangential_unloading"),
+    variants={Optional: (optional_force, 2)},
 )

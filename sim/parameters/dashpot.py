@@ -9,10 +9,7 @@ it ends as the force does, at the time 2 f(ζ)/ω₀, and -ln e = 2 ζ f(ζ) wit
 """
 
 from functools import cache
-from math import acos, acosh, exp, hypot, inf, log, pi, sqrt
-
-#: Least normal force (N) by the parameter ``attraction``.
-LEAST_FORCE = {"kept": -inf, "clipped": 0.0}
+from math import acos, acosh, exp, hypot, log, pi, sqrt
 
 #: Halvings after which an interval of doubles has no middle.
 _HALVINGS = 100

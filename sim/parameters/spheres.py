@@ -145,6 +145,7 @@ class SphereParameters(Parameters):
         "kept",
         description="a dashpot that would pull at the end of a contact does so, or the normal "
         "force is then 0; the restitution is the same",
+        compiled=True,
         added=True,
     )
     tangential_unloading: Literal["kept", "rescaled"] = declare(

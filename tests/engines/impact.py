@@ -7,7 +7,7 @@ import numpy as np
 
 from sim.laws.hertz import effective_modulus
 from sim.parameters import ChuteParameters
-from sim.parameters.dashpot import LEAST_FORCE, damping_fraction
+from sim.parameters.dashpot import damping_fraction
 
 
 class Convention(NamedTuple):
@@ -94,7 +94,7 @@ def impact(
             surface = -whole * v - np.cross(rims.sum(axis=0), normal)
             approach, law = -surface @ normal, springs(p, overlap, radius, mass)
             pressure = law.normal * overlap + law.damping * approach
-            pressure = max(pressure, LEAST_FORCE[p.attraction])
+            pressure = max(pressure, 0.0) if p.attraction == "clipped" else pressure
             if falls and law.tangential < before:
                 history = history * law.tangential / before
             before = law.tangential

@@ -53,7 +53,6 @@ CASES = {
         {"tangential_unloading": "rescaled", "attraction": "clipped"},
         {"plane": ROUNDING, "unlike pair": ARMS},
     ),
-    "drag clipped": ({"attraction": "clipped"}, {"pair": ROUNDING}),
 }
 
 
@@ -275,6 +274,7 @@ REFUSED = {
         {"law": "hertz", "attraction": "clipped", "restitution": 0.13},
         "above 0.136 with attraction: clipped and law: hertz with engine: lammps",
     ),
+    "attraction": ({"law": "drag", "attraction": "clipped"}, "kept with law: drag"),
     "diameter_spread": ({"law": "drag", "diameter_spread": 0.1}, "0 with law: drag"),
     "engine": ({"system": "belt", "law": None, "stiffness": 1}, "parameter of the chute and"),
 }

@@ -5,10 +5,10 @@ where it is attractive at the end of a contact, with the c that gives the restit
 spring K_t s, cut to μ |F_N|.
 """
 
-from math import inf, sqrt
+from math import sqrt
 from typing import NamedTuple
 
-from sim.engine.compile import implements
+from sim.engine.compile import by_type, implements
 from sim.engine.contact.friction import (
     contact_force,
     declare_memory,
@@ -17,25 +17,34 @@ from sim.engine.contact.friction import (
     work_against,
 )
 from sim.engine.contact.roots import SMALLEST, inverse_square_root
-from sim.parameters.dashpot import LEAST_FORCE, damping_fraction
+from sim.parameters.dashpot import damping_fraction
 
 
 class SpringDashpot(NamedTuple):
     """Parameters of the law for one kind of partners.
 
     ``stiffness`` K and ``tangential`` stiffness K_t (N/m), ``damping`` c over the time step (N/m):
-    the damping force per approach during a step; ``friction`` μ; ``least`` normal force (N).
+    the damping force per approach during a step; ``friction`` μ.
     """
 
     stiffness: float
     damping: float
     tangential: float
     friction: float
-    least: float = -inf
+
+
+class Clipped(NamedTuple):
+    """The same numbers, for a normal force that is never attractive."""
+
+    stiffness: float
+    damping: float
+    tangential: float
+    friction: float
 
 
 #: The drag of the last step.
-declare_memory(SpringDashpot, 1)
+for _kind in (SpringDashpot, Clipped):
+    declare_memory(_kind, 1)
 
 
 def spring_dashpot(
@@ -46,32 +55,44 @@ def spring_dashpot(
     time_step: float,
     tangential_ratio: float = 0.8,
     attraction: str = "kept",
-) -> SpringDashpot:
+) -> SpringDashpot | Clipped:
     """Return the law for K (N/m), e, μ, reduced mass (kg), time step (s), K_t/K and attraction."""
     share, whole = damping_fraction(restitution, attraction)
     damping = 2.0 * (share / whole) * sqrt(stiffness * mass)
-    return SpringDashpot(
+    kind = SpringDashpot if attraction == "kept" else Clipped
+    return kind(
         float(stiffness),
         damping / time_step,
         float(tangential_ratio * stiffness),
         float(friction),
-        LEAST_FORCE[attraction],
     )
+
+
+@by_type
+def admitted(law, force, drag):
+    """Return the normal force and the part of it that is drag, without attraction if so."""
+    if law.instance_class is SpringDashpot:
+        return lambda law, force, drag: (force, drag)
+
+    def body(law, force, drag):
+        pull = min(force, 0.0)
+        return force - pull, drag - pull
+
+    return body
 
 
 @implements(contact_force)
 def _spring_dashpot(law, overlap, approach, normal, slip, memory):
-    if law.instance_class is not SpringDashpot:
+    if law.instance_class not in (SpringDashpot, Clipped):
         return None
 
     def body(law, overlap, approach, normal, slip, memory):
         before, drag_before = memory[:3], memory[3]
-        spring = law.stiffness * overlap
-        drag = max(law.damping * approach, law.least - spring)
+        drag = law.damping * approach
         # The drag starts and ends abruptly: the excess of its first step makes up for the part that
         # is missing after its last.
         drag_before = drag if drag_before == 0.0 else drag_before
-        force = max(spring + drag, law.least)
+        force, drag = admitted(law, law.stiffness * overlap + drag, drag)
         limit = law.friction * abs(force)
 
         ux, uy, uz = friction_direction(normal, before)
@@ -97,7 +118,7 @@ def _spring_dashpot(law, overlap, approach, normal, slip, memory):
 
 @implements(stored_energy)
 def _stored_energy(law, overlap, memory):
-    if law.instance_class is not SpringDashpot:
+    if law.instance_class not in (SpringDashpot, Clipped):
         return None
 
     def body(law, overlap, memory):

@@ -50,6 +50,9 @@ def refuses(p: Any) -> Iterator[tuple[str, str]]:
     if p.law == "hertz" and p.attraction == "clipped" and p.restitution <= LEAST_CLIPPED:
         # It takes the damping as the restitution that it gives where it may pull.
         yield "restitution", f"above {LEAST_CLIPPED:g} with attraction: clipped and law: hertz"
+    if p.law == "drag" and p.attraction != "kept":
+        # Where the normal force is clipped it cuts the drag along surfaces to 0, too.
+        yield "attraction", "kept with law: drag"
     if p.law == "drag" and p.restitution == 1:
         # It gives the drag along surfaces as a multiple of that along the normal.
         yield "restitution", "below 1 with law: drag"

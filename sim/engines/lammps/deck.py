@@ -53,7 +53,7 @@ def contact_commands(p: SphereParameters) -> tuple[list[str], str]:
     pair_rate, rate = damping_rate(p, 0.5 * p.mass), damping_rate(p, p.mass)
     tangential, shear = p.tangential_ratio * p.stiffness, p.shear_damping * p.gravity
     if p.law == "drag":
-        style = f"hooke {p.stiffness:.17g} 0 {pair_rate:.17g} {shear:.17g} {NO_LIMIT} 1{clip}"
+        style = f"hooke {p.stiffness:.17g} 0 {pair_rate:.17g} {shear:.17g} {NO_LIMIT} 1"
         along = f"linear_nohistory {shear / rate:.17g} {NO_LIMIT}"
     else:
         springs = f"{p.stiffness:.17g} {tangential:.17g} {pair_rate:.17g}"
