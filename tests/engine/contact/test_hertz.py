@@ -194,14 +194,15 @@ def test_a_dashpot_that_pulls_rubs_as_much_as_its_closed_form_says(law, attracti
         radius, mass = 0.5 * point.diameter, point.mass
         made = law_of(point, Partners(0.05, mass, point.time_step))
         speeds = np.array([0.01, 0.02])
-        one = Impacts(made, [radius], [mass], point.time_step, speeds, slides=speeds)
+        slides = 20 * speeds
+        one = Impacts(made, [radius], [mass], point.time_step, speeds, slides=slides)
         parting, across, _ = one.run_until_parted().velocities().T
-        excess = (speeds - across) / (0.05 * (speeds + parting)) - 1
+        excess = (slides - across) / (0.05 * (speeds + parting)) - 1
         share, whole = damping_fraction(restitution, "kept")
         ratio = share / whole
         clipped = np.exp(-2 * ratio * np.arccos(ratio) / np.sqrt(1 - ratio**2))
         expected = 2 * (clipped - restitution) / (1 + restitution) if attraction == "kept" else 0
-        np.testing.assert_allclose(excess, expected, atol=2e-3)
+        np.testing.assert_allclose(excess, expected, atol=4e-3)
 
 
 def test_the_shear_drag_stops_a_slip_exponentially():
