@@ -1,7 +1,7 @@
 """Two parameters at the ends of their ranges: each is allowed, so together they make a sound flow.
 
-Or they are refused, or the flow blows up and says so. `make long` searches; a few pairs of numbers,
-for which nothing has to be compiled, are tried every time.
+Or they are refused, or the flow blows up and says so. `make long` searches; a few pairs of numbers
+of the chute, for which nothing has to be compiled, are tried every time.
 """
 
 import math
@@ -145,7 +145,10 @@ def check(values: dict[str, typing.Any]) -> None:
         assert missing <= MISSING * max(abs(turned), largest)
 
 
-@pytest.mark.parametrize("system", SYSTEMS)
+@pytest.mark.parametrize(
+    "system",
+    ["chute", *(pytest.param(one, marks=pytest.mark.long) for one in ("belt", "conveyor"))],
+)
 @settings(max_examples=6, derandomize=True, suppress_health_check=list(HealthCheck), deadline=None)
 @given(data=st.data())
 def test_two_numbers_at_the_ends_of_their_ranges_make_a_sound_flow(system, data):
