@@ -43,7 +43,8 @@ def root(rows: Rows, study: Study) -> xr.Dataset:
         }
     )
     # Not every engine tells it.
-    overlaps = scalars.get("max_overlap", xr.full_like(scalars["steps"], np.nan))
+    unknown = xr.full_like(scalars["steps"], np.nan)
+    overlaps = scalars.get("max_overlap", unknown)
     caveats = map(
         caveat,
         rows.origin["caveat"],
@@ -51,6 +52,7 @@ def root(rows: Rows, study: Study) -> xr.Dataset:
         [point.parameters for point in study.points.values()],
         overlaps.where(scalars["status"] == "completed").values,
         (scalars["steps"] * scalars["time_step_used"]).values,
+        scalars.get("layer_order", unknown).values,
     )
     numbers = np.arange(scalars.sizes["replicate"])
     dataset = scalars.assign_coords(

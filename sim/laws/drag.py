@@ -1,13 +1,15 @@
 """Gallas' drag between rotating particles: a spring, and drags in normal and shear direction.
 
-The normal force is F_N = K α + 2ζ √(K m*) dα/dt, with the ζ that gives the restitution e. The shear
-force γ_s m* v_t acts against the slip velocity v_t and has neither a limit nor a memory (Gallas,
-Herrmann and Sokołowski, Eqs. 2-4, with the reduced mass of the partners in both drags).
+The normal force is F_N = K α + 2ζ √(K m*) dα/dt, with the ζ that gives the restitution e, kept or
+clipped where it pulls. The shear force γ_s m* v_t acts against the slip velocity v_t and has
+neither a limit nor a memory (Gallas, Herrmann and Sokołowski, Eqs. 2-4, with the reduced mass of
+the partners in both drags).
 """
 
-from math import hypot, log, pi, sqrt
+from math import sqrt
 from typing import Any, NamedTuple
 
+from sim.parameters.dashpot import contact_time, damping_fraction
 from sim.parameters.laws import SMALL_OVERLAP, law
 from sim.parameters.spheres import SphereParameters
 
@@ -20,17 +22,26 @@ class Drag(NamedTuple):
     shear: float
 
 
+class Clipped(NamedTuple):
+    """The same numbers, for a normal force that never pulls."""
+
+    stiffness: float
+    damping: float
+    shear: float
+
+
 def collision_time(p: SphereParameters) -> float:
-    """Return π √(m*/K) √(1 + (ln e/π)²) of the lightest particles, s."""
-    return 2 * p.loading_time * hypot(1, log(p.restitution) / pi)
+    """Return the time for which the lightest particles push, s, as `spring_dashpot` has it."""
+    return 2 * p.loading_time * contact_time(p.restitution, p.attraction)
 
 
-def make(p: SphereParameters, partners: Any) -> Drag:
+def make(p: SphereParameters, partners: Any) -> Drag | Clipped:
     """Return the law of a point, the same for all partners."""
-    decay = -log(p.restitution)
-    damping = 2.0 * (decay / sqrt(pi**2 + decay**2)) * sqrt(p.stiffness)
+    share, whole = damping_fraction(p.restitution, p.attraction)
+    damping = 2.0 * (share / whole) * sqrt(p.stiffness)
     shear = p.shear_damping * p.gravity
-    return Drag(float(p.stiffness), damping / partners.time_step, shear / partners.time_step)
+    kind = Drag if p.attraction == "kept" else Clipped
+    return kind(float(p.stiffness), damping / partners.time_step, shear / partners.time_step)
 
 
 def force(law, overlap, approach, slip, tangential, memory, radius, mass):
@@ -52,6 +63,15 @@ def force(law, overlap, approach, slip, tangential, memory, radius, mass):
     return law.stiffness * overlap + drag, shear_force, (drag, 1.0), loss
 
 
+def clipped_force(law, overlap, approach, slip, tangential, memory, radius, mass):
+    """Return what `force` does, without the pull of the normal force."""
+    normal, along, (drag, begun), loss = force(
+        law, overlap, approach, slip, tangential, memory, radius, mass
+    )
+    pull = min(normal, 0.0)
+    return normal - pull, along, (drag - pull, begun), loss - 0.5 * pull * approach
+
+
 def energy(law, overlap, tangential, memory, radius, mass):
     """Return the energy (J) in the spring; nothing is stored along the surfaces."""
     return 0.5 * law.stiffness * overlap * overlap, 0.0
@@ -66,5 +86,6 @@ law(
     collision_time=collision_time,
     remembers=2,
     max_overlap=SMALL_OVERLAP,
-    owns=("shear_damping",),
+    owns=("shear_damping", "attraction"),
+    variants={Clipped: (clipped_force, 2)},
 )

@@ -1,8 +1,8 @@
 """Linear spring and dashpot: the compiled body is `sim.engine.contact.spring_dashpot`."""
 
-import math
 from typing import Any, NamedTuple
 
+from sim.parameters.dashpot import contact_time
 from sim.parameters.laws import SMALL_OVERLAP, law
 from sim.parameters.spheres import SphereParameters
 
@@ -18,12 +18,16 @@ def make(p: SphereParameters, partners: Any) -> NamedTuple:
         partners.reduced_mass,
         partners.time_step,
         p.tangential_ratio,
+        p.attraction,
     )
 
 
 def collision_time(p: SphereParameters) -> float:
-    """Return π √(m*/K) √(1 + (ln e/π)²) of the lightest particles, s."""
-    return 2 * p.loading_time * math.hypot(1, math.log(p.restitution) / math.pi)
+    """Return the time for which the lightest particles push, s.
+
+    π √(m*/K) √(1 + (ln e/π)²) where they also pull, less where that is clipped.
+    """
+    return 2 * p.loading_time * contact_time(p.restitution, p.attraction)
 
 
 law(
@@ -38,4 +42,5 @@ law(
     max_overlap=SMALL_OVERLAP,
     # The damping for a given restitution depends on the masses of the two partners.
     one_mass=True,
+    owns=("attraction",),
 )

@@ -77,7 +77,8 @@ def require_default(parameters: "Parameters", name: str, unless: str) -> None:
     """Refuse another value of a parameter than its default, ``unless`` something is."""
     value, usual = getattr(parameters, name), type(parameters).model_fields[name].default
     if value != usual:
-        raise broken_rule(name, value, f"{usual:g} unless {unless}")
+        text = usual if isinstance(usual, str) else f"{usual:g}"
+        raise broken_rule(name, value, f"{text} unless {unless}")
 
 
 class Parameters(BaseModel):
@@ -330,11 +331,14 @@ class Parameters(BaseModel):
     def _require_option_of_parameters(self) -> None:
         for choice in CHOICES:
             chosen = getattr(self, choice, "")
-            others = {name: one for name, one in self.options(choice).items() if name != chosen}
-            for name, option in others.items() if chosen else ():
+            owners: dict[str, list[str]] = {}
+            for name, option in self.options(choice).items() if chosen else ():
                 for key in (*option.owns, *option.parameters):
-                    if key in type(self).model_fields:
-                        require_default(self, key, f"{choice} is {plain_name(name)}, whose it is")
+                    owners.setdefault(key, []).append(name)
+            for key, names in owners.items():
+                if key in type(self).model_fields and chosen not in names:
+                    owner = " or ".join(map(plain_name, names))
+                    require_default(self, key, f"{choice} is {owner}, whose it is")
 
     def _require_feasible_magnitude(self) -> None:
         for name, field in type(self).model_fields.items():

@@ -27,6 +27,7 @@ class Law(Option):
     remembers: int
     one_mass: bool
     max_overlap: float
+    variants: Mapping[type, tuple[Callable[..., Any], int]]
 
     argument_counts: ClassVar[Mapping[str, int]] = {
         "make": 2,
@@ -39,6 +40,10 @@ class Law(Option):
     def compiled_by_hand(self) -> tuple[str, ...]:
         """Force and energy, where both are missing."""
         return ("force", "energy") if self.force is self.energy is None else ()
+
+    def of(self, kind: type) -> tuple[Callable[..., Any] | None, int]:
+        """Return the force of a type that ``make`` gives, and how many numbers it remembers."""
+        return self.variants.get(kind, (self.force, self.remembers))
 
 
 #: Numbers of its own that a law remembers of a contact unless it says another number, and at most.
@@ -58,6 +63,7 @@ def law(
     one_mass: bool = False,
     max_overlap: float = math.inf,
     owns: tuple[str, ...] = (),
+    variants: Mapping[type, tuple[Callable[..., Any], int]] | None = None,
 ) -> None:
     """Declare a contact law of the spheres, an option of the parameter ``law``.
 
@@ -96,11 +102,16 @@ def law(
         Largest overlap of an impact, in diameters, for which the law stands. Faster starts get a
         caveat; the overlap is that of a spring of the stiffness K1.
     owns : tuple of str
-        Parameters of Talus that have an effect with this law alone: under others they are refused.
+        Parameters of Talus that have an effect with this law alone, or with others that own them,
+        too: under all others they are refused.
+    variants : mapping
+        Types of what ``make`` returns that have another ``force``, with it and how many numbers
+        that gives to remember. It may call ``force``.
     """
     require_count(f"law {name}: remembers", remembers, MOST_REMEMBERED)
     require_switch(f"law {name}: one_mass", one_mass)
     require_positive(f"law {name}: max_overlap", max_overlap)
     numbers = int(remembers), one_mass, float(max_overlap)
     option = description, make, parameters or {}, owns
-    LAW.add(name, Law(*option, force, energy, collision_time, *numbers))
+    functions = force, energy, collision_time
+    LAW.add(name, Law(*option, *functions, *numbers, dict(variants or {})))

@@ -7,6 +7,7 @@ from sim.base.additions import attribute_errors_to, plain_name
 from sim.base.plugins import module_names
 from sim.parameters import fields
 from sim.parameters.common import CHOICES, MAX_PARTICLES, Parameters, Real, broken_rule
+from sim.parameters.images import largest_diameter, usual_cell, wider_cell
 from sim.parameters.roles import declare, numerics, reading
 
 #: Particle-steps per second on one core of a present-day server up to a depth, that depth, and the
@@ -74,6 +75,7 @@ class SphereParameters(Parameters):
         *("seed", "depth", "cell", "diameter", "diameter_spread", "mass"),
         *("bumps", "bump_coverage", "bump_arrangement"),
         *("restitution", "stiffness", "law", "tangential_ratio", "tangential_exponent"),
+        *("attraction", "tangential_unloading"),
         *("overlap_memory", "initial_packing", "orientations", "threads", "engine"),
     )
 
@@ -139,6 +141,20 @@ class SphereParameters(Parameters):
     shear_damping: Real = fields.shear_damping(
         "shear friction coefficient of law: drag", added=True
     )
+    attraction: Literal["kept", "clipped"] = declare(
+        "kept",
+        description="a dashpot that would pull at the end of a contact does so, or the normal "
+        "force is then 0; the restitution is the same",
+        compiled=True,
+        added=True,
+    )
+    tangential_unloading: Literal["kept", "rescaled"] = declare(
+        "kept",
+        description="the tangential force of law: hertz stays while a contact unloads, or falls "
+        "with the stiffness of its spring",
+        compiled=True,
+        added=True,
+    )
     tangential_exponent: Real = reading(
         1 / 3,
         symbol="γ",
@@ -146,15 +162,6 @@ class SphereParameters(Parameters):
         equation="Walton, Eq. 1",
         compiled=True,
         ge=0,
-    )
-    cell: Real = numerics(
-        symbol="L",
-        scale="σ",
-        description="side of the periodic cell (omitted: 10 up to depth 10, 5 above)",
-        equation="Walton, Sec. 3, Figs. 1.1-1.6",
-        changes_start=True,
-        ge=3,
-        default_factory=lambda values: 10 if values["depth"] <= 10 else 5,
     )
     diameter: Real = declare(
         1e-3,
@@ -190,6 +197,16 @@ class SphereParameters(Parameters):
         equation="Walton, Sec. 3: various degrees of roughness",
         ge=0,
         le=3,
+    )
+    cell: Real = numerics(
+        symbol="L",
+        scale="σ",
+        description="side of the periodic cell (omitted: 10 up to depth 10; above, 5, and 8 with "
+        "bumps)",
+        equation="Walton, Sec. 3, Figs. 1.1-1.6",
+        changes_start=True,
+        ge=3,
+        default_factory=lambda values: usual_cell(values["depth"], values["bumps"]),
     )
     bump_coverage: Real = declare(
         0.4,
@@ -434,6 +451,9 @@ class SphereParameters(Parameters):
         if self.bump_arrangement != "random" and not self.bumps:
             allowed = "random, unless there are bumps"
             raise broken_rule("bump_arrangement", self.bump_arrangement, allowed)
+        largest = largest_diameter(self.diameter_spread, self.is_flat)
+        if allowed := wider_cell(self.cell, largest, self.bumps):
+            raise broken_rule("cell", self.cell, allowed)
         if not self.depth * self._area <= MAX_PARTICLES:
             allowed = f"a value that gives at most {MAX_PARTICLES:.0e} particles in the cell"
             raise broken_rule("depth", self.depth, allowed)

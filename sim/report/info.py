@@ -5,8 +5,8 @@ from pathlib import Path
 
 import netCDF4
 
-from sim.dataset.caveats import caveat_of_run
-from sim.dataset.run_file import summary_of
+from sim.dataset.caveats import caveat_of_run, layer_orders
+from sim.dataset.run_file import RunFile, summary_of
 from sim.engine.stored_run import open_run_file, parameters_of
 from sim.parameters import Parameters, as_yaml, complete_values, field_info
 from sim.parameters.variables import SCALARS
@@ -41,7 +41,8 @@ def describe(path: str | Path, as_point: bool = False) -> str:
     path = Path(path)
     with open_run_file(path) as file:
         parameters = parameters_of(file, path)
-        caveat = caveat_of_run(summary_of(path), parameters)
+        orders = layer_orders(RunFile(file), parameters)
+        caveat = caveat_of_run(summary_of(path), parameters, orders)
         return as_yaml(parameters).rstrip() if as_point else _summary(file, parameters, caveat)
 
 

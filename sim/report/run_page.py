@@ -16,7 +16,7 @@ import numpy as np
 from sim.base.errors import InputError
 from sim.base.files import atomic_write, read_regular, require_writable
 from sim.base.seals import read_seal
-from sim.dataset.caveats import LEDGER_SCALARS, caveat_of_run
+from sim.dataset.caveats import LEDGER_SCALARS, caveat_of_run, layer_orders
 from sim.dataset.run_file import RunFile, summary_of
 from sim.engine.stored_run import open_run_file, parameters_of
 from sim.measures.balance import missing_energy
@@ -80,8 +80,9 @@ def _write(path: Path, folder: Path, report: str, code: str) -> None:
         if code and _begins_with(output, mark.encode()):
             return
         parameters = parameters_of(file, path)
-        caveat = caveat_of_run(summary_of(path), parameters)
-        page = _page(RunFile(file), parameters, caveat, _log_end(path), report)
+        run = RunFile(file)
+        caveat = caveat_of_run(summary_of(path), parameters, layer_orders(run, parameters))
+        page = _page(run, parameters, caveat, _log_end(path), report)
     with atomic_write(output) as temporary:
         temporary.write_text(mark + page, encoding="utf-8")
 

@@ -24,13 +24,25 @@ from tests.engine_motion.helpers import LAWS, rotation
 from tests.engine_motion.points import energy_residual, series_of
 from tests.engine_motion.spheres import NORMAL, TANGENT, Impacts
 
-#: Laws with what else their points say: of Walton and Braun's, readings that change the law.
+#: Laws with what else their points say: options, and readings that change Walton and Braun's.
 CASES = {name: {} for name in names_of(LAW)}
+CASES |= {f"{name} clipped": {"attraction": "clipped"} for name in ("spring_dashpot", "drag")}
+CASES["hertz rescaled"] = {"attraction": "clipped", "tangential_unloading": "rescaled"}
 CASES |= {f"walton_braun {one['overlap_memory']}": one for one in LAWS[1:]}
 
 #: What laws lack by their nature.
 LACKING = {
     ("drag", "limit"): "the shear drag has none",
+    ("drag clipped", "limit"): "the shear drag has none",
+    ("hertz", "cycle"): "keeps the tangential force while its spring softens, unless rescaled",
+    ("walton_braun", "rest"): "loses nothing below the largest overlap: a free oscillator",
+    ("walton_braun shrink", "rest"): "as with separation",
+    ("walton_braun reset", "rest"): "as with separation, about another force",
+    ("walton_braun", "stick"): "its block slides while the force on the plane is low",
+    ("walton_braun shrink", "stick"): "as with separation",
+    ("walton_braun reset", "stick"): "as with separation",
+    ("drag", "stick"): "has no limit",
+    ("drag clipped", "stick"): "has no limit",
     ("walton_braun reset", "restitution"): "forgets the dent, and so pushes twice",
     ("walton_braun reset", "energy"): "the second push is for nothing",
 }
@@ -259,7 +271,8 @@ def test_any_history_is_that_of_the_turned_and_the_swapped_partners(case):
 @with_property()
 def test_contacts_keep_as_many_numbers_as_their_law_says(case):
     system = build(point_of(case, depth=1, cell=4), 0)
-    numbers = 3 + system.parameters.option("law").remembers
+    law = system.parameters.option("law")
+    numbers = 3 + law.of(type(system.laws[0]))[1]
     assert system.memory.shape[:2] == system.plane.memory.shape[:2] == (2, numbers)
     assert {memory_size(type(law)) for law in system.laws} == {numbers}
 

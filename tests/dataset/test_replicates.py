@@ -1,17 +1,19 @@
 """Replicates told together: means, regimes and qualities, and the caveats of a run."""
 
+import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
 
 from sim.base.statistics import student_half_width
-from sim.dataset.caveats import UNSOUND_SHARE, caveat, caveat_of_run
-from sim.dataset.gather import read_run
+from sim.dataset.caveats import UNSOUND_SHARE, caveat, caveat_of_run, layer_orders
+from sim.dataset.gather import measures, read_run
 from sim.dataset.replicates import mean_interval, outcome, pooled_half_width
-from sim.dataset.run_file import summary_of
+from sim.dataset.run_file import RunFile, summary_of
 from sim.parameters import BeltParameters, ChuteParameters, ConveyorParameters, amounts
+from sim.report.info import describe
 from tests.made.netcdf import store
-from tests.made.runs import write_run
+from tests.made.runs import HEIGHTS, write_run
 
 #: 1 % of g sin θ at the paper's angle and the drift of a target of 2 % allow more than this (m/s²).
 NONE = 1e-3
@@ -197,3 +199,40 @@ def test_a_run_file_and_the_dataset_agree(tmp_path, acceleration):
 def test_a_file_without_a_ledger_says_what_it_has(tmp_path):
     store(xr.Dataset(attrs={"caveat": "a long step"}), tmp_path / "run.nc")
     assert caveat_of_run(summary_of(tmp_path / "run.nc"), ChuteParameters()) == "a long step"
+
+
+@pytest.mark.parametrize(
+    ("values", "orders", "is_told"),
+    [
+        # Depth 12 on bumps of 1 σ at 24°: in a cell of 5 σ, 0.46 and 0.61 m/s in layers, in one of
+        # 8 σ 0.19 and 0.24 m/s.
+        ({"bumps": 1, "cell": 5}, [0.75, 0.79], True),
+        ({"bumps": 1, "cell": 5}, [0.16, np.nan, 0.75], True),
+        ({"bumps": 1, "cell": 5}, [0.16, 0.28], False),
+        ({"bumps": 1, "cell": 5}, [np.nan], False),
+        ({"bumps": 1, "cell": 8}, [0.79], False),
+        ({"cell": 5}, [0.79], False),
+    ],
+)
+def test_layers_on_bumps_in_a_narrow_cell_are_told(values, orders, is_told):
+    text = caveat("", [], ChuteParameters(depth=12, **values), [], [], orders)
+    assert text.startswith("on bumps in a cell narrower than 8 σ") == is_told == bool(text)
+
+
+def test_the_order_of_layers_of_a_run_file_is_that_of_the_dataset(tmp_path):
+    """In the dataset it is an observable; pages and `info` of a run file measure it."""
+    point, number = ChuteParameters(bumps=1, cell=5, depth=12), 300
+    place = 5e-3 * np.random.default_rng(1).random((1, 1, number, 3))
+    place[..., 2] = point.diameter * (1 + np.arange(number) % 12)
+    arrays = {
+        "position": (("replicate", "frame", "particle", "axis"), place),
+        "packing_profile": (("replicate", "height"), np.full((1, HEIGHTS), 0.5)),
+    }
+    path = write_run(tmp_path, point, 0.5, arrays=arrays)
+    with netCDF4.Dataset(path) as file:
+        run = RunFile(file)
+        orders = layer_orders(run, point)
+        assert orders == list(measures(run)["layer_order"]) == [pytest.approx(1, abs=1e-3)]
+        assert layer_orders(run, ChuteParameters(bumps=1, cell=8, depth=12)) == []
+    assert "ordered in layers" in caveat_of_run(summary_of(path), point, orders)
+    assert "ordered in layers" in describe(path)

@@ -53,6 +53,7 @@ class SphereMotion:
         orientations: bool = False,
         overlap_limit: float = 0.5,
         threads: int = 1,
+        inertia: float = SOLID,
     ):
         law = law or sphere_law()
         self.laws = (law, plane_law or law)
@@ -67,7 +68,7 @@ class SphereMotion:
         self.memory = make_memory(self.laws[0], len(self.pairs.touching))
         self.team, self.scratch = Team(threads), [make_scratch() for _ in range(threads)]
         self.flow = leap_frog.make_flow(number, threads)
-        self.gravity, self.overlap_limit = gravity, overlap_limit
+        self.gravity, self.overlap_limit, self._inertia = gravity, overlap_limit, inertia
 
     def advance(self, steps: int) -> int:
         """Advance by a number of steps, once; return the status."""
@@ -76,7 +77,7 @@ class SphereMotion:
     def _advance(self, steps: int, rank: int) -> int:
         contacts = leap_frog.FlowContacts(self.laws, self.pairs, self.plane, self.memory)
         drive = Gravity(self.gravity)
-        motion = leap_frog.Motion(drive, self.time_step, self.overlap_limit, SOLID)
+        motion = leap_frog.Motion(drive, self.time_step, self.overlap_limit, self._inertia)
         thread = Thread(rank, self.team.gate, self.scratch[rank])
         return leap_frog.advance_spheres(self.spheres, contacts, self.flow, motion, thread, steps)
 

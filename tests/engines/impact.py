@@ -1,12 +1,13 @@
 """One impact in plain Python, with the two conventions in which the engines differ as a choice."""
 
-from math import inf, log, pi, sqrt
+from math import inf, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from sim.laws.hertz import effective_modulus
 from sim.parameters import ChuteParameters
+from sim.parameters.dashpot import damping_fraction
 
 
 class Convention(NamedTuple):
@@ -34,19 +35,19 @@ class Springs(NamedTuple):
     tangential: float
 
 
-def damping_constant(restitution: float, stiffness: float, mass: float) -> float:
-    """Return c (kg/s) of F = K α + c dα/dt for a restitution, K (N/m) and reduced mass (kg)."""
-    lost = -log(restitution)
-    return 2.0 * lost / sqrt(pi**2 + lost**2) * sqrt(stiffness * mass)
+def damping_constant(p: ChuteParameters, stiffness: float, mass: float) -> float:
+    """Return c (kg/s) of F = K α + c dα/dt for K (N/m) and reduced mass (kg)."""
+    share, whole = damping_fraction(p.restitution, p.attraction)
+    return 2.0 * share / whole * sqrt(stiffness * mass)
 
 
 def springs(p: ChuteParameters, overlap: float, radius: float, mass: float) -> Springs:
     """Return the springs of a law at an overlap, for the reduced radius (m) and mass (kg)."""
     if p.law == "hertz":
         stiffness = 2.0 * effective_modulus(p) * sqrt(radius * overlap)
-        damping = sqrt(5 / 6) * damping_constant(p.restitution, stiffness, mass)
+        damping = sqrt(5 / 6) * damping_constant(p, stiffness, mass)
         return Springs(2 / 3 * stiffness, damping, p.tangential_ratio * stiffness)
-    damping = damping_constant(p.restitution, p.stiffness, mass)
+    damping = damping_constant(p, p.stiffness, mass)
     return Springs(p.stiffness, damping, p.tangential_ratio * p.stiffness)
 
 
@@ -84,6 +85,7 @@ def impact(
     whole, shortened = masses[0] / mass, convention.shortened if pair else 0.0
     weight = np.array([0.0, 0.0, 0.0 if pair else -p.gravity])
     x, v, rims, history = position.copy(), velocity.copy(), np.zeros((len(radii), 3)), np.zeros(3)
+    falls, before = p.tangential_unloading == "rescaled", 0.0
     for _ in range(steps):
         separation = -whole * x if pair else np.array([0.0, 0.0, -x[2]])
         distance = float(np.linalg.norm(separation))
@@ -92,6 +94,10 @@ def impact(
             surface = -whole * v - np.cross(rims.sum(axis=0), normal)
             approach, law = -surface @ normal, springs(p, overlap, radius, mass)
             pressure = law.normal * overlap + law.damping * approach
+            pressure = max(pressure, 0.0) if p.attraction == "clipped" else pressure
+            if falls and law.tangential < before:
+                history = history * law.tangential / before
+            before = law.tangential
             slip = (surface + approach * normal) * p.time_step
             history = turned(history, normal, convention.rescaled) + law.tangential * slip
             history *= min(1.0, friction * abs(pressure) / (np.linalg.norm(history) or inf))
@@ -99,7 +105,7 @@ def impact(
             arms = (1.0 - shortened * overlap / radii) / (0.4 * masses)
             rims += arms[:, None] * np.cross(normal, history) * p.time_step
         else:
-            history = np.zeros(3)
+            history, before = np.zeros(3), 0.0
         v = v + (force / masses[0] + weight) * p.time_step
         x = x + v * p.time_step
     return v + 0.5 * weight * p.time_step, rims / radii[:, None]

@@ -88,6 +88,7 @@ def test_every_parameter_is_in_the_id_but_how_much_is_wanted(system):
     others["trajectory_contacts"] = {"trajectory": 1}
     if system != "belt":
         others["shear_damping"] = {"law": "drag"}
+        others["attraction"] = others["tangential_unloading"] = {"law": "hertz"}
         others["bump_arrangement"] = {"bumps": 1}
         others["engine"] = {"law": "hertz"}
         others["ranks"] = {"law": "hertz", "engine": "lammps"}
@@ -119,6 +120,8 @@ def test_a_parameter_added_later_is_in_the_name_where_it_is_used_alone():
         assert parse_point(canonical_values(used), "point.yaml") == used
     assert "-corrections2-" in point_id(BeltParameters(corrections=2))
     assert defaults_of_added("chute") == {
+        "attraction": "kept",
+        "tangential_unloading": "kept",
         "start_from": "",
         "stress_profiles": False,
         "trajectory": 0,

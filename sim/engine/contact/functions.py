@@ -4,6 +4,7 @@ For each contact such a law is bundled with radius and mass of its partners (`Pa
 that need neither are used as they are, at no extra cost.
 """
 
+from functools import cache
 from typing import NamedTuple
 
 from numba.core.types import BaseTuple, Float
@@ -133,12 +134,18 @@ def _stored_energy(law, overlap, memory):
 def add_law(kind, law, has_plugin):
     """Register a type of parameters as a law, with its functions, of a plug-in or of Talus."""
     if adopt_type(kind, has_plugin):
-        _add_functions(kind, law.force, law.energy, law.remembers)
+        _inline(law.force)
+        force, own_numbers = law.of(kind)
+        _add_functions(kind, force, law.energy, own_numbers)
+
+
+#: A function that several types have is registered once.
+_inline = cache(inlined)
 
 
 def _add_functions(kind, force, energy, own_numbers):
     """Register functions for a type; it remembers ``own_numbers`` besides the tangential force."""
-    own_force, own_energy = inlined(force), inlined(energy)
+    own_force, own_energy = _inline(force), _inline(energy)
     _functional.add(kind)
     declare_memory(kind, own_numbers)
 

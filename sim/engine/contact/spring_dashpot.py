@@ -1,14 +1,14 @@
 """Linear spring and dashpot with the friction of Cundall and Strack, the law of most DEM codes.
 
-Cundall and Strack, Géotechnique 29 (1979) 47. Normal force F_N = K α + c dα/dt, kept where it is
-attractive at the end of a contact, so that the restitution is exact; tangential spring K_t s, cut
-to μ |F_N|.
+Cundall and Strack, Géotechnique 29 (1979) 47. Normal force F_N = K α + c dα/dt, kept or clipped
+where it is attractive at the end of a contact, with the c that gives the restitution; tangential
+spring K_t s, cut to μ |F_N|.
 """
 
-from math import log, pi, sqrt
+from math import sqrt
 from typing import NamedTuple
 
-from sim.engine.compile import implements
+from sim.engine.compile import by_type, implements
 from sim.engine.contact.friction import (
     contact_force,
     declare_memory,
@@ -17,6 +17,7 @@ from sim.engine.contact.friction import (
     work_against,
 )
 from sim.engine.contact.roots import SMALLEST, inverse_square_root
+from sim.parameters.dashpot import damping_fraction
 
 
 class SpringDashpot(NamedTuple):
@@ -32,14 +33,18 @@ class SpringDashpot(NamedTuple):
     friction: float
 
 
+class Clipped(NamedTuple):
+    """The same numbers, for a normal force that is never attractive."""
+
+    stiffness: float
+    damping: float
+    tangential: float
+    friction: float
+
+
 #: The drag of the last step.
-declare_memory(SpringDashpot, 1)
-
-
-def damping_ratio(restitution: float) -> float:
-    """Return the damping relative to the critical one that gives this restitution."""
-    decay = -log(restitution)
-    return decay / sqrt(pi**2 + decay**2)
+for _kind in (SpringDashpot, Clipped):
+    declare_memory(_kind, 1)
 
 
 def spring_dashpot(
@@ -49,10 +54,13 @@ def spring_dashpot(
     mass: float,
     time_step: float,
     tangential_ratio: float = 0.8,
-) -> SpringDashpot:
-    """Return the law for K (N/m), e, μ, reduced mass (kg), time step (s) and K_t/K."""
-    damping = 2.0 * damping_ratio(restitution) * sqrt(stiffness * mass)
-    return SpringDashpot(
+    attraction: str = "kept",
+) -> SpringDashpot | Clipped:
+    """Return the law for K (N/m), e, μ, reduced mass (kg), time step (s), K_t/K and attraction."""
+    share, whole = damping_fraction(restitution, attraction)
+    damping = 2.0 * (share / whole) * sqrt(stiffness * mass)
+    kind = SpringDashpot if attraction == "kept" else Clipped
+    return kind(
         float(stiffness),
         damping / time_step,
         float(tangential_ratio * stiffness),
@@ -60,9 +68,22 @@ def spring_dashpot(
     )
 
 
+@by_type
+def admitted(law, force, drag):
+    """Return the normal force and the part of it that is drag, without attraction if so."""
+    if law.instance_class is SpringDashpot:
+        return lambda law, force, drag: (force, drag)
+
+    def body(law, force, drag):
+        pull = min(force, 0.0)
+        return force - pull, drag - pull
+
+    return body
+
+
 @implements(contact_force)
 def _spring_dashpot(law, overlap, approach, normal, slip, memory):
-    if law.instance_class is not SpringDashpot:
+    if law.instance_class not in (SpringDashpot, Clipped):
         return None
 
     def body(law, overlap, approach, normal, slip, memory):
@@ -71,7 +92,7 @@ def _spring_dashpot(law, overlap, approach, normal, slip, memory):
         # The drag starts and ends abruptly: the excess of its first step makes up for the part that
         # is missing after its last.
         drag_before = drag if drag_before == 0.0 else drag_before
-        force = law.stiffness * overlap + drag
+        force, drag = admitted(law, law.stiffness * overlap + drag, drag)
         limit = law.friction * abs(force)
 
         ux, uy, uz = friction_direction(normal, before)
@@ -97,7 +118,7 @@ def _spring_dashpot(law, overlap, approach, normal, slip, memory):
 
 @implements(stored_energy)
 def _stored_energy(law, overlap, memory):
-    if law.instance_class is not SpringDashpot:
+    if law.instance_class not in (SpringDashpot, Clipped):
         return None
 
     def body(law, overlap, memory):

@@ -6,12 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sim.base.errors import InputError
 from sim.engine.boundary.belt import Belt, belt_height
 from sim.engine.boundary.motion import motion_of
 from sim.engine.compile import inlined, kernel
 from sim.engine.dynamics.cells import Box, make_box, nearest_image
 from sim.engine.dynamics.disks import CORRECTORS, Gear, Verlet
-from sim.parameters import BeltParameters
+from sim.parameters import BeltParameters, point_id
+from sim.parameters.images import wider_cell
 from sim.parameters.spheres import SphereParameters
 
 #: Offsets to the neighbor cells, the nearest first: there a trial most often fails.
@@ -141,7 +143,8 @@ class Layer(NamedTuple):
 def initial_layer(p: SphereParameters, box: Box, replicate: int) -> Layer:
     """Return the initial state of a replicate of spheres, or of discs in the plane y = 0.
 
-    Raises ``ValueError`` when the particles do not fit.
+    Raises ``ValueError`` when the particles do not fit, and `InputError` where the largest of few
+    particles is so large that it needs a wider cell.
     """
     rng = np.random.default_rng([p.seed, replicate])
     dimension, solid, root = (2, 4.0, np.sqrt) if p.is_flat else (3, 6.0, np.cbrt)
@@ -150,6 +153,8 @@ def initial_layer(p: SphereParameters, box: Box, replicate: int) -> Layer:
     size = _relative_diameters(p, rng)
     # The flow weighs as much as one of equal particles.
     size /= root((size**dimension).mean())
+    if allowed := wider_cell(p.cell, float(size.max()), p.bumps):
+        raise InputError.of_value(point_id(p), "cell", p.cell, allowed)
     radius = 0.5 * p.diameter * size
     position = random_packing(cell, height, radius, rng)
     velocity = _random_velocities(p, position.shape, rng)

@@ -25,6 +25,9 @@ FIXED = {
 #: Parameters that must be 0 with its drag, whose rates are those of one mass.
 ONE_MASS = ("diameter_spread", "bumps")
 
+#: Restitution of a clipped force at the critical damping, e⁻², rounded up.
+LEAST_CLIPPED = 0.136
+
 #: Variables that it does not tell: energies in and lost by contacts, what the moving plane does,
 #: extremes within a sample, and how far spheres have turned.
 LACKS = (
@@ -44,6 +47,12 @@ def refuses(p: Any) -> Iterator[tuple[str, str]]:
     for name in ONE_MASS if p.law == "drag" else ():
         if getattr(p, name):
             yield name, "0 with law: drag"
+    if p.law == "hertz" and p.attraction == "clipped" and p.restitution <= LEAST_CLIPPED:
+        # It takes the damping as the restitution that it gives where it may pull.
+        yield "restitution", f"above {LEAST_CLIPPED:g} with attraction: clipped and law: hertz"
+    if p.law == "drag" and p.attraction != "kept":
+        # Where the normal force is clipped it cuts the drag along surfaces to 0, too.
+        yield "attraction", "kept with law: drag"
     if p.law == "drag" and p.restitution == 1:
         # It gives the drag along surfaces as a multiple of that along the normal.
         yield "restitution", "below 1 with law: drag"

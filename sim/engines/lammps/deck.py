@@ -5,12 +5,13 @@ docs/second_engine.md.
 """
 
 from io import StringIO
-from math import cos, log, pi, radians, sin, sqrt
+from math import cos, exp, pi, radians, sin, sqrt
 from typing import Any
 
 import numpy as np
 
 from sim.laws.hertz import effective_modulus
+from sim.parameters.dashpot import damping_fraction
 from sim.parameters.spheres import SKIN, SphereParameters
 
 #: Height of the cell above the highest particle at first (it follows it), in diameters.
@@ -24,9 +25,20 @@ MOBILE, GLUED = 1, 2
 
 
 def damping_rate(p: SphereParameters, mass: float) -> float:
-    """Return γ (1/s) of F = K α + m γ dα/dt that gives the restitution where the overlap ends."""
-    decay = -log(p.restitution)
-    return 2.0 * sqrt(p.stiffness / mass) * decay / sqrt(pi**2 + decay**2)
+    """Return γ (1/s) of F = K α + m γ dα/dt that gives the restitution."""
+    share, whole = damping_fraction(p.restitution, p.attraction)
+    return 2.0 * sqrt(p.stiffness / mass) * share / whole
+
+
+def unclipped_restitution(p: SphereParameters) -> float:
+    """Return the restitution that the damping of a point gives where it may pull.
+
+    That of a clipped force has to be less than critical for it.
+    """
+    if p.attraction == "kept":
+        return p.restitution
+    ratio, _ = damping_fraction(p.restitution, p.attraction)
+    return exp(-pi * ratio / sqrt(1.0 - ratio**2))
 
 
 def contact_commands(p: SphereParameters) -> tuple[list[str], str]:
@@ -37,6 +49,7 @@ def contact_commands(p: SphereParameters) -> tuple[list[str], str]:
     if p.law == "hertz":
         pairs = ["pair_style granular", f"pair_coeff * * {_hertz(p, p.friction)}"]
         return pairs, f"granular {_hertz(p, p.friction_plane)}"
+    clip = _clip(p)
     pair_rate, rate = damping_rate(p, 0.5 * p.mass), damping_rate(p, p.mass)
     tangential, shear = p.tangential_ratio * p.stiffness, p.shear_damping * p.gravity
     if p.law == "drag":
@@ -44,11 +57,15 @@ def contact_commands(p: SphereParameters) -> tuple[list[str], str]:
         along = f"linear_nohistory {shear / rate:.17g} {NO_LIMIT}"
     else:
         springs = f"{p.stiffness:.17g} {tangential:.17g} {pair_rate:.17g}"
-        style = f"hooke/history {springs} 0 {p.friction:.17g} 1"
+        style = f"hooke/history {springs} 0 {p.friction:.17g} 1{clip}"
         along = f"linear_history {tangential:.17g} 0 {p.friction_plane:.17g}"
     # The styles of these pairs have a plane, too, which does not move as it is told.
     plane = f"granular hooke {p.stiffness:.17g} {rate:.17g} damping mass_velocity tangential"
-    return [f"pair_style gran/{style}", "pair_coeff * *"], f"{plane} {along}"
+    return [f"pair_style gran/{style}", "pair_coeff * *"], f"{plane} {along}{clip}"
+
+
+def _clip(p: SphereParameters) -> str:
+    return " limit_damping" if p.attraction == "clipped" else ""
 
 
 def _hertz(p: SphereParameters, friction: float) -> str:
@@ -59,9 +76,10 @@ def _hertz(p: SphereParameters, friction: float) -> str:
     """
     poisson = 2.0 * (1.0 - p.tangential_ratio) / (2.0 - p.tangential_ratio)
     modulus = 2.0 * (1.0 - poisson**2) * effective_modulus(p)
+    along = "mindlin" if p.tangential_unloading == "kept" else "mindlin_rescale"
     return (
-        f"hertz/material {modulus:.17g} {p.restitution:.17g} {poisson:.17g} "
-        f"damping coeff_restitution tangential mindlin/force NULL 0 {friction:.17g}"
+        f"hertz/material {modulus:.17g} {unclipped_restitution(p):.17g} {poisson:.17g} "
+        f"damping coeff_restitution tangential {along}/force NULL 0 {friction:.17g}{_clip(p)}"
     )
 
 

@@ -5,9 +5,12 @@ from math import sqrt
 import numpy as np
 import pytest
 
+from sim.claims.contacts import contact_path
 from sim.engine.contact import Partners, law_of
+from sim.engine.contact.functions import PartnerLaw
 from sim.laws.hertz import effective_modulus, force
 from sim.parameters import ChuteParameters
+from sim.parameters.dashpot import damping_fraction
 from tests.engine.reference.hertz_impact import RIM, Friction, mindlin_rebound, rebound
 from tests.engine_motion.spheres import Impacts
 
@@ -31,7 +34,11 @@ class HertzImpacts(Impacts):
 
     def __init__(self, law: Friction, radii, slopes, steps: int, unit=1e-5):
         point = ChuteParameters(
-            law="hertz", restitution=law.restitution, tangential_ratio=law.share
+            law="hertz",
+            restitution=law.restitution,
+            tangential_ratio=law.share,
+            attraction="clipped" if law.clipped else "kept",
+            tangential_unloading="rescaled" if law.rescaled else "kept",
         )
         mass = point.mass * (2 * np.array(radii) / point.diameter) ** 3
         reduced = 1 / sum(1 / mass)
@@ -68,10 +75,12 @@ def impacts(law: Friction, partners="plane", slopes=SLOPES, steps=400, **options
 
 
 @pytest.mark.parametrize("partners", PARTNERS)
-@pytest.mark.parametrize("restitution", [1.0, 0.8])
-def test_rebounds_approach_those_of_the_differential_equations(partners, restitution):
+@pytest.mark.parametrize(
+    "options", [(1.0,), (0.8,), (1.0, False, True), (0.8, True), (0.6, True, True)]
+)
+def test_rebounds_approach_those_of_the_differential_equations(partners, options):
     """From sticking to sliding throughout: an error of first order, without which none is left."""
-    law = Friction(SHARE, 0.3, restitution)
+    law = Friction(SHARE, 0.3, *options)
     coarse, fine = (impacts(law, partners, steps=steps) for steps in (400, 800))
     expected = fine.expected(law)
     assert np.abs(coarse.velocities() - expected).max() < 2e-3
@@ -104,6 +113,41 @@ def test_sliding_lasts_from_the_angle_of_maw_barber_and_fawcett_on(share):
     np.testing.assert_allclose(friction_share[1:], 1.0, rtol=1e-9)
 
 
+def held_shear(law, overlaps, slips) -> tuple[np.ndarray, float]:
+    """Return tangential forces (n,), and the work against them, along overlaps and slips (n,)."""
+    overlap = np.array(overlaps)
+    slip = np.zeros((overlap.size, 3))
+    slip[:, 0] = slips
+    tangential = contact_path(law, overlap, np.tile([0.0, 0, 1], (overlap.size, 1)), slip)[1][:, 0]
+    mean = 0.5 * (tangential + np.concatenate([[0.0], tangential[:-1]]))
+    return tangential, float(mean @ slip[:, 0])
+
+
+@pytest.mark.parametrize("unloading", ["kept", "rescaled"])
+@pytest.mark.parametrize("sheared_at", ["deep", "shallow"])
+def test_a_closed_cycle_of_shear_and_load_has_its_exact_work(sheared_at, unloading):
+    """Shear by s at one overlap, back at another: ± ½ (k - k') s² with the stiffnesses there."""
+    point = ChuteParameters(law="hertz", restitution=1, tangential_unloading=unloading)
+    made = law_of(point, Partners(50.0, 0.5 * point.mass, point.time_step))
+    law = PartnerLaw(made, 0.25 * point.diameter, 0.5 * point.mass)
+    deep, shallow, steps, s = 1e-5, 0.36e-5, 1000, 1e-7
+    first, second = (deep, shallow) if sheared_at == "deep" else (shallow, deep)
+    change, still = np.linspace(first, second, steps), np.zeros(steps)
+    shear, ones = np.full(steps, s / steps), np.ones(steps)
+    overlaps = np.concatenate([[first], first * ones, change, second * ones])
+    tangential, work = held_shear(law, overlaps, np.concatenate([[0.0], shear, still, -shear]))
+    k, other = (
+        made.tangential * 2 * made.modulus * sqrt(0.25 * point.diameter * overlap)
+        for overlap in (first, second)
+    )
+    held = k * min(1.0, other / k) if unloading == "rescaled" else k
+    assert tangential[[steps, 2 * steps, -1]] == pytest.approx(
+        [k * s, held * s, (held - other) * s], rel=1e-9, abs=1e-9 * k * s
+    )
+    assert work == pytest.approx(0.5 * (k - 2 * held + other) * s**2, rel=1e-9)
+    assert (work > 0) == (sheared_at == "shallow" or unloading == "rescaled")
+
+
 STICKING = np.linspace(0.1, 1.0, 4)
 
 
@@ -134,6 +178,31 @@ def test_hertz_at_a_hundredth_of_a_diameter_is_the_spring():
     normal = force(law, overlap, 0.0, zero, zero, (0.0,) * 4, radius, point.mass)[0]
     assert normal == pytest.approx(point.stiffness * overlap)
     assert law.modulus == effective_modulus(point)
+
+
+@pytest.mark.parametrize("law", ["hertz", "spring_dashpot"])
+@pytest.mark.parametrize("attraction", ["kept", "clipped"])
+def test_a_dashpot_that_pulls_rubs_as_much_as_its_closed_form_says(law, attraction):
+    """Share by which an impact that slides gives more than μ (1 + e): 2 (e_c - e)/(1 + e).
+
+    e_c is the restitution where the force of this damping is clipped.
+    """
+    for restitution in (0.9, 0.5, 0.2):
+        point = ChuteParameters(
+            law=law, restitution=restitution, attraction=attraction, steps_per_collision=400
+        )
+        radius, mass = 0.5 * point.diameter, point.mass
+        made = law_of(point, Partners(0.05, mass, point.time_step))
+        speeds = np.array([0.01, 0.02])
+        slides = 20 * speeds
+        one = Impacts(made, [radius], [mass], point.time_step, speeds, slides=slides)
+        parting, across, _ = one.run_until_parted().velocities().T
+        excess = (slides - across) / (0.05 * (speeds + parting)) - 1
+        share, whole = damping_fraction(restitution, "kept")
+        ratio = share / whole
+        clipped = np.exp(-2 * ratio * np.arccos(ratio) / np.sqrt(1 - ratio**2))
+        expected = 2 * (clipped - restitution) / (1 + restitution) if attraction == "kept" else 0
+        np.testing.assert_allclose(excess, expected, atol=4e-3)
 
 
 def test_the_shear_drag_stops_a_slip_exponentially():

@@ -105,9 +105,13 @@ def test_short_flow_equals_the_reference(readings, base):
 
 
 @pytest.mark.parametrize("base", [0.0, 10 * RADIUS], ids=["on the plane", "free"])
-def test_short_flow_of_springs_and_dashpots_equals_the_reference(base):
+@pytest.mark.parametrize("attraction", ["kept", "clipped"])
+def test_short_flow_of_springs_and_dashpots_equals_the_reference(base, attraction):
     step = 2e-6
-    values = [(100.0, 0.7, 0.4, 0.5 * MASS, step), (100.0, 0.85, 0.25, MASS, step, 0.5)]
+    values = [
+        (100.0, 0.7, 0.4, 0.5 * MASS, step, 0.8, attraction),
+        (100.0, 0.85, 0.25, MASS, step, 0.5, attraction),
+    ]
     law_pairs = [spring_dashpot(*v) for v in values], [SpringDashpotLaw(*v) for v in values]
     check(*run_both(law_pairs, base, time_step=step))
 

@@ -6,11 +6,12 @@ plane, are then one problem. ``bend`` is the unit of length over the distance of
 a plane; ``slope`` the velocity of the surfaces across the normal over that along it.
 """
 
-from math import copysign, log, pi, sqrt
+from math import acos, copysign, log, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 #: Change of a rim's velocity per change of velocity by the same force: solid spheres.
 RIM = 2.5
@@ -24,11 +25,24 @@ CHANGES = 20
 
 
 class Friction(NamedTuple):
-    """Tangential stiffness over the normal one, friction coefficient, restitution."""
+    """Tangential stiffness over the normal one, friction coefficient, restitution above e⁻².
+
+    Whether a normal force that would pull is 0, and whether friction falls with its stiffness.
+    """
 
     share: float
     friction: float
     restitution: float = 1.0
+    clipped: bool = False
+    rescaled: bool = False
+
+    @property
+    def damping_ratio(self) -> float:
+        """Damping over the critical one, in the plane of overlap^(5/4) and its rate."""
+        lost = -log(self.restitution)
+        if not self.clipped:
+            return lost / sqrt(pi**2 + lost**2)
+        return brentq(lambda z: 2 * z * acos(z) / sqrt(1 - z * z) - lost, 0.0, 1 - 1e-9)
 
 
 class Contact:
@@ -38,9 +52,8 @@ class Contact:
     """
 
     def __init__(self, law: Friction, bend: float):
-        lost = -log(law.restitution)
         self.law, self.bend, self.pushes = law, bend, 1.0
-        self.drag = 2 * sqrt(5 / 6) * lost / sqrt(pi**2 + lost**2)
+        self.drag = 2 * sqrt(5 / 6) * law.damping_ratio
 
     def normal(self, y) -> tuple[float, float]:
         """Return the normal force and the stiffness."""
@@ -61,7 +74,12 @@ class Contact:
 
     def stuck(self, _, y) -> np.ndarray:
         """Return the rates while the friction is that of Mindlin's spring."""
-        return self.rates(y, y[5], self.law.share * self.normal(y)[1] * (y[2] - y[3]))
+        spring = self.law.share * self.normal(y)[1] * (y[2] - y[3])
+        return self.rates(y, y[5], spring + self.fall(y, y[5]))
+
+    def fall(self, y, friction: float) -> float:
+        """Return the rate at which a friction falls with its stiffness, as the overlap's root."""
+        return 0.5 * friction * min(y[1], 0.0) / max(y[0], START) if self.law.rescaled else 0.0
 
     def slipping(self, sense: float):
         """Return the function of the rates while the friction is at its limit, along a sense."""
@@ -74,7 +92,8 @@ class Contact:
         dragged = approach**2 / (4 * max(y[0], START)) + pressed
         growth = stiffness * approach + self.drag * sqrt(stiffness) * dragged
         spring = self.law.share * stiffness * (y[2] - y[3])
-        return sense * spring - self.law.friction * self.pushes * growth
+        spring = sense * spring + self.fall(y, self.limit(y))
+        return spring - self.law.friction * self.pushes * growth
 
 
 def rebound(law: Friction, slope: float, bend: float = 0.0) -> np.ndarray:
@@ -99,7 +118,8 @@ def rebound(law: Friction, slope: float, bend: float = 0.0) -> np.ndarray:
         events = [parts, changes, pulls]
         found = solve_ivp(rates, (0, 99), y, "DOP853", events=events, rtol=1e-9, atol=1e-12)
         y, (parted, _, pulled) = found.y[:, -1].copy(), found.t_events
-        if parted.size:
+        if parted.size or (pulled.size and law.clipped):
+            # Without a force they part as they are, seen along where the normal is now.
             return np.array([-y[1], y[2], y[3], y[4]])
         if pulled.size:
             contact.pushes, sense = -1.0, copysign(1.0, y[2] - y[3])

@@ -6,13 +6,17 @@ Cundall and Strack, Géotechnique 29 (1979) 47. Interface and signs are those of
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import brentq
 
 from .walton_braun import Contact
 
 
 @dataclass(frozen=True)
 class SpringDashpotLaw:
-    """Stiffness (N/m), restitution, friction, reduced mass (kg), time step (s), K_t/K."""
+    """Stiffness (N/m), restitution, friction, reduced mass (kg), time step (s), K_t/K.
+
+    A normal force that would pull is kept, or clipped at 0: see `sim.parameters.dashpot`.
+    """
 
     stiffness: float
     restitution: float
@@ -20,12 +24,15 @@ class SpringDashpotLaw:
     mass: float
     time_step: float
     tangential_ratio: float = 0.8
+    attraction: str = "kept"
 
     @property
     def damping(self) -> float:
         """Coefficient c (kg/s) of the damped oscillator that gives the restitution."""
-        rate = -np.log(self.restitution)
-        return 2 * rate * np.sqrt(self.stiffness * self.mass / (np.pi**2 + rate**2))
+        rate, critical = -np.log(self.restitution), 2 * np.sqrt(self.stiffness * self.mass)
+        if self.attraction == "kept":
+            return critical * rate / np.sqrt(np.pi**2 + rate**2)
+        return critical * np.cos(brentq(lambda angle: 2 * angle / np.tan(angle) - rate, 1e-6, 1.57))
 
     def update(
         self, contact: Contact, overlap: float, k_hat: np.ndarray, slip: np.ndarray
@@ -33,6 +40,8 @@ class SpringDashpotLaw:
         """Advance a contact by one step: normal force (N), T on particle i (3, N), new state."""
         closing = -float(slip @ k_hat) / self.time_step
         normal_force = self.stiffness * overlap + self.damping * closing
+        if self.attraction == "clipped":
+            normal_force = max(normal_force, 0.0)
         shear = contact.tangential_force
         tangent = shear - (shear @ k_hat) * k_hat
         if np.linalg.norm(tangent) > 0.0:

@@ -1,0 +1,63 @@
+"""Periodic cells: their usual width, and the least for a particle to meet one image of another.
+
+The engine lets two particles meet as the nearest periodic images of each other alone. Particles of
+diameters d and d' touch where their centres are closer than (d + d')/2. So one can touch two images
+of the other where the period is less than d + d', and nowhere else.
+"""
+
+
+def least_period(largest: float, fixed: float = 0.0) -> float:
+    """Return the least period in which no particle can touch two images of another one.
+
+    Parameters
+    ----------
+    largest : float
+        Largest diameter of the particles that move.
+    fixed : float
+        Largest diameter of fixed ones; these need not keep away from each other.
+    """
+    return largest + max(largest, fixed)
+
+
+def largest_diameter(spread: float, is_flat: bool) -> float:
+    """Return the largest diameter in σ of many spheres, or discs, with diameters within ±spread σ.
+
+    They are scaled so that the mean mass is that of a diameter σ: the mean of (1 + s u)³ is 1 + s²
+    for u uniform in (-1, 1), that of (1 + s u)² is 1 + s²/3.
+    """
+    scale = (1 + spread**2 / 3) ** (1 / 2) if is_flat else (1 + spread**2) ** (1 / 3)
+    return (1 + spread) / scale
+
+
+def wider_cell(cell: float, largest: float, bumps: float) -> str:
+    """Return what a cell may be that is too narrow, in words; an empty text for a wide one.
+
+    ``cell``, the ``largest`` diameter and that of ``bumps`` (0: none) in σ.
+    """
+    least = least_period(largest, bumps)
+    if cell >= least:
+        return ""
+    sizes, other = (
+        ("bumps + the largest diameter", "a glued one")
+        if bumps > largest
+        else ("twice the largest diameter", "another one")
+    )
+    return (
+        f"at least {sizes} = {least:.12g}: in a narrower cell a particle can touch {other} and its "
+        "periodic image at once"
+    )
+
+
+#: Cells of this many diameters are wide enough for a deep flow on bumps not to order in layers.
+WIDE_CELL = 8
+
+
+def usual_cell(depth: float, bumps: float) -> float:
+    """Return the side in σ of a cell that is not given: the paper's above its plane without bumps.
+
+    In a cell of 5 a deep flow on bumps turns into layers that glide on each other, several times
+    as fast as in wider ones.
+    """
+    if depth <= 10:
+        return 10
+    return WIDE_CELL if bumps else 5
