@@ -127,6 +127,10 @@ _options = {"cache": True, "fastmath": FASTMATH, "error_model": "numpy", "nogil"
 #: the process has loaded. The two may round differently, so no kernel called by another may round.
 kernel = numba.njit(**_options)
 
+#: For kernels that allocate no array, and call none that does but at its address (`calls`): numba
+#: would count the references to all arrays that named tuples hold, some hundred calls a step.
+loop_kernel = numba.njit(**_options, _nrt=False)
+
 #: For all other pieces: always copied into the caller, so that every process gives the same bits.
 #: Python calls them as plain Python functions: a compiled entry would double the time to compile.
 inlined = register_jitable(**_options, forceinline=True, no_cfunc_wrapper=True)
