@@ -120,7 +120,9 @@ IndexDataCacheFile._data_name = _unique_name
 #: the blow-up checks need honest comparisons with not-a-number.
 FASTMATH = {"nsz", "arcp", "contract", "afn", "reassoc"}
 
-_options = {"cache": True, "fastmath": FASTMATH, "error_model": "numpy", "nogil": True}
+# No kernel is called from C, so none needs an entry for that, which takes time to compile.
+_exact_options = {"cache": True, "error_model": "numpy", "nogil": True, "no_cfunc_wrapper": True}
+_options = _exact_options | {"fastmath": FASTMATH}
 
 #: For functions that Python calls, and for pieces that only move data. A kernel called by another
 #: one exists twice, compiled alone and as part of its caller. Which copy runs depends on what else
@@ -133,16 +135,15 @@ loop_kernel = numba.njit(**_options, _nrt=False)
 
 #: For all other pieces: always copied into the caller, so that every process gives the same bits.
 #: Python calls them as plain Python functions: a compiled entry would double the time to compile.
-inlined = register_jitable(**_options, forceinline=True, no_cfunc_wrapper=True)
+inlined = register_jitable(**_options, forceinline=True)
 
 #: For kernels that round as they are written, whoever calls them: sums keep their order, and no
 #: product is fused with a sum.
-exact = numba.njit(cache=True, error_model="numpy", nogil=True)
+exact = numba.njit(**_exact_options)
 
 #: ``@implements(generic)`` gives ``generic`` a body that numba picks by the types of the arguments.
-implements = partial(
-    overload, jit_options={"fastmath": FASTMATH, "error_model": "numpy", "forceinline": True}
-)
+_body_options = {"error_model": "numpy", "forceinline": True, "no_cfunc_wrapper": True}
+implements = partial(overload, jit_options=_body_options | {"fastmath": FASTMATH})
 
 
 def by_type(choose):
