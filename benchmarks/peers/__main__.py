@@ -17,6 +17,7 @@ import os
 
 from benchmarks.peers import check, compare, start, sweep, tune
 from benchmarks.peers.flows import FLOWS, Flow
+from benchmarks.peers.machine import build_of_lammps, processor
 
 COMMANDS = {
     "compare": lambda given: compare.main(_flows(given), given.pairs),
@@ -51,6 +52,7 @@ def main() -> None:
     if given.command != "sweep":
         last = max(os.sched_getaffinity(0))
         os.sched_setaffinity(0, {last if given.core is None else given.core})
+    print(f"{processor()}\n{build_of_lammps()}", flush=True)
     COMMANDS[given.command](given)
 
 

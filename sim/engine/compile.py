@@ -34,7 +34,7 @@ import numba  # noqa: E402  (the cache folder must be named before numba is impo
 import numpy as np  # noqa: E402
 from llvmlite import ir  # noqa: E402
 from numba import types  # noqa: E402
-from numba.core import event  # noqa: E402
+from numba.core import cgutils, event  # noqa: E402
 from numba.core.caching import IndexDataCacheFile  # noqa: E402
 from numba.core.errors import TypingError  # noqa: E402
 from numba.core.ir import Loc  # noqa: E402
@@ -120,25 +120,30 @@ IndexDataCacheFile._data_name = _unique_name
 #: the blow-up checks need honest comparisons with not-a-number.
 FASTMATH = {"nsz", "arcp", "contract", "afn", "reassoc"}
 
-_options = {"cache": True, "fastmath": FASTMATH, "error_model": "numpy", "nogil": True}
+# No kernel is called from C, so none needs an entry for that, which takes time to compile.
+_exact_options = {"cache": True, "error_model": "numpy", "nogil": True, "no_cfunc_wrapper": True}
+_options = _exact_options | {"fastmath": FASTMATH}
 
 #: For functions that Python calls, and for pieces that only move data. A kernel called by another
 #: one exists twice, compiled alone and as part of its caller. Which copy runs depends on what else
 #: the process has loaded. The two may round differently, so no kernel called by another may round.
 kernel = numba.njit(**_options)
 
+#: For kernels that allocate no array, and call none that does but at its address (`calls`): numba
+#: would count the references to all arrays that named tuples hold, some hundred calls a step.
+loop_kernel = numba.njit(**_options, _nrt=False)
+
 #: For all other pieces: always copied into the caller, so that every process gives the same bits.
 #: Python calls them as plain Python functions: a compiled entry would double the time to compile.
-inlined = register_jitable(**_options, forceinline=True, no_cfunc_wrapper=True)
+inlined = register_jitable(**_options, forceinline=True)
 
 #: For kernels that round as they are written, whoever calls them: sums keep their order, and no
 #: product is fused with a sum.
-exact = numba.njit(cache=True, error_model="numpy", nogil=True)
+exact = numba.njit(**_exact_options)
 
 #: ``@implements(generic)`` gives ``generic`` a body that numba picks by the types of the arguments.
-implements = partial(
-    overload, jit_options={"fastmath": FASTMATH, "error_model": "numpy", "forceinline": True}
-)
+_body_options = {"error_model": "numpy", "forceinline": True, "no_cfunc_wrapper": True}
+implements = partial(overload, jit_options=_body_options | {"fastmath": FASTMATH})
 
 
 def by_type(choose):
@@ -191,42 +196,46 @@ def prefer_wide_vectors(typingctx):
     return types.none(), codegen
 
 
+#: Numbers in the widest vectors. A loop over a multiple of it has no remainder, whose iterations
+#: the compiler would run one by one.
+LANES = 8
+
+#: For each set of lanes, as the bits of a number, the lanes in it, first in the list.
+_LANES_IN = [
+    [lane for lane in range(LANES) if bits >> lane & 1] + [0] * (LANES - bits.bit_count())
+    for bits in range(2**LANES)
+]
+
+
 @intrinsic
 def _compress(typingctx, gap, k, first, out, free):
     """Append to ``out`` those of the 8 numbers from ``first`` on whose ``gap`` is negative.
 
-    Returns their number. LLVM has an instruction for this that its vectoriser does not use.
+    Returns their number. A table says which: the instructions that compress are slow on some
+    processors, and others have none.
     """
 
     def codegen(context, builder, signature, args):
-        lanes, i32 = 8, ir.IntType(32)
+        byte, i32 = ir.IntType(8), ir.IntType(32)
         gaps, numbers = (
             context.make_array(kind)(context, builder, value).data
             for kind, value in ((signature.args[0], args[0]), (signature.args[3], args[3]))
         )
-        vector = ir.VectorType(ir.DoubleType(), lanes)
-        source = builder.bitcast(builder.gep(gaps, [args[1]]), vector.as_pointer())
-        loaded = builder.load(source)
+        vector = ir.VectorType(ir.DoubleType(), LANES)
+        loaded = builder.load(builder.bitcast(builder.gep(gaps, [args[1]]), vector.as_pointer()))
         loaded.align = 8
-        negative = builder.fcmp_ordered("<", loaded, ir.Constant(vector, [0.0] * lanes))
-        index = ir.VectorType(i32, lanes)
-        base = builder.insert_element(
-            ir.Constant(index, ir.Undefined), builder.trunc(args[2], i32), ir.Constant(i32, 0)
-        )
-        base = builder.shuffle_vector(
-            base, ir.Constant(index, ir.Undefined), ir.Constant(index, [0] * lanes)
-        )
-        number = builder.add(base, ir.Constant(index, list(range(lanes))))
-        target = builder.gep(numbers, [args[4]])
-        store = builder.module.declare_intrinsic(
-            f"llvm.masked.compressstore.v{lanes}i32",
-            (),
-            ir.FunctionType(
-                ir.VoidType(), [index, target.type, ir.VectorType(ir.IntType(1), lanes)]
-            ),
-        )
-        builder.call(store, [number, target, negative])
-        bits = builder.bitcast(negative, ir.IntType(lanes))
+        negative = builder.fcmp_ordered("<", loaded, ir.Constant(vector, [0.0] * LANES))
+        bits = builder.bitcast(negative, ir.IntType(LANES))
+        row = ir.VectorType(byte, LANES)
+        rows = ir.ArrayType(row, len(_LANES_IN))
+        table = cgutils.global_constant(builder, "lanes_in", ir.Constant(rows, _LANES_IN))
+        zero, index = ir.Constant(i32, 0), ir.VectorType(i32, LANES)
+        lanes = builder.load(builder.gep(table, [zero, builder.zext(bits, i32)]))
+        nothing = ir.Constant(index, ir.Undefined)
+        base = builder.insert_element(nothing, builder.trunc(args[2], i32), zero)
+        base = builder.shuffle_vector(base, nothing, ir.Constant(index, [0] * LANES))
+        target = builder.bitcast(builder.gep(numbers, [args[4]]), index.as_pointer())
+        builder.store(builder.add(base, builder.zext(lanes, index)), target).align = 4
         return builder.zext(builder.ctpop(bits), ir.IntType(64))
 
     return types.uint64(gap, types.int64, types.int64, out, types.uint64), codegen
@@ -239,8 +248,8 @@ def append_negative(gap, size, first, out, free):
     Returns their number. Up to 8 entries of ``out`` behind the last may be overwritten.
     """
     count = np.uint64(0)
-    whole = size - size % 8
-    for k in range(0, whole, 8):
+    whole = size - size % LANES
+    for k in range(0, whole, LANES):
         count += _compress(gap, k, first + k, out, free + count)
     for k in range(whole, size):
         out[free + count] = first + k

@@ -1,5 +1,7 @@
 """Compiled code: what it is compiled with, cheap calls, vector instructions."""
 
+import os
+import platform
 import shutil
 import subprocess
 import sys
@@ -15,7 +17,7 @@ from sim.engine.identity import COMPILED_PARTS, ENGINE_PARTS, PACKAGE, source_fi
 from sim.engine.systems import build
 from tests.engine_motion.helpers import appended, gathered_sums
 from tests.engine_motion.points import belt_point, chute_point
-from tests.made.processes import ROOT
+from tests.made.processes import ROOT, SHORTER_VECTORS
 
 FLOW = """
 from sim.parameters import parse_point
@@ -42,6 +44,23 @@ for _ in range(2):
     numba.njit(lambda values: np.sin(values).sum())(np.ones(3))
 spent = process_time() - began
 assert working_time() - worked < 0.1 * spent, spent
+"""
+
+APPEND = """
+import numpy as np
+from sim.engine.compile import append_negative, numba
+
+@numba.njit
+def appended(gap, size, out):
+    return append_negative(gap, size, 100, out, np.uint64(1))
+
+for size in range(17):
+    for bits in range(256):
+        signs = np.resize([-1.0 if bits >> lane & 1 else 1.0 for lane in range(8)], size)
+        out = np.zeros(32, np.uint32)
+        count = appended(signs, size, out)
+        assert (out[1 : 1 + count] == 100 + np.flatnonzero(signs < 0.0)).all(), (size, bits)
+assert "%zmm" not in "".join(appended.inspect_asm().values())
 """
 
 COUNT = """
@@ -211,6 +230,15 @@ def test_no_more_than_eight_entries_behind_the_last_are_overwritten():
         out = np.full(64, 7, np.uint32)
         count = appended(gap, size, 100, out, 0)
         assert (out[count + 8 :] == 7).all()
+
+
+@pytest.mark.skipif(platform.machine() != "x86_64", reason="names a processor of another kind")
+def test_so_they_are_appended_where_vectors_are_shorter():
+    command = [sys.executable, "-c", APPEND]
+    done = subprocess.run(
+        command, cwd=ROOT, env=os.environ | SHORTER_VECTORS, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
 
 
 def test_a_kernel_that_promises_arrays_apart_computes_the_same():

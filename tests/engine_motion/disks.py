@@ -3,6 +3,7 @@
 import numpy as np
 
 from sim.engine.boundary.belt import Belt, Obstacle
+from sim.engine.calls import address_of
 from sim.engine.contact.damping import SpringDamping
 from sim.engine.dynamics.cells import make_box
 from sim.engine.dynamics.disks import Gear, make_disks
@@ -49,7 +50,10 @@ class DiskMotion:
         self.pairs = empty_pair_list(self.disks.radius, self.box, skin, room)
         self.search = make_search(len(self.disks.mass))
         self.belt, self.obstacle = belt, obstacle
-        self.motion = shaking.BedMotion(self.integrator, gravity, overlap_limit, corrections)
+        refresh = address_of(shaking.refresh_beads, "", self.disks, self.pairs)
+        self.motion = shaking.BedMotion(
+            self.integrator, gravity, overlap_limit, corrections, refresh
+        )
 
     def _ordered(self, columns) -> np.ndarray:
         return initial_order(columns, self.disks.label)

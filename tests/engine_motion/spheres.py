@@ -6,13 +6,14 @@ import numpy as np
 
 from sim.engine.boundary.drive import Gravity
 from sim.engine.boundary.plane import make_plane
+from sim.engine.calls import address_of, kind_of
 from sim.engine.contact.friction import enlarge_memory, make_memory
 from sim.engine.dynamics.cells import make_box
 from sim.engine.dynamics.neighbors import double_room, empty_pair_list
 from sim.engine.dynamics.spheres import SOLID, make_scratch, make_spheres
 from sim.engine.dynamics.team import Team
 from sim.engine.systems import leap_frog
-from sim.engine.systems.sharing import Thread
+from sim.engine.systems.sharing import Thread, refresh_together
 from tests.engine_motion.helpers import (
     MASS,
     RADIUS,
@@ -77,8 +78,10 @@ class SphereMotion:
     def _advance(self, steps: int, rank: int) -> int:
         contacts = leap_frog.FlowContacts(self.laws, self.pairs, self.plane, self.memory)
         drive = Gravity(self.gravity)
-        motion = leap_frog.Motion(drive, self.time_step, self.overlap_limit, self._inertia)
         thread = Thread(rank, self.team.gate, self.scratch[rank])
+        moved = self.spheres, self.pairs, self.plane, self.flow.sharing, thread, self.memory[0]
+        refresh = address_of(refresh_together, kind_of(*moved), *moved)
+        motion = leap_frog.Motion(drive, self.time_step, self.overlap_limit, self._inertia, refresh)
         return leap_frog.advance_spheres(self.spheres, contacts, self.flow, motion, thread, steps)
 
     def run(self, steps: int) -> "SphereMotion":

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import llvmlite.binding
 import netCDF4
+import numba
 import numpy as np
 import yaml
 
@@ -48,7 +49,8 @@ def machine() -> str:
     Each Python has a bytecode of its own, from which the loops are compiled.
     """
     libraries = ("numpy", "scipy", "numba", "llvmlite")
-    parts = [llvmlite.binding.get_host_cpu_name(), "-".join(platform.libc_ver())]
+    processor = numba.config.CPU_NAME or llvmlite.binding.get_host_cpu_name()
+    parts = [processor, "-".join(platform.libc_ver())]
     parts.append("python-" + ".".join(platform.python_version_tuple()[:2]))
     return " ".join(parts + [f"{name}-{version(name)}" for name in libraries])
 

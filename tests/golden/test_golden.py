@@ -1,6 +1,10 @@
 """The numbers of the golden points, and that together they take every path that makes numbers."""
 
+import os
+import platform
 import signal
+import subprocess
+import sys
 from typing import Any, Literal, get_args, get_origin
 
 import pytest
@@ -23,6 +27,7 @@ from tests.golden import (
     stored,
     worst_error,
 )
+from tests.made.processes import ROOT, SHORTER_VECTORS
 
 POINTS = points()
 
@@ -66,6 +71,14 @@ def test_bits_are_those_recorded_on_the_same_kind_of_machine(name, tmp_path):
 def test_first_samples_are_those_recorded_on_any_machine(name):
     error = worst_error(POINTS[name], early(POINTS[name]), stored(VALUES)[name])
     assert error < TOLERANCE, ADVICE
+
+
+@pytest.mark.long
+@pytest.mark.skipif(platform.machine() != "x86_64", reason="names a processor of another kind")
+def test_so_they_are_where_vectors_are_shorter():
+    every = [sys.executable, "-m", "pytest", "-q", "-m", "", "-k", "first_samples", __file__]
+    done = subprocess.run(every, cwd=ROOT, env=os.environ | SHORTER_VECTORS)
+    assert done.returncode == 0
 
 
 def test_recorded_are_the_points_there_are():

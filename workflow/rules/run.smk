@@ -1,6 +1,7 @@
 # One run file for every point of the study.
 
 
+# What it says, that it compiles, is for the user as well.
 rule warm:
     output:
         f"{RESULTS}/runs/.warm",
@@ -17,7 +18,7 @@ rule warm:
     params:
         numerics=numerics_mark(),
     shell:
-        'python -m sim warm "$TALUS_STUDY" --processes {threads} > {log} 2>&1 && echo {params.numerics:q} > {output}'
+        'python -m sim warm "$TALUS_STUDY" --processes {threads} 2>&1 | tee {log} && echo {params.numerics:q} > {output}'
 
 
 # A run may outlive the Snakemake that started it. Snakemake would take the file that it writes

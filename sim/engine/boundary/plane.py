@@ -4,10 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.compile import append_negative, assume_no_alias, inlined, kernel
+from sim.engine.compile import LANES, append_negative, assume_no_alias, inlined, kernel
 from sim.engine.contact.friction import blank_memory, make_memory, recall, stored_energy
 from sim.engine.contact.functions import law_on_plane
-from sim.engine.dynamics.cells import LANES
 from sim.engine.dynamics.neighbors import BLOCK
 from sim.engine.dynamics.spheres import (
     FX,

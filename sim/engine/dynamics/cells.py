@@ -9,11 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.compile import append_negative, assume_no_alias, inlined, kernel
-
-#: Numbers in the widest vectors. A loop over a multiple of it has no remainder, whose iterations
-#: the compiler would run one by one.
-LANES = 8
+from sim.engine.compile import LANES, append_negative, assume_no_alias, inlined, kernel
 
 
 class Box(NamedTuple):

@@ -9,10 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.compile import append_negative, assume_no_alias, inlined
+from sim.engine.compile import LANES, append_negative, assume_no_alias, inlined
 from sim.engine.contact.friction import VECTOR
 from sim.engine.dynamics.cells import (
-    LANES,
     Box,
     Grid,
     Part,

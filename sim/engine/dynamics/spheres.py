@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.compile import assume_no_alias, inlined, kernel
+from sim.engine.compile import LANES, assume_no_alias, inlined, kernel
 from sim.engine.contact.friction import (
     blank_memory,
     contact_force,
@@ -20,7 +20,7 @@ from sim.engine.contact.friction import (
 )
 from sim.engine.contact.functions import law_between
 from sim.engine.contact.roots import inverse_square_root
-from sim.engine.dynamics.cells import LANES, nearest_image, round_up
+from sim.engine.dynamics.cells import nearest_image, round_up
 from sim.engine.dynamics.neighbors import BLOCK, Search, find_touching, make_search
 
 #: Distance between rows of a block. It is no power of two, or all rows would compete for the same

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from sim.engine.boundary.belt import Obstacle
-from sim.engine.calls import kind_of
+from sim.engine.calls import address_of, kind_of
 from sim.engine.contact.damping import spring_damping
 from sim.engine.dynamics.cells import make_box
 from sim.engine.dynamics.disks import make_disks, rescale_terms
@@ -186,7 +186,8 @@ class Belt(Replica):
 
     def _motion(self) -> shaking.BedMotion:
         p, integrator = self.parameters, self._stages[self.stage].integrator
-        return shaking.BedMotion(integrator, p.gravity, p.overlap_limit, p.corrections)
+        refresh = address_of(shaking.refresh_beads, "", self.disks, self.pairs)
+        return shaking.BedMotion(integrator, p.gravity, p.overlap_limit, p.corrections, refresh)
 
     def _advance(self, steps: int) -> int:
         contacts, motion = self._contacts(), self._motion()

@@ -14,7 +14,7 @@ import numpy as np
 
 from sim.engine.boundary.drive import Gravity
 from sim.engine.boundary.plane import make_plane, stored_in_plane
-from sim.engine.calls import kind_of
+from sim.engine.calls import address_of, kind_of
 from sim.engine.contact import Partners, law_of
 from sim.engine.contact.friction import enlarge_memory, make_memory, memory_after
 from sim.engine.dynamics.cells import make_box
@@ -34,7 +34,7 @@ from sim.engine.observe.samples import ContactList, first_samples, make_ledger, 
 from sim.engine.observe.totals import flow_energies
 from sim.engine.systems import leap_frog
 from sim.engine.systems.replica import PATH_INTERVALS, Outcome, Replica
-from sim.engine.systems.sharing import Thread
+from sim.engine.systems.sharing import Thread, refresh_together
 from sim.engine.systems.slices import flow_profiles
 from sim.engine.systems.start import initial_layer
 from sim.parameters import ChuteParameters
@@ -154,12 +154,12 @@ class PlaneFlow(Replica):
 
     def _advance_thread(self, steps: int, rank: int) -> int:
         limit = self.parameters.overlap_limit
-        motion = leap_frog.Motion(self.drive, self.time_step, limit, self.inertia)
         thread = Thread(rank, self.team.gate, self.scratch[rank])
-        flow, contacts = self.flow, self._contacts()
-        return self._call(
-            leap_frog.advance_spheres, self.spheres, contacts, flow, motion, thread, steps
-        )
+        spheres, flow, contacts = self.spheres, self.flow, self._contacts()
+        moved = spheres, self.pairs, self.plane, flow.sharing, thread, self.memory[0]
+        refresh = address_of(refresh_together, self.kind, *moved)
+        motion = leap_frog.Motion(self.drive, self.time_step, limit, self.inertia, refresh)
+        return self._call(leap_frog.advance_spheres, spheres, contacts, flow, motion, thread, steps)
 
     def _contacts(self) -> leap_frog.FlowContacts:
         return leap_frog.FlowContacts(self.laws, self.pairs, self.plane, self.memory)

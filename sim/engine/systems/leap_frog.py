@@ -14,7 +14,8 @@ import numpy as np
 
 from sim.engine.boundary.drive import acceleration, note_work
 from sim.engine.boundary.plane import Plane, plane_forces
-from sim.engine.compile import assume_no_alias, inlined, kernel, prefer_wide_vectors
+from sim.engine.calls import call
+from sim.engine.compile import assume_no_alias, inlined, loop_kernel, prefer_wide_vectors
 from sim.engine.dynamics.mean_flow import AGE, allowed_stray
 from sim.engine.dynamics.neighbors import PairList
 from sim.engine.dynamics.spheres import Contacts, rotate, sphere_forces
@@ -26,7 +27,6 @@ from sim.engine.systems.sharing import (
     collect_forces,
     make_sharing,
     own_share,
-    refresh_together,
 )
 
 # Columns of ``Flow.sums``: sums over the steps since they were last cleared, but for the largest
@@ -56,12 +56,14 @@ class FlowContacts(NamedTuple):
 
 class Motion(NamedTuple):
     """``drive``, ``time_step`` (s), the largest overlap allowed relative to the sum of the radii,
-    and the ``inertia``, moment of inertia over m r², infinite without rotation."""
+    the ``inertia``, moment of inertia over m r², infinite without rotation, and the address of
+    ``refresh_together``."""
 
     drive: NamedTuple
     time_step: float
     overlap_limit: float
     inertia: float
+    refresh: int
 
 
 class Flow(NamedTuple):
@@ -232,7 +234,7 @@ def _add_up_parts(pairs, flow, motion, step):
     flow.step[0] = step
 
 
-@kernel
+@loop_kernel
 def advance_spheres(spheres, contacts, flow, motion, thread, steps):
     """Advance the flow by a number of steps; return a status.
 
@@ -248,7 +250,8 @@ def advance_spheres(spheres, contacts, flow, motion, thread, steps):
     while step < last:
         if not valid:
             pairs, plane, memory = contacts.pairs, contacts.plane, contacts.memory[step % 2]
-            status = refresh_together(spheres, pairs, plane, flow.sharing, thread, memory)
+            arguments = spheres, pairs, plane, flow.sharing, thread, memory
+            status = call(motion.refresh, 0, *arguments)
             if status != OK:
                 return status
         step += 1

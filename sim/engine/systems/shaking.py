@@ -5,7 +5,14 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.engine.boundary.belt import Belt, Obstacle, belt_forces, obstacle_forces
-from sim.engine.compile import assume_no_alias, inlined, kernel, prefer_wide_vectors
+from sim.engine.calls import call
+from sim.engine.compile import (
+    assume_no_alias,
+    inlined,
+    kernel,
+    loop_kernel,
+    prefer_wide_vectors,
+)
 from sim.engine.dynamics.cells import reorder
 from sim.engine.dynamics.disks import TERMS, correct, disk_forces, flush, predict
 from sim.engine.dynamics.mean_flow import allowed_stray
@@ -34,12 +41,13 @@ class BedContacts(NamedTuple):
 
 class BedMotion(NamedTuple):
     """The ``integrator``, ``gravity`` (m/s²) along -z, the largest overlap allowed relative to the
-    sum of the radii, and the number of ``corrections`` in a step."""
+    sum of the radii, the number of ``corrections`` in a step, the address of ``refresh_beads``."""
 
     integrator: NamedTuple
     gravity: float
     overlap_limit: float
-    corrections: int = 1
+    corrections: int
+    refresh: int
 
 
 class Shaking(NamedTuple):
@@ -81,9 +89,10 @@ def is_list_valid(disks, pairs, time_step):
     return outside == 0.0
 
 
-@inlined
+@kernel
 def refresh_beads(disks, pairs):
     """Rebuild the neighbor list and sort the beads by position; return a status."""
+    prefer_wide_vectors()
     no_memory = np.empty((0, 0))
     status, order = refresh(pairs, disks.taylor[0], disks.radius, no_memory)
     if status == OK:
@@ -117,7 +126,7 @@ def move_disks(integrator, disks, gravity):
     return displacement, momentum
 
 
-@kernel
+@loop_kernel
 def advance_disks(disks, contacts, shaking, motion, steps):
     """Advance the beads by a number of steps; return a status.
 
@@ -127,7 +136,7 @@ def advance_disks(disks, contacts, shaking, motion, steps):
     """
     prefer_wide_vectors()
     law, pairs, belt, obstacle, search = contacts
-    integrator, gravity, overlap_limit, corrections = motion
+    integrator, gravity, overlap_limit, corrections, refresh = motion
     sums = shaking.sums
     last = shaking.step[0] + steps
     time_step = integrator.time_step
@@ -138,7 +147,7 @@ def advance_disks(disks, contacts, shaking, motion, steps):
             shaking.evaluation[0] = 1
         pairs.valid[0] = pairs.valid[0] and is_list_valid(disks, pairs, time_step)
         if not pairs.valid[0]:
-            status = refresh_beads(disks, pairs)
+            status = call(refresh, 0, disks, pairs)
             if status != OK:
                 return status
         _clear_forces(disks)

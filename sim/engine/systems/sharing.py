@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.engine.compile import assume_no_alias, inlined
+from sim.engine.compile import assume_no_alias, inlined, kernel, prefer_wide_vectors
 from sim.engine.dynamics.cells import reorder
 from sim.engine.dynamics.mean_flow import set_stream
 from sim.engine.dynamics.neighbors import (
@@ -95,13 +95,14 @@ def collect_forces(spheres, sharing, share):
                         spheres.moment[rank, d, i] += spheres.moment[other, d, i]
 
 
-@inlined
+@kernel
 def refresh_together(spheres, pairs, plane, sharing, thread, memory):
     """Rebuild the neighbor list, sort the particles by position and share them out anew.
 
     All threads call it together; ``memory`` (M, C) is that of the last step. Returns a status:
     unless it is OK, nothing has changed but positions, which are wrapped into the cell.
     """
+    prefer_wide_vectors()
     rank, gate = thread.rank, thread.gate
     threads = sharing.border.size - 1
     if rank == 0:
