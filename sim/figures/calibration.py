@@ -77,14 +77,15 @@ def posterior_table(data: FigureData) -> pd.DataFrame:
     table = summarize(groups)
     fields = field_info(SYSTEMS[data.spec.system])
     units = [fields[name].scale or fields[name].unit for name in table["parameter"]]
-    low, middle, high = np.quantile(groups["posterior"][DISCREPANCY], INTERVAL)
-    last = (DISCREPANCY, middle, low, high, np.nan, "", data.spec.options["unit"])
     rows = [(*row, unit) for row, unit in zip(table.itertuples(index=False), units, strict=True)]
+    if DISCREPANCY in groups["posterior"]:
+        low, middle, high = np.quantile(groups["posterior"][DISCREPANCY], INTERVAL)
+        rows.append((DISCREPANCY, middle, low, high, np.nan, "", data.spec.options["unit"]))
     headings = (
         *("parameter", "median", "lower end of 95 % interval", "upper end of 95 % interval"),
         *("length of the interval over that of the range [1]", "told by the data", "unit"),
     )
-    return pd.DataFrame([*rows, last], columns=list(headings))
+    return pd.DataFrame(rows, columns=list(headings))
 
 
 def posterior_notes(data: FigureData) -> list[str]:
@@ -94,8 +95,6 @@ def posterior_notes(data: FigureData) -> list[str]:
     if "posterior" not in groups:
         return sentences
     about = _about(groups)
-    unit = unit_of(data.spec.options["unit"], "si", data.spec.system)
-    low, middle, high = np.quantile(groups["posterior"][DISCREPANCY], INTERVAL)
     pairs = len(np.atleast_1d(about["parameters"])) > 1
     return [
         "Median and 95 % interval: " + sentences[-1] if len(sentences) == 1 else
@@ -103,12 +102,21 @@ def posterior_notes(data: FigureData) -> list[str]:
         "Histograms over the ranges, with the interval as dashed lines; the dotted line is what "
         "was assumed before the measurements."
         + (" Shades: 50 % and 95 % of the draws." * pairs),
-        f"What the model may lack, fitted: {middle:.2g} ({low:.2g} to {high:.2g}) {unit}".rstrip()
-        + f", before the measurements half-normal of scale {about['discrepancy_scale']:.2g}.",
+        _discrepancy_note(data, groups),
         f"Probability of measurements as far from the model: {about['probability']:.2g}.",
         f"Chains of {about['steps']} steps, {about['steps'] / about['autocorrelation']:.0f} "
         "autocorrelation times.",
     ]  # fmt: skip
+
+
+def _discrepancy_note(data: FigureData, groups: Mapping[str, xr.Dataset]) -> str:
+    if DISCREPANCY not in groups["posterior"]:
+        return "The model is taken to lack nothing."
+    unit = unit_of(data.spec.options["unit"], "si", data.spec.system)
+    low, middle, high = np.quantile(groups["posterior"][DISCREPANCY], INTERVAL)
+    fitted = f"What the model may lack, fitted: {middle:.2g} ({low:.2g} to {high:.2g}) {unit}"
+    scale = _about(groups)["discrepancy_scale"]
+    return fitted.rstrip() + f", before the measurements half-normal of scale {scale:.2g}."
 
 
 def draw_predictions(data: FigureData) -> Figure:

@@ -7,7 +7,7 @@ from typing import Any, Self
 
 from pydantic import Field, model_validator
 
-from sim.parameters.common import TWO_NUMBERS, broken_rule
+from sim.parameters.common import TWO_NUMBERS, Real, broken_rule
 from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional
 from sim.study.measured import ALLOWED_FILE, FILE
 from sim.study.surrogate import SurrogateSpec
@@ -45,6 +45,16 @@ class CalibrateFile(Strict):
     units: dict[str, str] = Field(
         {}, description="units of columns whose headings have none, as `velocity: mm/s`"
     )
+    discrepancy: bool = Field(
+        True,
+        description="whether the model itself may lack something; `false` gives narrower intervals",
+    )
+    surrogate_error: Real = optional(
+        "largest error of the surrogate with which there is an answer, relative to the mean size "
+        "of the observable (0.2)",
+        gt=0,
+        le=10,
+    )
 
     @model_validator(mode="after")
     def _require_ranges(self) -> Self:
@@ -75,6 +85,10 @@ class CalibrationSpec:
         The measurements and their standard errors, in the unit of the observable.
     path : Path
         File of the measurements.
+    has_discrepancy : bool
+        Whether the model may lack something.
+    surrogate_error : float, optional
+        Largest error of the surrogate with which there is an answer.
     """
 
     name: str
@@ -84,6 +98,8 @@ class CalibrationSpec:
     values: tuple[float, ...]
     errors: tuple[float, ...]
     path: Path
+    has_discrepancy: bool = True
+    surrogate_error: float | None = None
 
     @property
     def series(self) -> str:
@@ -99,4 +115,5 @@ class CalibrationSpec:
     def settings(self) -> tuple[Any, ...]:
         """What it depends on besides runs; rules rerun when this changes."""
         parts = tuple(self.ranges.items()), tuple(self.conditions.items())
-        return (self.name, *parts, self.values, self.errors, self.of.settings)
+        own = (self.name, *parts, self.values, self.errors, self.has_discrepancy)
+        return (*own, self.surrogate_error, self.of.settings)

@@ -130,7 +130,15 @@ class CalibrationQuestion(_Asked):
         self._require_other_columns(table, surrogate)
         ranges = {name: (float(a), float(b)) for name, (a, b) in self.entry.parameters.items()}
         return CalibrationSpec(
-            self.entry.name, surrogate, ranges, conditions, values, errors, table.path
+            self.entry.name,
+            surrogate,
+            ranges,
+            conditions,
+            values,
+            errors,
+            table.path,
+            self.entry.discrepancy,
+            self.entry.surrogate_error,
         )
 
     def _measurements(

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import netCDF4
 import numpy as np
@@ -9,9 +10,18 @@ import xarray as xr
 
 from sim.base.files import atomic_write
 from sim.base.seals import append_summary, checked_read, seal
-from sim.surrogates.caveats import KEY
-from sim.surrogates.posterior import LEAST_PROBABILITY, LONG_ENOUGH, summarize
+from sim.surrogates.caveats import KEY, percent
+from sim.surrogates.posterior import (
+    LEAST_PROBABILITY,
+    LONG_ENOUGH,
+    MOST_UNCOUNTED,
+    ridges,
+    summarize,
+)
 from sim.surrogates.refusals import require_answer
+
+#: Share of a posterior where no regime that counts flows from which on it is told.
+_TOLD = 0.005
 
 
 def save(name: str, groups: Mapping[str, xr.Dataset], caveats: Sequence[str], path: Path) -> None:
@@ -58,13 +68,8 @@ def load(path: Path) -> dict[str, xr.Dataset]:
 def outcome_sentences(groups: Mapping[str, xr.Dataset]) -> list[str]:
     """Return how a calibration ended, and what it says of each parameter."""
     attributes = groups["observed_data"].attrs
-    probability = float(attributes["probability"])
     if attributes["outcome"] == "no fit":
-        chance = f"{probability:.2g}" if probability > 0 else "below 0.001"
-        return [
-            "No parameters in the ranges fit: measurements as far from the model as these would "
-            f"have a probability of {chance}, where {LEAST_PROBABILITY:g} is the least accepted."
-        ]
+        return [_no_fit(attributes)]
     sentences = []
     if attributes["outcome"] == "not converged":
         sentences.append(
@@ -72,9 +77,40 @@ def outcome_sentences(groups: Mapping[str, xr.Dataset]) -> list[str]:
             f"{attributes['steps'] / attributes['autocorrelation']:.0f} autocorrelation times "
             f"long, {LONG_ENOUGH} are needed; the intervals are not reliable."
         )
-    for row in summarize(groups).itertuples():
-        values = f"{row.parameter} = {row.median:.3g} ({row.low:.3g} to {row.high:.3g})"
-        if not row.informed:
-            values += ", of which the data say nothing beyond its range"
-        sentences.append(f"{values}.")
-    return sentences
+    uncounted = float(attributes["uncounted"])
+    if uncounted >= _TOLD:
+        where = f"lies where the flow is {attributes['uncounted_regime']}"
+        sentences.append(f"{percent(uncounted)} of the posterior {where}.")
+    rows = summarize(groups)
+    for row in rows.itertuples():
+        ends = f"{row.low:.3g} to {row.high:.3g}"
+        sentences.append(
+            f"{row.parameter} = {row.median:.3g} ({ends})."
+            if row.informed
+            else f"{row.parameter} is not determined ({ends})."
+        )
+    return [*sentences, *map(_ridge_sentence, ridges(groups))]
+
+
+def _no_fit(attributes: Mapping[str, Any]) -> str:
+    """Return why no parameters fit."""
+    probability, uncounted = float(attributes["probability"]), float(attributes["uncounted"])
+    if uncounted > MOST_UNCOUNTED:
+        return (
+            f"No parameters in the ranges fit: {percent(uncounted)} of those that come nearest "
+            f"lie where the flow is {attributes['uncounted_regime']}."
+        )
+    chance = f"{probability:.2g}" if probability > 0 else "below 0.001"
+    return (
+        "No parameters in the ranges fit: measurements as far from the model as these would "
+        f"have a probability of {chance}, where {LEAST_PROBABILITY:g} is the least accepted."
+    )
+
+
+def _ridge_sentence(ridge: tuple[str, str, float]) -> str:
+    first, second, correlation = ridge
+    goes = "larger" if correlation > 0 else "smaller"
+    return (
+        f"A combination of {first} and {second} is known better than each: a larger {first} goes "
+        f"with a {goes} {second} (correlation {correlation:.2f})."
+    )

@@ -15,7 +15,13 @@ from sim.study.plottable import numbers
 from sim.study.sensitivity import SensitivitySpec
 from sim.study.surrogate import SurrogateSpec
 from sim.surrogates import calibration, tables
-from sim.surrogates.caveats import caveats_of_indices, caveats_of_points, with_caveats
+from sim.surrogates.caveats import (
+    LARGE_ERROR,
+    caveats_of_indices,
+    caveats_of_points,
+    percent,
+    with_caveats,
+)
 from sim.surrogates.fitting import fit_surrogate
 from sim.surrogates.indices import indices_of_surrogate
 from sim.surrogates.indices_of_runs import (
@@ -23,7 +29,8 @@ from sim.surrogates.indices_of_runs import (
     morris_indices_of_runs,
     sobol_indices_of_runs,
 )
-from sim.surrogates.posterior import Calibration, calibrate
+from sim.surrogates.likelihood import Calibration
+from sim.surrogates.posterior import calibrate
 from sim.surrogates.predictor import unscaled
 from sim.surrogates.refusals import Refusal
 from sim.surrogates.sample import points_of_mean, sample_points
@@ -118,7 +125,9 @@ def places_of(design: Design) -> np.ndarray:
 
 
 def _answer_calibration(spec: CalibrationSpec, folder: Path) -> None:
-    surrogate = _surrogate_of(spec, f"calibration {spec.name}: no posterior", folder)
+    lack = f"calibration {spec.name}: no posterior"
+    surrogate = _surrogate_of(spec, lack, folder)
+    require_small_error(surrogate, spec.surrogate_error, lack)
     question = Calibration(
         predictor=surrogate,
         ranges=spec.ranges,
@@ -126,5 +135,23 @@ def _answer_calibration(spec: CalibrationSpec, folder: Path) -> None:
         values=np.array(spec.values),
         errors=np.array(spec.errors),
         observable=spec.of.observable,
+        has_discrepancy=spec.has_discrepancy,
     )
-    calibration.save(spec.name, calibrate(question), surrogate.caveats, folder / spec.file)
+    groups = calibrate(question)
+    groups["observed_data"].attrs |= {
+        "surrogate_error": surrogate.error,
+        "surrogate_points": len(surrogate.process.y),
+        "points": surrogate.sample.sizes["point"],
+    }
+    calibration.save(spec.name, groups, surrogate.caveats, folder / spec.file)
+
+
+def require_small_error(surrogate: Surrogate, most: float | None, lack: str) -> None:
+    """Refuse a question to a surrogate whose error is too large; ``lack`` is what is missing."""
+    most = most or LARGE_ERROR
+    if surrogate.error > most:
+        raise Refusal(
+            f"{lack}, as the error of surrogate {surrogate.name} is above {percent(most)} "
+            f"({surrogate.basis}); more points or longer runs lessen it, or a larger "
+            "surrogate_error accepts it"
+        )

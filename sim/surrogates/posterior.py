@@ -1,22 +1,16 @@
-"""Which parameters measurements allow: their posterior, by emcee on a surrogate.
-
-Measurement i under conditions cᵢ is normal about the surrogate's mean m(θ, cᵢ) with the variance
-eᵢ² + s(θ, cᵢ)² + d²: error of the measurement, error of the surrogate, and what the model may lack.
-θ is uniform over its ranges, in the scale of the surrogate; d has a half-normal prior whose
-scale is the median error (Kennedy and O'Hagan 2001, J. R. Stat. Soc. B 63, 425, with a discrepancy
-that differs from one measurement to the next without correlation).
-"""
+"""Which parameters measurements allow: their posterior, by emcee on a surrogate."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from sim.surrogates.predictor import Predictor, scaled
+from sim.surrogates.likelihood import Calibration, Predicted, distances
+from sim.surrogates.predictor import scaled
+from sim.surrogates.threads import on_one_thread
 
 #: Name of the size of the discrepancy among the parameters of a posterior.
 DISCREPANCY = "discrepancy"
@@ -36,8 +30,14 @@ _DRAWS = 200
 #: Probability of measurements as far from the model as these, below which nothing fits.
 LEAST_PROBABILITY = 0.01
 
+#: Share of the posterior that may lie where no regime flows that the surrogate's mean is of.
+MOST_UNCOUNTED = 0.5
+
 #: Share of the prior's interval from which on data say nothing of a parameter.
 UNINFORMED = 0.8
+
+#: Correlation from which on a combination of two parameters is known better than each.
+RIDGE = 0.8
 
 #: Conditions that are looked at for the next experiment, about.
 _CANDIDATES = 200
@@ -47,91 +47,22 @@ INTERVAL = (0.025, 0.5, 0.975)
 
 
 @dataclass(frozen=True)
-class Calibration:
-    """Measurements, and the surrogate whose parameters they are to tell.
+class Check:
+    """What draws of a posterior say of the measurements.
 
-    Attributes
-    ----------
-    predictor : Predictor
-        The surrogate.
-    ranges : mapping
-        Lowest and highest value of each parameter looked for.
-    conditions : mapping
-        Values of all other parameters of the surrogate at each measurement, (m,).
-    values, errors : numpy.ndarray
-        The measurements and their standard errors (m,), in the unit of the surrogate.
-    observable : str
-        What was measured.
-    seed : int
-        Seed of the walkers.
+    ``repeated`` (n, m) are the measurements made again; ``probability`` is that of measurements as
+    far from the model as these; ``regimes`` holds the probability of each regime, mean over the
+    draws, at the measurement that is least sure of a regime that it allows, and ``uncounted`` the
+    share of draws where one that it does not allow is likelier.
     """
 
-    predictor: Predictor
-    ranges: Mapping[str, tuple[float, float]]
-    conditions: Mapping[str, np.ndarray]
-    values: np.ndarray
-    errors: np.ndarray
-    observable: str
-    seed: int = 1
-
-    @cached_property
-    def names(self) -> tuple[str, ...]:
-        """The parameters looked for, in the order of the surrogate."""
-        return tuple(name for name in self.predictor.parameters if name in self.ranges)
-
-    @property
-    def bounds(self) -> np.ndarray:
-        """Ranges of these parameters, (p, 2)."""
-        return np.array([self.ranges[name] for name in self.names], float)
-
-    @property
-    def scales(self) -> tuple[Any, ...]:
-        """Scales of these parameters."""
-        by_name = dict(zip(self.predictor.parameters, self.predictor.scales, strict=True))
-        return tuple(by_name[name] for name in self.names)
-
-    @property
-    def usual_error(self) -> float:
-        """Median error of the measurements, the scale of the discrepancy."""
-        return float(np.median(self.errors))
-
-    def predict(
-        self, shares: np.ndarray, conditions: Mapping[str, np.ndarray]
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Return means and errors (n, m) at n points of the unit cube of θ and m conditions."""
-        theta = dict(zip(self.names, scaled(shares, self.bounds, self.scales).T, strict=True))
-        count = len(next(iter(conditions.values()))) if conditions else 1
-        shape = (len(shares), count)
-        columns = [
-            np.broadcast_to(theta[name][:, None] if name in theta else conditions[name], shape)
-            for name in self.predictor.parameters
-        ]
-        mean, error = self.predictor.predict(np.stack(columns, axis=-1).reshape(-1, len(columns)))
-        return self._per_measurement(mean.reshape(shape)), self._per_measurement(
-            error.reshape(shape)
-        )
-
-    def _per_measurement(self, table: np.ndarray) -> np.ndarray:
-        """Return one column per measurement where there are no conditions."""
-        return table if self.conditions else np.repeat(table, len(self.values), axis=1)
-
-    def log_probability(self, draws: np.ndarray) -> np.ndarray:
-        """Return the logarithm of posterior density (n,), up to a constant.
-
-        ``draws`` (n, p + 1) are θ in the unit cube, and d over `usual_error`.
-        """
-        shares, size = draws[:, :-1], draws[:, -1]
-        inside = ((shares >= 0) & (shares <= 1)).all(axis=1) & (size >= 0)
-        densities = np.full(len(draws), -np.inf)
-        if inside.any():
-            mean, error = self.predict(shares[inside], self.conditions)
-            discrepancy = self.usual_error * size[inside, None]
-            variance = self.errors**2 + error**2 + discrepancy**2
-            terms = (self.values - mean) ** 2 / variance + np.log(variance)
-            densities[inside] = -0.5 * (terms.sum(axis=1) + size[inside] ** 2)
-        return densities
+    repeated: np.ndarray
+    probability: float
+    regimes: dict[str, float]
+    uncounted: float
 
 
+@on_one_thread
 def calibrate(calibration: Calibration) -> dict[str, xr.Dataset]:
     """Return the posterior and what follows from it, as groups that ArviZ reads.
 
@@ -142,45 +73,69 @@ def calibrate(calibration: Calibration) -> dict[str, xr.Dataset]:
         measurements repeated, (chain, draw, measurement). ``observed_data`` and ``constant_data``:
         the measurements, their conditions and errors. ``predictions_constant_data``: conditions of
         a further measurement, with the share of the variance of the posterior that it would take
-        away (``narrowing``). Attributes of ``observed_data`` say how it ended: ``outcome`` is
-        ``converged``, ``not converged`` or ``no fit``, ``probability`` that of measurements as far
-        from the model as these, ``steps`` and ``autocorrelation`` the length of the chains and
-        their longest time. Where nothing fits there is no ``posterior``.
+        away (``narrowing``). Attributes of ``observed_data`` say how it ended, see `attributes`.
+        Where nothing fits there is no ``posterior``.
     """
     chain, length, autocorrelation = _sample(calibration)
-    probability = _probability(calibration, chain.reshape(-1, chain.shape[-1]))
-    if probability < LEAST_PROBABILITY:
+    check = check_draws(calibration, chain.reshape(-1, chain.shape[-1]))
+    about = attributes(calibration, check, length, autocorrelation)
+    over = ("chain", "draw")
+    fits = about["outcome"] != "no fit"
+    groups = {"posterior": _posterior(calibration, chain)} if fits else {}
+    repeated = check.repeated.reshape(*chain.shape[:-1], -1)
+    groups["posterior_predictive"] = xr.Dataset(
+        {calibration.observable: ((*over, "measurement"), repeated)}
+    )
+    groups["observed_data"] = xr.Dataset(
+        {calibration.observable: ("measurement", calibration.values)}, attrs=about
+    )
+    conditions = {name: ("measurement", one) for name, one in calibration.conditions.items()}
+    groups["constant_data"] = xr.Dataset(
+        {**conditions, "error": ("measurement", calibration.errors)}
+    )
+    if fits:
+        groups["predictions_constant_data"] = _next_experiment(calibration, chain)
+    return groups
+
+
+def attributes(
+    calibration: Calibration, check: Check, length: int, autocorrelation: float
+) -> dict[str, Any]:
+    """Return what a calibration says of itself, the attributes of ``observed_data``.
+
+    ``outcome`` is ``converged``, ``not converged`` or ``no fit``; ``steps`` and
+    ``autocorrelation`` are the length of the chains and their longest time; ``probability``,
+    ``uncounted``, ``regimes`` and their ``regime_shares`` are as `Check` has them, and
+    ``uncounted_regime`` is the likeliest of those that the surrogate's mean is not of, or empty.
+    `sim.surrogates.inquiries` adds ``surrogate_error``, relative to the mean size of the
+    observable, ``surrogate_points``, of which its mean is, and ``points``, all that it has.
+    """
+    others = {
+        name: share
+        for name, share in check.regimes.items()
+        if name not in calibration.predictor.mean_regimes
+    }
+    if check.probability < LEAST_PROBABILITY or check.uncounted > MOST_UNCOUNTED:
         outcome = "no fit"
     else:
         enough = length >= LONG_ENOUGH * autocorrelation
         outcome = "converged" if enough else "not converged"
-    attributes = {
+    return {
         "outcome": outcome,
-        "probability": probability,
+        "probability": check.probability,
+        "uncounted": check.uncounted,
+        "uncounted_regime": max(others, key=others.__getitem__) if others else "",
+        "regimes": list(check.regimes),
+        "regime_shares": list(check.regimes.values()),
         "steps": length,
         "autocorrelation": autocorrelation,
-        "discrepancy_scale": calibration.usual_error,
+        "discrepancy_scale": calibration.usual_error if calibration.has_discrepancy else 0.0,
         "observable": calibration.observable,
         "parameters": list(calibration.names),
         "scales": list(calibration.scales),
         "low": calibration.bounds[:, 0],
         "high": calibration.bounds[:, 1],
     }
-    over = ("chain", "draw")
-    groups = {} if outcome == "no fit" else {"posterior": _posterior(calibration, chain)}
-    groups["posterior_predictive"] = xr.Dataset(
-        {calibration.observable: ((*over, "measurement"), _repeated(calibration, chain))}
-    )
-    groups["observed_data"] = xr.Dataset(
-        {calibration.observable: ("measurement", calibration.values)}, attrs=attributes
-    )
-    conditions = {name: ("measurement", one) for name, one in calibration.conditions.items()}
-    groups["constant_data"] = xr.Dataset(
-        {**conditions, "error": ("measurement", calibration.errors)}
-    )
-    if outcome != "no fit":
-        groups["predictions_constant_data"] = _next_experiment(calibration, chain)
-    return groups
 
 
 def _sample(calibration: Calibration) -> tuple[np.ndarray, int, float]:
@@ -191,7 +146,7 @@ def _sample(calibration: Calibration) -> tuple[np.ndarray, int, float]:
     import emcee
 
     rng = np.random.default_rng(calibration.seed)
-    dimensions = len(calibration.names) + 1
+    dimensions = len(calibration.names) + calibration.has_discrepancy
     walkers = max(_LEAST_WALKERS, _WALKERS * dimensions)
     sampler = emcee.EnsembleSampler(
         walkers,
@@ -201,7 +156,7 @@ def _sample(calibration: Calibration) -> tuple[np.ndarray, int, float]:
         moves=[(emcee.moves.StretchMove(), 0.5), (emcee.moves.DEMove(), 0.5)],
     )
     state = np.random.RandomState(calibration.seed).get_state()
-    start = emcee.State(_start(calibration, walkers, rng), random_state=state)
+    start = emcee.State(_start(calibration, (walkers, dimensions), rng), random_state=state)
     length, autocorrelation = 0, np.inf
     while length < MOST_STEPS and length < LONG_ENOUGH * autocorrelation:
         start = sampler.run_mcmc(start, _STEPS)
@@ -213,51 +168,90 @@ def _sample(calibration: Calibration) -> tuple[np.ndarray, int, float]:
     return chain[::step].swapaxes(0, 1), length, autocorrelation
 
 
-def _start(calibration: Calibration, walkers: int, rng: np.random.Generator) -> np.ndarray:
+def _start(
+    calibration: Calibration, shape: tuple[int, int], rng: np.random.Generator
+) -> np.ndarray:
     """Return where walkers start: points of the prior, drawn by their probability, shifted."""
-    prior = rng.random((_STARTS, len(calibration.names)))
-    draws = np.column_stack([prior, np.abs(rng.normal(size=_STARTS))])
+    (walkers, dimensions), count = shape, len(calibration.names)
+    prior = rng.random((_STARTS, count))
+    draws = np.column_stack([prior, np.abs(rng.normal(size=_STARTS))])[:, :dimensions]
     log_probability = calibration.log_probability(draws)
     weights = np.exp(log_probability - log_probability.max())
     chosen = draws[rng.choice(_STARTS, walkers, p=weights / weights.sum())]
     shifted = np.abs(chosen + _SHIFT * rng.normal(size=chosen.shape))
     # A point beyond the upper end is mirrored there.
-    shifted[:, :-1] = 1 - np.abs(1 - shifted[:, :-1])
+    shifted[:, :count] = 1 - np.abs(1 - shifted[:, :count])
     return shifted
 
 
-def _probability(calibration: Calibration, draws: np.ndarray) -> float:
-    """Return how probable measurements are that lie as far from the model as those that were made.
+def check_draws(calibration: Calibration, draws: np.ndarray) -> Check:
+    """Return what draws say of the measurements.
 
-    Measurements are repeated for each draw of the posterior, with a discrepancy as the prior has
-    it: what a discrepancy that grew with the misfit explains is not explained (posterior predictive
-    check, Gelman, Meng and Stern 1996).
+    Measurements are repeated for each draw, with a discrepancy as the prior has it: what a
+    discrepancy that grew with the misfit explains is not explained (posterior predictive check,
+    Gelman, Meng and Stern 1996).
     """
     rng = np.random.default_rng(calibration.seed)
-    mean, error = calibration.predict(draws[:, :-1], calibration.conditions)
-    variance = calibration.errors**2 + error**2
-    discrepancy = calibration.usual_error * np.abs(rng.normal(size=(len(draws), 1)))
-    repeated = rng.normal(size=mean.shape) * np.sqrt(variance + discrepancy**2)
-    distance = ((calibration.values - mean) ** 2 / variance).sum(axis=1)
-    return float(np.mean((repeated**2 / variance).sum(axis=1) >= distance))
+    repeated, farther, regimes, uncounted = [], [], [], []
+    for part in calibration.parts(draws):
+        predicted = calibration.predict(part[:, : len(calibration.names)])
+        variance = calibration.errors**2 + calibration.discrepancy(part) ** 2
+        allowed = calibration.allowed(predicted.regimes)
+        least, rows = allowed.argmin(axis=1), np.arange(len(part))
+        regimes.append(predicted.regimes[:, rows, least])
+        uncounted.append(allowed[rows, least] < 0.5)
+        predicted = _settled(calibration, predicted, variance, rng)
+        cause = rng.normal(size=(*predicted.shared.shape[::2], 1))
+        shift = (predicted.shared @ cause)[..., 0]
+        normal = rng.normal(size=shift.shape)
+        spread = np.sqrt(predicted.own + variance)
+        repeated.append(predicted.mean + shift + spread * normal)
+        before = calibration.usual_error * np.abs(rng.normal(size=(len(part), 1)))
+        before = before * calibration.has_discrepancy
+        own = calibration.errors**2 + predicted.own
+        spread = np.sqrt(own + before**2)
+        again = shift + spread * rng.normal(size=shift.shape)
+        apart = (
+            distances(one, predicted.shared, own)[0]
+            for one in (again, calibration.values - predicted.mean)
+        )
+        farther.append(np.greater_equal(*apart))
+    shares = np.concatenate(regimes, axis=1).mean(axis=1).tolist()
+    return Check(
+        np.concatenate(repeated),
+        float(np.concatenate(farther).mean()),
+        dict(zip(calibration.predictor.regimes.names, shares, strict=True)),
+        float(np.concatenate(uncounted).mean()),
+    )
+
+
+def _settled(
+    calibration: Calibration, predicted: Predicted, variance: np.ndarray, rng: np.random.Generator
+) -> Predicted:
+    """Return predictions in which a bed that has come to rest, by its measurement, gives 0."""
+    if not calibration.may_rest.any():
+        return predicted
+    surety, flowing, resting = calibration.alternatives(predicted, variance)
+    with np.errstate(over="ignore"):
+        chance = surety / (surety + (1 - surety) * np.exp(resting - flowing))
+    flows = np.ones(predicted.mean.shape)
+    flows[:, calibration.may_rest] = rng.random(chance.shape) < chance
+    return replace(
+        predicted,
+        mean=predicted.mean * flows,
+        shared=predicted.shared * flows[..., None],
+        own=predicted.own * flows,
+    )
 
 
 def _posterior(calibration: Calibration, chain: np.ndarray) -> xr.Dataset:
     """Return the draws as parameters over chain and draw."""
-    theta = scaled(chain[..., :-1], calibration.bounds, calibration.scales)
+    count = len(calibration.names)
+    theta = scaled(chain[..., :count], calibration.bounds, calibration.scales)
     columns = {name: theta[..., k] for k, name in enumerate(calibration.names)}
-    columns[DISCREPANCY] = calibration.usual_error * chain[..., -1]
+    if calibration.has_discrepancy:
+        columns[DISCREPANCY] = calibration.usual_error * chain[..., count]
     return xr.Dataset({name: (("chain", "draw"), one) for name, one in columns.items()})
-
-
-def _repeated(calibration: Calibration, chain: np.ndarray) -> np.ndarray:
-    """Return measurements as they would come out again, for each draw."""
-    rng = np.random.default_rng(calibration.seed)
-    draws = chain.reshape(-1, chain.shape[-1])
-    mean, error = calibration.predict(draws[:, :-1], calibration.conditions)
-    discrepancy = calibration.usual_error * draws[:, -1:]
-    spread = np.sqrt(calibration.errors**2 + error**2 + discrepancy**2)
-    return (mean + spread * rng.normal(size=mean.shape)).reshape(*chain.shape[:-1], -1)
 
 
 def _next_experiment(calibration: Calibration, chain: np.ndarray) -> xr.Dataset:
@@ -275,10 +269,15 @@ def _next_experiment(calibration: Calibration, chain: np.ndarray) -> xr.Dataset:
     lines = [np.linspace(one[0], one[-1], count if len(one) > 1 else 1) for one in axes]
     grid = [one.ravel() for one in np.meshgrid(*lines, indexing="ij")]
     candidates = dict(zip(calibration.conditions, grid, strict=True))
-    mean, error = calibration.predict(draws[:, :-1], candidates)
-    discrepancy = calibration.usual_error * draws[:, -1:]
-    variance = calibration.usual_error**2 + (error**2 + discrepancy**2).mean(axis=0)
-    shares = draws[:, :-1] - draws[:, :-1].mean(axis=0)
+    x = calibration.points(draws[:, : len(calibration.names)], candidates)
+    mean, error = (
+        one.reshape(x.shape[:2]) for one in calibration.predictor.predict(x.reshape(-1, x.shape[2]))
+    )
+    variance = calibration.usual_error**2 + (error**2 + calibration.discrepancy(draws) ** 2).mean(
+        axis=0
+    )
+    shares = draws[:, : len(calibration.names)]
+    shares = shares - shares.mean(axis=0)
     covariance = shares.T @ (mean - mean.mean(axis=0)) / len(draws)
     taken = (covariance**2 / (mean.var(axis=0) + variance)).sum(axis=0)
     narrowing = taken / max(shares.var(axis=0).sum(), np.finfo(float).tiny)
@@ -304,3 +303,17 @@ def summarize(groups: Mapping[str, xr.Dataset]) -> pd.DataFrame:
         share = (last - first) / ((INTERVAL[2] - INTERVAL[0]) * (prior[1] - prior[0]))
         rows.append((name, median, least, most, share, bool(share < UNINFORMED)))
     return pd.DataFrame(rows, columns=["parameter", "median", "low", "high", "share", "informed"])
+
+
+def ridges(groups: Mapping[str, xr.Dataset]) -> list[tuple[str, str, float]]:
+    """Return the pairs of parameters of which a combination is known better than each.
+
+    The third number is the correlation of their ranks, of size `RIDGE` or more.
+    """
+    from scipy.stats import rankdata
+
+    names = np.atleast_1d(groups["observed_data"].attrs["parameters"]).tolist()
+    ranks = [rankdata(groups["posterior"][name].to_numpy().ravel()) for name in names]
+    pairs = ((names[i], names[k], i, k) for i in range(len(names)) for k in range(i))
+    found = [(b, a, float(np.corrcoef(ranks[i], ranks[k])[0, 1])) for a, b, i, k in pairs]
+    return [pair for pair in found if abs(pair[2]) >= RIDGE]

@@ -1,7 +1,7 @@
 """What indices and posteriors ask of a surrogate, and points of the unit cube in its ranges."""
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -17,6 +17,10 @@ class Predictor(Protocol):
         Lowest and highest value of each, (k, 2).
     scales : tuple of str
         ``linear`` or ``log``: in which scale the values of each are evenly spread.
+    regimes : object
+        Its ``names`` are those of the regimes that occur.
+    mean_regimes : tuple of str
+        Regimes that the mean is of.
     """
 
     @property
@@ -25,9 +29,19 @@ class Predictor(Protocol):
     def bounds(self) -> np.ndarray: ...
     @property
     def scales(self) -> tuple[str, ...]: ...
+    @property
+    def regimes(self) -> Any: ...
+    @property
+    def mean_regimes(self) -> tuple[str, ...]: ...
 
     def predict(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return mean and its standard deviation, (n,) in the observable's unit, at (n, k)."""
+
+    def correlation(self, x: np.ndarray, others: np.ndarray) -> np.ndarray:
+        """Return how errors of means go together, (g, m, r), at (g, m, k) and (g, r, k)."""
+
+    def probability(self, x: np.ndarray) -> np.ndarray:
+        """Return the probability of each regime at (n, k), (regimes, n)."""
 
 
 def scaled(shares: np.ndarray, bounds: np.ndarray, scales: Sequence[str]) -> np.ndarray:

@@ -82,6 +82,34 @@ class Process:
         return self._offset + self._scale * mean, self._scale * spread
 
     @on_one_thread
+    def correlation(self, x: np.ndarray, others: np.ndarray) -> np.ndarray:
+        """Return how errors of means go together, (g, m, r), at points (g, m, d) and (g, r, d).
+
+        It is that of the process behind the values. With the errors of `predict` it gives their
+        covariance in any unit, with logarithms too. Where a point has next to no error, it is 0.
+        """
+        from scipy.linalg import solve_triangular
+
+        kernel, factor = self._regressor.kernel_, self._regressor.L_
+        dimensions = self.x.shape[1]
+        origin = np.zeros((1, dimensions))
+        variance = float(kernel(origin, origin)[0, 0])
+
+        def known(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            shape = (len(self.y), *points.shape[:2])
+            shared = kernel(self.x, points.reshape(-1, dimensions))
+            part = solve_triangular(factor, shared, lower=True, check_finite=False).reshape(shape)
+            left = np.maximum(variance - (part**2).sum(axis=0), _LEAST_VARIANCE * variance)
+            return part.transpose(1, 0, 2), np.sqrt(left)
+
+        # The kernel depends on the distance alone.
+        apart = (x[:, :, None] - others[:, None]).reshape(-1, dimensions)
+        prior = kernel(apart, origin).reshape(len(x), x.shape[1], -1)
+        (first, spread), (second, spread_of_others) = known(x), known(others)
+        covariance = prior - first.transpose(0, 2, 1) @ second
+        return covariance / (spread[:, :, None] * spread_of_others[:, None])
+
+    @on_one_thread
     def left_out(self) -> LeftOut:
         """Return each point as the others predict it, lengths unchanged, without `widening`.
 

@@ -111,6 +111,20 @@ class Surrogate:
         """
         return self.process.predict(self._cube(x))
 
+    def correlation(self, x: np.ndarray, others: np.ndarray) -> np.ndarray:
+        """Return how errors go together, (g, m, r), at points as of `predict` in g groups.
+
+        Parameters
+        ----------
+        x, others : numpy.ndarray
+            Values of `parameters`, (g, m, k) and (g, r, k).
+        """
+        cubes = (
+            self._cube(part.reshape(-1, part.shape[-1])).reshape(*part.shape[:2], -1)
+            for part in (x, others)
+        )
+        return self.process.correlation(*cubes)
+
     def probability(self, x: np.ndarray) -> np.ndarray:
         """Return the probability of each of ``regimes.names`` at points as of `predict`, (m, n)."""
         return self.regimes.probability(self._cube(x))

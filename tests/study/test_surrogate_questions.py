@@ -111,6 +111,15 @@ def test_measurements_come_in_the_units_of_talus(parse, tmp_path):
     assert edited.settings != one.settings
 
 
+def test_what_the_model_and_the_surrogate_may_lack_can_be_chosen(parse):
+    (usual,) = parse(calibrate=[CALIBRATE]).calibrations
+    assert usual.has_discrepancy and usual.surrogate_error is None
+    entry = CALIBRATE | {"discrepancy": False, "surrogate_error": 0.5}
+    (one,) = parse(calibrate=[entry]).calibrations
+    assert not one.has_discrepancy and one.surrogate_error == 0.5
+    assert usual.settings != one.settings
+
+
 def test_columns_and_units_can_be_named_in_the_study(parse):
     table = "angle,V,s\n15,20,1\n17,30,2\n"
     entry = CALIBRATE | {"observable": "V", "error": "s", "units": {"V": "cm/s", "angle": "deg"}}
@@ -130,6 +139,11 @@ def test_columns_and_units_can_be_named_in_the_study(parse):
             "parameters.friction: got [0.8, 0.2]; allowed: two",
         ),
         ({"parameters": {"friction": 0.3}}, "calibrate[0].parameters.friction: got 0.3; allowed: "),
+        (
+            {"surrogate_error": 0},
+            "calibrate[0].surrogate_error: got 0; allowed: a number in (0, 10]",
+        ),
+        ({"discrepancy": 3}, "calibrate[0].discrepancy: got 3; allowed: true or false"),
         (
             {"parameters": {"frction": [0.2, 0.8]}},
             "parameters.frction: got [0.2, 0.8]; did you mean friction?",

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from sim.surrogates.posterior import Calibration
+from sim.surrogates.likelihood import Calibration
 from tests.surrogates.predictors import MadePredictor
 
 #: Ranges of what is looked for.

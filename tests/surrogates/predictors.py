@@ -2,19 +2,23 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
 
 @dataclass
 class MadePredictor:
-    """A function of parameters as a predictor with a constant error."""
+    """A function of parameters as a predictor with a constant error, independent everywhere."""
 
     function: Callable[..., np.ndarray]
     bounds: np.ndarray
     error: float = 0.0
     parameters: tuple[str, ...] = ()
     scales: tuple[str, ...] = field(default=())
+    regimes: Any = field(default_factory=lambda: SimpleNamespace(names=("steady",)))
+    mean_regimes: tuple[str, ...] = ("steady",)
 
     def __post_init__(self):
         self.bounds = np.asarray(self.bounds, float)
@@ -23,6 +27,12 @@ class MadePredictor:
 
     def predict(self, x):
         return self.function(*np.asarray(x).T), np.full(len(x), self.error)
+
+    def correlation(self, x, others):
+        return (x[:, :, None] == others[:, None]).all(axis=-1).astype(float)
+
+    def probability(self, x):
+        return np.ones((1, len(x)))
 
 
 #: Ishigami and Homma 1990, with a = 7 and b = 0.1.

@@ -1,5 +1,6 @@
 """Answers of a study with made-up runs: indices of a surrogate and of designs, a calibration."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +12,10 @@ from sim.dataset.build import build
 from sim.figures.render import find_spec, render
 from sim.report.predict import predict
 from sim.study.load import load_study
-from sim.surrogates import answers, calibration
+from sim.surrogates import answers, calibration, inquiries
 from sim.surrogates.posterior import summarize
+from sim.surrogates.refusals import Refusal
+from sim.surrogates.storage import load
 from tests.made.runs import write_run
 
 STUDY = """
@@ -149,6 +152,20 @@ def test_the_calibration_has_the_friction_of_the_material(folder):
     (row,) = summarize(groups).itertuples()
     assert row.low < FRICTION < row.high and row.informed
     assert groups["constant_data"]["restitution"].values.tolist() == [RESTITUTION] * 2
+
+
+def test_a_calibration_tells_of_its_surrogate_and_asks_for_one_that_is_sure(folder):
+    groups = calibration.load(folder / "calibration" / "beads.nc")
+    about = groups["observed_data"].attrs
+    surrogate = load(folder / "surrogates" / "speed.nc")
+    assert about["surrogate_error"] == surrogate.error
+    assert about["surrogate_points"] == about["points"] == 16
+    assert about["uncounted"] == 0 and about["regimes"] == "steady"
+    unsure = replace(surrogate)
+    unsure.__dict__["error"] = 0.25
+    inquiries.require_small_error(unsure, 0.3, "calibration beads: no posterior")
+    with pytest.raises(Refusal, match="no posterior, as the error of surrogate speed is above 20 % "):
+        inquiries.require_small_error(unsure, None, "calibration beads: no posterior")
 
 
 def test_every_picture_of_an_answer_is_drawn(folder, tmp_path):

@@ -8,7 +8,8 @@ import xarray as xr
 
 from sim.surrogates import posterior
 from sim.surrogates.calibration import load, outcome_sentences, save
-from sim.surrogates.posterior import DISCREPANCY, Calibration, calibrate, summarize
+from sim.surrogates.likelihood import Calibration
+from sim.surrogates.posterior import DISCREPANCY, calibrate, summarize
 from tests.surrogates.made_calibration import ANGLES, RANGES, made_measurements
 from tests.surrogates.predictors import MadePredictor
 
@@ -95,7 +96,7 @@ def test_data_inform_the_parameter_that_matters_alone():
     assert rows["informed"].to_dict() == {"slope": True, "idle": False}
     assert abs(rows["median"]["slope"] - 1.1) < 0.02 < rows["high"]["slope"] - 1.1 + 0.02
     assert rows["share"]["idle"] == pytest.approx(1, abs=0.1)
-    assert "of which the data say nothing beyond its range" in outcome_sentences(groups)[1]
+    assert outcome_sentences(groups)[1].startswith("idle is not determined (0.0")
 
 
 def test_the_next_experiment_is_where_the_slope_shows_most():
@@ -129,3 +130,51 @@ def test_measurements_without_conditions_are_calibrated_too():
     (row,) = summarize(groups).itertuples()
     assert row.low < 1.05 < row.high and row.informed
     assert groups["predictions_constant_data"].sizes["candidate"] == 1
+
+
+def test_a_combination_that_is_known_is_told():
+    rng = np.random.default_rng(1)
+    first, noise = rng.random((2, 1, 4000))
+    for sign, words in (
+        (1, "a larger slope goes with a larger idle (correlation 0.9"),
+        (-1, "a larger slope goes with a smaller idle (correlation -0.9"),
+    ):
+        draws = {"slope": first, "idle": 0.5 + sign * 0.4 * (first - 0.5) + 0.05 * noise}
+        groups = groups_of(draws)
+        assert words in outcome_sentences(groups)[-1]
+    assert len(outcome_sentences(groups_of({"slope": first, "idle": noise}))) == 2
+
+
+def groups_of(draws, uncounted=0.0, regime="", outcome="converged"):
+    attributes = {
+        "outcome": outcome,
+        "probability": 0.5,
+        "uncounted": uncounted,
+        "uncounted_regime": regime,
+        "parameters": list(draws),
+        "scales": ["linear"] * len(draws),
+        "low": np.zeros(len(draws)),
+        "high": np.ones(len(draws)),
+    }
+    columns = {name: (("chain", "draw"), one) for name, one in draws.items()}
+    return {"posterior": xr.Dataset(columns), "observed_data": xr.Dataset(attrs=attributes)}
+
+
+def test_the_share_of_a_posterior_where_nothing_flows_is_told():
+    draws = {"slope": np.random.default_rng(1).random((1, 100))}
+    told = outcome_sentences(groups_of(draws, 0.123, "arrested"))
+    assert told[0] == "12 % of the posterior lies where the flow is arrested." and len(told) == 2
+    assert len(outcome_sentences(groups_of(draws, 0.001, "arrested"))) == 1
+    (none,) = outcome_sentences(groups_of(draws, 0.998, "arrested", "no fit"))
+    assert none == (
+        "No parameters in the ranges fit: 99.8 % of those that come nearest lie where the flow is "
+        "arrested."
+    )
+
+
+def test_a_model_that_lacks_nothing_has_no_discrepancy():
+    draws = np.array([[0.55, 0.5]])
+    made = replace(line(), has_discrepancy=False)
+    assert not made.discrepancy(draws).any() and line().discrepancy(np.ones((1, 3))) == 0.05
+    assert made.log_probability(draws) == line().log_probability(np.array([[0.55, 0.5, 0.0]]))
+    assert set(calibrate(made)["posterior"]) == {"slope", "idle"}

@@ -50,6 +50,22 @@ def test_leaving_out_is_what_a_process_without_the_point_says():
             assert left_out.error[index] == pytest.approx(unit[0], rel=1e-4)
 
 
+@pytest.mark.parametrize("has_scatter", [True, False])
+def test_correlations_with_errors_are_the_covariance_of_the_process(has_scatter):
+    x, y, size, rng = noisy(smooth, 16, 2, 3, 0.1)
+    process = fit_lengths(Process(x, y, np.full(16, size**2), False, has_scatter))
+    groups, others = rng.random((3, 5, 2)), rng.random((3, 4, 2))
+    found = process.correlation(groups, others)
+    assert found.shape == (3, 5, 4)
+    for one, other, correlation in zip(groups, others, found, strict=True):
+        _, exact = process._regressor.predict(np.vstack([one, other]), return_cov=True)
+        errors, others_errors = process.predict(one)[1], process.predict(other)[1]
+        covariance = correlation * np.outer(errors, others_errors)
+        assert covariance == pytest.approx(process._scale**2 * exact[:5, 5:], rel=1e-4, abs=1e-9)
+    same = process.correlation(groups, groups)
+    assert np.diagonal(same, axis1=1, axis2=2) == pytest.approx(1)
+
+
 @pytest.mark.parametrize("function", [smooth, kinked])
 @pytest.mark.parametrize("is_known", [True, False])
 def test_intervals_hold_the_truth_and_fresh_runs(function, is_known):
