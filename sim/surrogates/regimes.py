@@ -5,7 +5,8 @@ from functools import cached_property
 
 import numpy as np
 
-from sim.surrogates.process import Process, fit_lengths
+from sim.surrogates.fits import fit_lengths
+from sim.surrogates.process import Process
 
 #: Regimes that say nothing of the flow: the run was too short, or gave no value.
 UNKNOWN = ("undetermined", "failed")
