@@ -293,7 +293,8 @@ class Surrogate:
     def basis(self) -> str:
         """Of how many points the mean is, and its error, in words."""
         used, total = len(self.process.y), self.sample.sizes["point"]
-        return f"mean of {used} of {total} points, error {percent(self.error)}"
+        text = f"mean of {used} of {total} points, error {percent(self.error)}"
+        return f"{text}, {self.process.frame.form.meaning}" if self.process.frame else text
 
     @cached_property
     def caveats(self) -> tuple[str, ...]:
