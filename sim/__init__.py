@@ -2,7 +2,8 @@
 
 In Python: `simulate` runs one point, `Flow` runs one step by step, `points` lists the points of a
 study, and `load` reads the results of a study (docs/api.md). Plug-ins extend it by
-`law`, `motion`, `flow_engine`, `observable`, `plot_kind`, `judge`, `paper` (docs/extending.md).
+`law`, `motion`, `flow_engine`, `observable`, `form`, `plot_kind`, `judge`, `paper`
+(docs/extending.md).
 """
 
 from pkgutil import resolve_name
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from sim.engine.flow import Flow, simulate
     from sim.parameters.choices import parameter
     from sim.parameters.engines import flow_engine
+    from sim.parameters.forms import form
     from sim.parameters.laws import law
     from sim.parameters.motions import motion
     from sim.parameters.observables import observable
@@ -32,6 +34,7 @@ __all__ = [
     "InputError",
     "__version__",
     "flow_engine",
+    "form",
     "judge",
     "law",
     "load",
@@ -55,6 +58,7 @@ _PLACES = {
     "load": "sim.report.results:load",
     "load_plugins": "sim.base.plugins:load_plugins",
     "motion": "sim.parameters.motions:motion",
+    "form": "sim.parameters.forms:form",
     "observable": "sim.parameters.observables:observable",
     "paper": "sim.study.papers:paper",
     "parameter": "sim.parameters.choices:parameter",

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from sim.parameters.forms import form
 from sim.parameters.observables import declare_observables, observable
 
 #: Cycles after the start in which density waves are reported to be strongest.
@@ -174,3 +175,44 @@ def speed_along_x(belt: Any) -> Any:
     """Return the amplitude of the belt's velocity along x, A_x 2πf (m/s), for one point or many."""
     amplitude = belt["amplitude"] * belt["diameter"] / np.tan(np.radians(belt["vibration_angle"]))
     return amplitude * 2 * pi * belt["frequency"]
+
+
+def acceleration_share(belt: Any) -> Any:
+    """Return the belt's peak acceleration along z over gravity, for one point or many."""
+    along_z = belt["amplitude"] * belt["diameter"] * (2 * pi * belt["frequency"]) ** 2
+    return along_z / belt["gravity"]
+
+
+def _log_frequency(belt: Any) -> Any:
+    return np.log(belt["frequency"])
+
+
+def _rest(belt: Any) -> Any:
+    """Return the share of gravity at which beads do not leave the belt: 1 below its onset."""
+    return 1 / np.maximum(acceleration_share(belt), 1.0)
+
+
+# The belt carries its bed along, and beads that do not leave it go nowhere.
+form(
+    "logarithmic",
+    system="belt",
+    observable="velocity",
+    meaning="over the logarithm of the frequency",
+    inputs={"frequency": _log_frequency},
+)
+form(
+    "efficiency",
+    system="belt",
+    observable="velocity",
+    meaning="as a share of the belt's velocity A_x ω",
+    scale=speed_along_x,
+)
+form(
+    "efficiency_of_shaking",
+    system="belt",
+    observable="velocity",
+    meaning="as a share of the "
+    "belt's velocity A_x ω, over the logarithm of the frequency and 1/max(Γ, 1)",
+    scale=speed_along_x,
+    inputs={"frequency": _log_frequency, "rest": _rest},
+)

@@ -1,7 +1,7 @@
 """Measures of flows of spheres on chute and conveyor, from one replicate of a run file."""
 
 from collections.abc import Mapping
-from math import nan, pi
+from math import nan
 from typing import Any
 
 import numpy as np
@@ -146,29 +146,6 @@ def base_stress_ratio(run: Mapping[Any, Any]) -> float:
     """Return the ratio of the forces on the plane, NaN where nothing presses on it."""
     normal = float(run["base_normal"]) if "base_normal" in run else 0.0
     return float(run["base_shear"]) / normal if normal > 0 else nan
-
-
-@observable(
-    "shaking_strength",
-    system="conveyor",
-    unit="1",
-    meaning="peak acceleration of the plane along z over gravity, A_z ω²/g",
-)
-def shaking_strength(run: Mapping[Any, Any]) -> float:
-    """Return the peak acceleration of the plane along z over gravity."""
-    return float(run["plane_acceleration"] / run["gravity"])
-
-
-@observable(
-    "transport_efficiency",
-    system="conveyor",
-    unit="1",
-    meaning="mean velocity over that of the plane along x, V/(A_x ω)",
-)
-def transport_efficiency(run: Mapping[Any, Any]) -> float:
-    """Return the mean velocity over the plane's amplitude of velocity, NaN if it moves up alone."""
-    amplitude = float(run["amplitude_along"]) * float(run["diameter"]) * 2 * pi * run["frequency"]
-    return float(run["velocity"]) / amplitude if amplitude else nan
 
 
 def coherent_bonds(position: np.ndarray, side: float, diameter: float) -> np.ndarray:

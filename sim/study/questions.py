@@ -14,7 +14,7 @@ from sim.study.file import BoundaryFile, SeriesFile, StudyFile
 from sim.study.model import Point, Study
 from sim.study.plot_contents import name_in_words, parameter_phrase
 from sim.study.plottable import Observable, find_observable, numbers, require_stored
-from sim.study.surrogate import FEWEST_POINTS, MOST_POINTS, SurrogateFile, SurrogateSpec
+from sim.study.surrogate import MOST_POINTS, SurrogateFile, SurrogateSpec, fewest_points
 
 #: Kinds of design that can go on point by point.
 _ENDLESS = ("sobol", "random")
@@ -109,12 +109,12 @@ class SurrogateQuestion(Question):
         """Return the surrogate."""
         entry, count = self.entry, len(self.points)
         # Rounds may add what is missing.
-        least = 1 if entry.error else FEWEST_POINTS
+        axes = self._axes()
+        least = 1 if entry.error else fewest_points(len(axes))
         if not least <= count <= MOST_POINTS:
             allowed = f"a series of {least} to {MOST_POINTS:,} points"
             raise self.error("series", f"{entry.series} of {count:,} points", allowed)
         self.observable  # noqa: B018  (refuses what is not kept)
-        axes = self._axes()
         if not axes:
             allowed = "a series whose points vary a parameter"
             raise self.error("series", entry.series, allowed)

@@ -5,10 +5,10 @@ from typing import Any, Self
 
 from pydantic import Field, model_validator
 
-from sim.parameters.common import broken_rule
+from sim.parameters.common import Real, broken_rule
 from sim.study.design import Design
 from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional
-from sim.study.surrogate import Regime, SurrogateSpec
+from sim.study.surrogate import LARGEST_ERROR, Regime, SurrogateSpec
 
 #: Fewest blocks, or trajectories of Morris, that give an answer.
 FEWEST_BLOCKS = 8
@@ -33,11 +33,7 @@ class SensitivityFile(Strict):
         "are left out",
         min_length=1,
     )
-    rough: bool = Field(
-        False,
-        description="of a surrogate: whether there are indices, too, where its error is too large "
-        "to rely on",
-    )
+    surrogate_error: Real = optional(f"of a surrogate: {LARGEST_ERROR}", gt=0, le=10)
 
     @model_validator(mode="after")
     def _require_one_source(self) -> Self:
@@ -46,8 +42,9 @@ class SensitivityFile(Strict):
         for key in ("series", "observable", "regimes") if self.surrogate is not None else ():
             if (value := getattr(self, key)) is not None:
                 raise broken_rule(key, value, "none with surrogate, which has its own")
-        if self.rough and self.surrogate is None:
-            raise broken_rule("rough", True, "none with series, whose runs need no surrogate")
+        if self.surrogate is None and (value := self.surrogate_error) is not None:
+            rule = "none with series, whose runs need no surrogate"
+            raise broken_rule("surrogate_error", value, rule)
         return self
 
 
@@ -63,14 +60,14 @@ class SensitivitySpec:
         The surrogate, or what a surrogate of the series would be of.
     design : Design, optional
         Design of the series whose runs are analysed; none for a surrogate.
-    is_rough : bool
-        Whether it is asked of a surrogate whose error is too large to rely on, too.
+    surrogate_error : float, optional
+        Largest error of the surrogate with which there is an answer.
     """
 
     name: str
     of: SurrogateSpec
     design: Design | None = None
-    is_rough: bool = False
+    surrogate_error: float | None = None
 
     @property
     def series(self) -> str:
@@ -91,4 +88,4 @@ class SensitivitySpec:
     def settings(self) -> tuple[Any, ...]:
         """What it depends on besides runs; rules rerun when this changes."""
         own = (self.design.kind, self.design.size, self.design.seed) if self.design else ()
-        return (self.name, *own, self.is_rough, self.of.settings)
+        return (self.name, *own, self.surrogate_error, self.of.settings)

@@ -12,8 +12,8 @@ from sim.parameters.common import Real, broken_rule
 from sim.study.design import Axis, Design
 from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional
 
-#: Fewest points of which a mean can be.
-FEWEST_POINTS = 4
+#: Fewest points of which a mean can be, and as many for each parameter.
+_FEWEST_POINTS, _POINTS_PER_PARAMETER = 4, 3
 
 #: Most points of a surrogate: the time of a fit grows with the cube of their number.
 MOST_POINTS = 3000
@@ -24,10 +24,21 @@ MOST_ROUNDS = 1000
 #: Points of a design that are drawn at a time.
 _CHUNK = 64
 
+#: Meaning of a key of what is asked of a surrogate.
+LARGEST_ERROR = (
+    "largest error of the surrogate with which there is an answer, relative to the mean size of "
+    "the observable (0.2)"
+)
+
 Regime = Literal["steady", "accelerating", "arrested", "mixed", "undetermined", "slowing"]
 
 #: Regimes whose points count unless an entry names others: all but what surely changes or rests.
 COUNTED: tuple[Regime, ...] = ("steady", "mixed", "undetermined")
+
+
+def fewest_points(parameters: int) -> int:
+    """Return the fewest points of which a mean over some parameters can be."""
+    return max(_FEWEST_POINTS, _POINTS_PER_PARAMETER * parameters)
 
 
 class SurrogateFile(Strict):

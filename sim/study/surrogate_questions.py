@@ -48,7 +48,9 @@ class SensitivityQuestion(_Asked):
     def spec(self) -> SensitivitySpec:
         """Return the question."""
         if self.entry.surrogate is not None:
-            return SensitivitySpec(self.entry.name, self.surrogate(), is_rough=self.entry.rough)
+            return SensitivitySpec(
+                self.entry.name, self.surrogate(), surrogate_error=self.entry.surrogate_error
+            )
         name = self.entry.series
         design = self.study.designs.get(name)
         if design is None or design.kind not in ("saltelli", "morris"):

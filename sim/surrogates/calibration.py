@@ -10,31 +10,29 @@ import xarray as xr
 
 from sim.base.files import atomic_write
 from sim.base.seals import append_summary, checked_read, seal
-from sim.surrogates.caveats import KEY, percent
+from sim.surrogates.caveats import KEY, caveats_of_posterior, percent
 from sim.surrogates.posterior import (
     LEAST_PROBABILITY,
-    LONG_ENOUGH,
     MOST_UNCOUNTED,
     ridges,
     summarize,
 )
 from sim.surrogates.refusals import require_answer
 
-#: Share of a posterior where no regime that counts flows from which on it is told.
-_TOLD = 0.005
-
 
 def save(name: str, groups: Mapping[str, xr.Dataset], caveats: Sequence[str], path: Path) -> None:
     """Write the groups of a calibration; the file appears complete or not at all.
 
-    Its end has a line with what it says, and what is doubtful about that.
+    Its end has a line with what it says, and what is doubtful about that; ``caveats`` are those of
+    the surrogate.
     """
+    caveats = [*caveats_of_posterior(groups["observed_data"].attrs), *caveats]
     line = f"calibration {name}: {' '.join(outcome_sentences(groups))}"
     path.parent.mkdir(parents=True, exist_ok=True)
     with atomic_write(path) as temporary:
         for number, (key, group) in enumerate(groups.items()):
             group.to_netcdf(temporary, mode="a" if number else "w", group=key, engine="netcdf4")
-        append_summary(temporary, {"line": line, KEY: list(caveats)})
+        append_summary(temporary, {"line": line, KEY: caveats})
         seal(temporary)
 
 
@@ -71,18 +69,7 @@ def outcome_sentences(groups: Mapping[str, xr.Dataset]) -> list[str]:
     if attributes["outcome"] == "no fit":
         return [_no_fit(attributes)]
     sentences = []
-    if attributes["outcome"] == "not converged":
-        sentences.append(
-            f"Not converged: the chains of {attributes['steps']} steps are "
-            f"{attributes['steps'] / attributes['autocorrelation']:.0f} autocorrelation times "
-            f"long, {LONG_ENOUGH} are needed; the intervals are not reliable."
-        )
-    uncounted = float(attributes["uncounted"])
-    if uncounted >= _TOLD:
-        where = f"lies where the flow is {attributes['uncounted_regime']}"
-        sentences.append(f"{percent(uncounted)} of the posterior {where}.")
-    rows = summarize(groups)
-    for row in rows.itertuples():
+    for row in summarize(groups).itertuples():
         ends = f"{row.low:.3g} to {row.high:.3g}"
         sentences.append(
             f"{row.parameter} = {row.median:.3g} ({ends})."

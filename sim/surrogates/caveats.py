@@ -5,9 +5,9 @@ head of a report, the explorer, ``predict``, an attribute in Python. None words 
 """
 
 import csv
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,8 +17,6 @@ from sim.base.words import count_text, printable
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
-
-    from sim.surrogates.surrogate import Surrogate
 
 #: Key of the caveats in the summary of a file, and heading of their column in a table.
 KEY = "caveats"
@@ -35,24 +33,37 @@ _MUCH_LEFT_OUT = 0.5
 #: Probability of the regimes of a mean below which another is likelier.
 EVEN = 0.5
 
-#: Shares of the ranges, and of the variance of runs, from which on indices tell them.
+#: Shares of ranges or posterior without such a flow, and of the variance of runs that is noise,
+#: from which on they are told.
 _MUCH_ABSENT, _MUCH_NOISE = 0.01, 0.05
 
 #: Most letters of the caveats in a file: one from elsewhere may have a million.
 _LONGEST = 4000
 
 
-def caveats_of_surrogate(surrogate: "Surrogate") -> tuple[str, ...]:
-    """Return what is doubtful about a surrogate, the worst first."""
-    used, total = len(surrogate.process.y), surrogate.sample.sizes["point"]
+def caveats_of_mean(
+    sample: "xr.Dataset", is_used: np.ndarray, error: float, omissions: str
+) -> tuple[str, ...]:
+    """Return what is doubtful about the mean of a surrogate, the worst first.
+
+    Parameters
+    ----------
+    sample : xarray.Dataset
+        Its points, see `sim.surrogates.sample.sample_points`.
+    is_used : numpy.ndarray
+        Which of them the mean is of, (n,).
+    error : float
+        Error of the mean, relative to the mean size of the observable.
+    omissions : str
+        How many points of which regime it leaves out.
+    """
+    used, total = int(is_used.sum()), len(is_used)
     texts = [
-        f"its error of {percent(surrogate.error)} is too large to rely on"
-        if surrogate.error > LARGE_ERROR
-        else "",
-        f"it is of {used} of {total} points ({surrogate.omissions} left out)"
+        f"its error of {percent(error)} is too large to rely on" if error > LARGE_ERROR else "",
+        f"it is of {used} of {total} points ({omissions} left out)"
         if total - used > _MUCH_LEFT_OUT * total
         else "",
-        *caveats_of_points(surrogate.sample.isel(point=surrogate.in_mean)),
+        *caveats_of_points(sample.isel(point=is_used)),
     ]
     return tuple(filter(None, texts))
 
@@ -98,35 +109,44 @@ def caveats_of_indices(table: "pd.DataFrame") -> tuple[str, ...]:
     return tuple(filter(None, texts))
 
 
-def caveats_at(surrogate: "Surrogate", counted: np.ndarray, outside: str) -> tuple[str, ...]:
-    """Return what is doubtful about predictions, the worst first.
+def caveats_of_posterior(about: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return what is doubtful about a calibration besides its surrogate, the worst first.
 
-    Parameters
-    ----------
-    surrogate : Surrogate
-        What predicts.
-    counted : numpy.ndarray
-        Probability of the regimes of its mean at each place, (n,).
-    outside : str
-        How far places are outside the ranges of the points, empty where none is.
+    See `sim.surrogates.posterior.attributes`. Where nothing fits, that is the answer.
+    """
+    if about["outcome"] == "no fit":
+        return ()
+    lengths = about["steps"] / about["autocorrelation"]
+    texts = [
+        f"its chains are {lengths:.0f} autocorrelation times long, too short for its intervals"
+        if about["outcome"] == "not converged"
+        else "",
+        f"{percent(about['uncounted'])} of the posterior lies where the flow is "
+        f"{about['uncounted_regime']}"
+        if about["uncounted"] >= _MUCH_ABSENT
+        else "",
+    ]
+    return tuple(filter(None, texts))
+
+
+def caveats_of_places(counted: np.ndarray, regimes: Sequence[str]) -> tuple[str, ...]:
+    """Return where a mean of some ``regimes`` means little, as another is likelier.
+
+    ``counted`` is the probability of these regimes at each place, (n,).
     """
     unlikely = int((counted < EVEN).sum())
-    if unlikely:
-        where = "there" if counted.size == 1 else f"at {unlikely} of {counted.size} places"
-        regimes = " or ".join(surrogate.mean_regimes)
-        outside = _SEPARATOR.join(
-            filter(None, (f"{where} another regime is likelier than {regimes}", outside))
-        )
-    return tuple(filter(None, (outside, *surrogate.caveats)))
+    where = "there" if counted.size == 1 else f"at {unlikely} of {counted.size} places"
+    return (f"{where} another regime is likelier than {' or '.join(regimes)}",) if unlikely else ()
 
 
 def percent(share: float) -> str:
-    """Write a share in percent, to two digits.
+    """Write a share in percent, to two digits, or to three just below all.
 
-    >>> percent(0.5678), percent(12.3456)
-    ('57 %', '1200 %')
+    >>> percent(0.5678), percent(12.3456), percent(0.998)
+    ('57 %', '1200 %', '99.8 %')
     """
-    return f"{float(f'{100 * share:.2g}'):g} %"
+    digits = 3 if 0.99 < share < 1 else 2
+    return f"{float(f'{100 * share:.{digits}g}'):g} %"
 
 
 def joined(caveats: Sequence[str]) -> str:

@@ -2,9 +2,11 @@
 
 import xarray as xr
 
+from sim.parameters.forms import forms
 from sim.study.plottable import numbers
-from sim.study.surrogate import FEWEST_POINTS, SurrogateSpec
-from sim.surrogates.process import fit
+from sim.study.surrogate import SurrogateSpec, fewest_points
+from sim.surrogates.fits import fit
+from sim.surrogates.frames import Frame
 from sim.surrogates.refusals import Refusal
 from sim.surrogates.regimes import fit_regimes
 from sim.surrogates.sample import left_out, points_of_mean, unit_cube
@@ -17,15 +19,16 @@ def fit_surrogate(spec: SurrogateSpec, sample: xr.Dataset) -> Surrogate:
     Raises
     ------
     Refusal
-        When fewer than `FEWEST_POINTS` have a mean and a regime that counts.
+        When fewer than `fewest_points` have a mean and a regime that counts.
     """
     chosen = points_of_mean(sample, spec.regimes)
-    if chosen.sum() < FEWEST_POINTS:
+    fewest = fewest_points(len(spec.axes))
+    if chosen.sum() < fewest:
         others = left_out(sample, spec.regimes).items()
         counts = "".join(f" {count} {name}," for name, count in others)
         raise Refusal(
             f"surrogate {spec.name}: no mean, as {chosen.sum()} of {len(chosen)} points of series "
-            f"{spec.series} count ({' or '.join(spec.regimes)}) and {FEWEST_POINTS} are needed; "
+            f"{spec.series} count ({' or '.join(spec.regimes)}) and {fewest} are needed; "
             f"left out are{counts.rstrip(',') or ' none'}; more points, other ranges or the key "
             "regimes may give others"
         )
@@ -35,6 +38,10 @@ def fit_surrogate(spec: SurrogateSpec, sample: xr.Dataset) -> Surrogate:
         sample["mean"].values[chosen],
         sample["standard_error"].values[chosen] ** 2,
         bool(sample.attrs["scatter"]),
+        [
+            Frame(one, spec.axes, sample.attrs["fixed"])
+            for one in forms(spec.system, spec.observable).values()
+        ],
     )
     observable = numbers(spec.system)[spec.observable]
     return Surrogate(

@@ -1,6 +1,6 @@
 """Tables of indices: a value with its interval a row, what it rests on, and what is doubtful."""
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -35,7 +35,6 @@ _LEAST_SPREAD = 1e-12
 NEGLIGIBLE = 0.01
 
 #: What is doubtful about a row.
-_UNSURE = "unsure, as its length in the surrogate is at its bound"
 _OUTSIDE = "outside 0 to 1 by more than its interval, by too few points"
 
 
@@ -57,15 +56,10 @@ def tabulate(
     return table.assign(**known)[list(COLUMNS)]
 
 
-def with_doubts(table: pd.DataFrame, unsure: Collection[str] = ()) -> pd.DataFrame:
-    """Return a table with what is doubtful about each row alone, beside what it has.
-
-    ``unsure`` are the parameters whose length in the surrogate is at its bound.
-    """
+def with_doubts(table: pd.DataFrame) -> pd.DataFrame:
+    """Return a table with what is doubtful about each row alone, beside what it has."""
     is_outside = table["index"].isin(_SHARES) & ((table["high"] < 0) | (table["low"] > 1))
-    is_unsure = table["parameter"].isin(unsure) | table["other"].isin(unsure)
-    doubt = table["doubt"].mask(is_unsure, _UNSURE).mask(is_outside, _OUTSIDE)
-    return table.assign(doubt=doubt)
+    return table.assign(doubt=table["doubt"].mask(is_outside, _OUTSIDE))
 
 
 def require_spread(values: np.ndarray, source: str) -> None:

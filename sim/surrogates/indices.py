@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from sim.base.statistics import MANY, student
-from sim.surrogates.caveats import EVEN, LARGE_ERROR, percent
+from sim.surrogates.caveats import EVEN, percent
 from sim.surrogates.index_table import require_spread, shares_of, tabulate, with_doubts
 from sim.surrogates.predictor import Predictor, scaled
 from sim.surrogates.refusals import Refusal
@@ -33,9 +33,7 @@ _MOST_ABSENT, _PLACES = 0.5, 2**12
 _SEED = 1
 
 
-def indices_of_surrogate(
-    surrogate: Surrogate, source: str, is_rough: bool = False, blocks: int = BLOCKS
-) -> pd.DataFrame:
+def indices_of_surrogate(surrogate: Surrogate, source: str, blocks: int = BLOCKS) -> pd.DataFrame:
     """Return the indices of a surrogate as `sobol_indices`, with all that is weak about them.
 
     Parameters
@@ -44,8 +42,6 @@ def indices_of_surrogate(
         The surrogate.
     source : str
         What the answer is called, for messages.
-    is_rough : bool
-        Whether there are indices where its error is too large to rely on.
     blocks : int
         See `sobol_indices`.
 
@@ -55,12 +51,6 @@ def indices_of_surrogate(
         If its error is too large, if a flow of another regime is likelier in most of the ranges, or
         if it does not vary.
     """
-    if surrogate.error > LARGE_ERROR and not is_rough:
-        raise Refusal(
-            f"{source}: no indices, as surrogate {surrogate.name} is a {surrogate.basis}, beyond "
-            f"{percent(LARGE_ERROR)}; more points make it smaller, and rough: true asks all the "
-            "same"
-        )
     absent = _absent_share(surrogate)
     if absent > _MOST_ABSENT:
         raise Refusal(
@@ -70,7 +60,7 @@ def indices_of_surrogate(
         )
     require_spread(surrogate.sample["mean"].values[surrogate.in_mean], source)
     table = sobol_indices(surrogate, blocks).assign(error=surrogate.error, absent=absent)
-    return with_doubts(table, surrogate.unsure)
+    return with_doubts(table)
 
 
 def _absent_share(surrogate: Surrogate) -> float:

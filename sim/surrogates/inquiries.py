@@ -62,16 +62,18 @@ def answer(
 def _surrogate_of(spec: SensitivitySpec | CalibrationSpec, lack: str, folder: Path) -> Surrogate:
     """Return the surrogate that a question is asked of; a refusal says what the question lacks."""
     try:
-        return load(folder / spec.of.file)
+        surrogate = load(folder / spec.of.file)
     except Refusal as refusal:
         raise Refusal(f"{lack} without its surrogate; {refusal}") from None
+    require_small_error(surrogate, spec.surrogate_error, lack)
+    return surrogate
 
 
 def _answer_sensitivity(spec: SensitivitySpec, dataset: Results, folder: Path) -> None:
     if spec.design is None:
         source = f"sensitivity {spec.name}"
         surrogate = _surrogate_of(spec, f"{source}: no indices", folder)
-        table, caveats = indices_of_surrogate(surrogate, source, spec.is_rough), surrogate.caveats
+        table, caveats = indices_of_surrogate(surrogate, source), surrogate.caveats
     else:
         sample = sample_points(dataset, spec.of)
         is_used = points_of_mean(sample, spec.of.regimes)
@@ -127,7 +129,6 @@ def places_of(design: Design) -> np.ndarray:
 def _answer_calibration(spec: CalibrationSpec, folder: Path) -> None:
     lack = f"calibration {spec.name}: no posterior"
     surrogate = _surrogate_of(spec, lack, folder)
-    require_small_error(surrogate, spec.surrogate_error, lack)
     question = Calibration(
         predictor=surrogate,
         ranges=spec.ranges,

@@ -1,17 +1,14 @@
 """A Gaussian process through numbers with known errors, and what it says of its own errors."""
 
-import warnings
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from sim.base.statistics import CONFIDENCE, MANY, student
+from sim.base.statistics import MANY, student
+from sim.surrogates.frames import Frame
 from sim.surrogates.threads import on_one_thread
-
-#: Most points from which lengths are fitted; the process goes through all of them.
-_MOST_FITTED = 500
 
 #: Points at which a prediction is worked out at a time.
 _CHUNK = 2000
@@ -19,11 +16,11 @@ _CHUNK = 2000
 #: Least variance of a point, relative to that of all: it keeps the matrix invertible.
 _LEAST_VARIANCE = 1e-9
 
-#: Share of the upper bound of a length from which on it is at this bound.
-_AT_BOUND = 0.99
-
 #: Ranges of amplitude (variance of the values is 1), lengths (of the unit cube) and scatter.
-_AMPLITUDES, _LENGTHS, _SCATTERS = (1e-2, 1e3), (0.05, 20.0), (1e-6, 1.0)
+AMPLITUDES, LENGTHS, SCATTERS = (1e-2, 1e3), (0.05, 20.0), (1e-6, 1.0)
+
+#: Weight of the mean of all points, in points, where errors are widened by those nearby.
+_PRIOR_WEIGHT = 2.0
 
 
 @dataclass(frozen=True)
@@ -43,7 +40,7 @@ class LeftOut:
 class Process:
     """A Gaussian process over the unit cube (Rasmussen and Williams 2006, chapters 2 and 5).
 
-    Its covariance is that of Matérn with exponent 5/2 and a length for each dimension.
+    Its covariance is that of Matérn with a length for each dimension.
 
     Attributes
     ----------
@@ -59,6 +56,12 @@ class Process:
         Logarithms of amplitude, lengths and scatter.
     widening : float
         Factor of the errors of means, see `fit`.
+    exponent : float
+        Exponent of the covariance: 5/2 for smooth functions, 3/2 for those with kinks.
+    frame : Frame, optional
+        Groups of parameters in which it lives, and the scale of the values.
+    is_local : bool
+        Whether errors are wider near points that lie outside of what the others expect.
     """
 
     x: np.ndarray
@@ -68,18 +71,74 @@ class Process:
     has_scatter: bool
     theta: np.ndarray = field(default_factory=lambda: np.zeros(0))
     widening: float = 1.0
+    exponent: float = 2.5
+    frame: Frame | None = None
+    is_local: bool = False
 
     @on_one_thread
     def predict(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return means and their standard deviations (m,) at points (m, d)."""
         parts = [self._predict(x[start : start + _CHUNK]) for start in range(0, len(x), _CHUNK)]
         mean, error = (np.concatenate(part) for part in zip(*parts, strict=True))
-        return self._in_unit(mean, self.widening * error)
+        return mean, error
 
     def _predict(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        mean, error = self._regressor.predict(x, return_std=True)
-        spread = np.sqrt(np.maximum(0.0, error**2 - self._scatter))
-        return self._offset + self._scale * mean, self._scale * spread
+        places = self.places_of(x)
+        mean, error = self._regressor.predict(places, return_std=True)
+        spread = self.widening * np.sqrt(np.maximum(0.0, error**2 - self._scatter))
+        if self.is_local:
+            spread *= self._local_widening(self._correlation(places))
+        values = self._offset + self._scale * mean, self._scale * spread
+        return self._in_unit(*values, self._scale_at(x))
+
+    def places_of(self, x: np.ndarray) -> np.ndarray:
+        """Return where points of the unit cube lie for its covariance, (n, k)."""
+        if self.frame is None:
+            return x
+        low, width = self._extent
+        return (self.frame.places(x) - low) / width
+
+    @cached_property
+    def _extent(self) -> tuple[np.ndarray, np.ndarray]:
+        assert self.frame is not None, "asked for where groups are scaled"
+        places = self.frame.places(self.x)
+        width = np.ptp(places, axis=0)
+        return places.min(axis=0), np.where(width > 0, width, 1.0)
+
+    @cached_property
+    def places(self) -> np.ndarray:
+        """Where its points lie for its covariance, (n, k)."""
+        return self.places_of(self.x)
+
+    def _scale_at(self, x: np.ndarray) -> np.ndarray:
+        return np.ones(len(x)) if self.frame is None else self.frame.scale(x)
+
+    @cached_property
+    def scales(self) -> np.ndarray:
+        """Scale of the values at its points, (n,)."""
+        return self._scale_at(self.x)
+
+    def _correlation(self, places: np.ndarray) -> np.ndarray:
+        """Return the correlation of the values at places (m, k) and at its points, (m, n)."""
+        from sklearn.gaussian_process.kernels import Matern
+
+        lengths = np.exp(self.theta[1 : 1 + self.places.shape[1]])
+        return np.asarray(Matern(lengths, nu=self.exponent)(places, self.places))
+
+    def _local_widening(self, correlation: np.ndarray) -> np.ndarray:
+        """Return by how much errors widen where points nearby lie outside of what others expect.
+
+        It is the root of a mean of squared `deviations`, weighted by the correlation (m, n).
+        """
+        squares = deviations(self._left_out, self.y) ** 2
+        weights = correlation.sum(axis=1) + _PRIOR_WEIGHT
+        return np.sqrt(np.maximum(1.0, (_PRIOR_WEIGHT + correlation @ squares) / weights))
+
+    def own_widening(self) -> np.ndarray:
+        """Return the local widening at each point that the others give, (n,)."""
+        correlation = self._correlation(self.places)
+        np.fill_diagonal(correlation, 0.0)
+        return self._local_widening(correlation) if self.is_local else np.ones(len(self.y))
 
     @on_one_thread
     def correlation(self, x: np.ndarray, others: np.ndarray) -> np.ndarray:
@@ -91,13 +150,17 @@ class Process:
         from scipy.linalg import solve_triangular
 
         kernel, factor = self._regressor.kernel_, self._regressor.L_
-        dimensions = self.x.shape[1]
+        dimensions = self.places.shape[1]
+        x, others = (
+            self.places_of(one.reshape(-1, one.shape[2])).reshape(*one.shape[:2], dimensions)
+            for one in (x, others)
+        )
         origin = np.zeros((1, dimensions))
         variance = float(kernel(origin, origin)[0, 0])
 
         def known(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             shape = (len(self.y), *points.shape[:2])
-            shared = kernel(self.x, points.reshape(-1, dimensions))
+            shared = kernel(self.places, points.reshape(-1, dimensions))
             part = solve_triangular(factor, shared, lower=True, check_finite=False).reshape(shape)
             left = np.maximum(variance - (part**2).sum(axis=0), _LEAST_VARIANCE * variance)
             return part.transpose(1, 0, 2), np.sqrt(left)
@@ -109,36 +172,56 @@ class Process:
         covariance = prior - first.transpose(0, 2, 1) @ second
         return covariance / (spread[:, :, None] * spread_of_others[:, None])
 
-    @on_one_thread
     def left_out(self) -> LeftOut:
         """Return each point as the others predict it, lengths unchanged, without `widening`.
 
         Rasmussen and Williams (2006), equations 5.10 to 5.12.
         """
+        return self._left_out
+
+    @cached_property
+    def _left_out(self) -> LeftOut:
+        mean, spread = self.left_out_values()
+        noise = np.sqrt(self._known / self._scale**2 + self._scatter)
+        error = np.sqrt(np.maximum(0.0, spread**2 - noise**2))
+        values = self._offset + self._scale * mean, self._scale * error
+        middle, error = self._in_unit(*values, self.scales)
+        unit = np.abs(middle) if self.is_log else self.scales
+        return LeftOut(middle, error, self._scale * noise * unit)
+
+    @on_one_thread
+    def left_out_values(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return the scaled values that others predict, and the deviations of runs from them."""
         from scipy.linalg import cho_solve
 
         regressor = self._regressor
         inverse = cho_solve((regressor.L_, True), np.eye(len(self.y))).diagonal()
-        noise = self._known / self._scale**2 + self._scatter
-        mean = regressor.y_train_ - regressor.alpha_ / inverse
-        error = np.sqrt(np.maximum(0.0, 1 / inverse - noise))
-        middle, spread = self._in_unit(self._offset + self._scale * mean, self._scale * error)
-        unit = np.abs(middle) if self.is_log else 1.0
-        return LeftOut(middle, spread, self._scale * np.sqrt(noise) * unit)
+        return regressor.y_train_ - regressor.alpha_ / inverse, np.sqrt(1 / inverse)
+
+    @cached_property
+    def values(self) -> np.ndarray:
+        """Values (n,) in the scale of the frame, or their logarithms: mean 0, variance 1."""
+        return (self._values - self._offset) / self._scale
+
+    @cached_property
+    def noise(self) -> np.ndarray:
+        """Known variance of each of `values`, (n,)."""
+        return np.maximum(self._known / self._scale**2, _LEAST_VARIANCE)
 
     @property
-    def at_bound(self) -> np.ndarray:
-        """Which dimensions (d,) have a length at its upper bound: their effect is not told."""
-        lengths = self.theta[1 : 1 + self.x.shape[1]]
-        return np.asarray(lengths >= np.log(_AT_BOUND * _LENGTHS[1]))
+    def log_unit(self) -> float:
+        """Logarithm of the density of the values y over that of `values`."""
+        jacobian = np.log(self.scales).sum() + len(self.y) * np.log(self._scale)
+        return -float(jacobian + (self._values.sum() if self.is_log else 0.0))
 
     @cached_property
     def _values(self) -> np.ndarray:
-        return np.log(self.y) if self.is_log else self.y
+        scaled = self.y / self.scales
+        return np.log(scaled) if self.is_log else scaled
 
     @cached_property
     def _known(self) -> np.ndarray:
-        return self.variance / self.y**2 if self.is_log else self.variance
+        return self.variance / (self.y if self.is_log else self.scales) ** 2
 
     @property
     def _offset(self) -> float:
@@ -154,61 +237,30 @@ class Process:
 
     @cached_property
     def _regressor(self) -> Any:
-        kernel = _kernel(self.x.shape[1], self.has_scatter).clone_with_theta(self.theta)
-        return self.regressor(kernel, slice(None), optimizer=None)
+        return self.regressor(slice(None))
 
     @on_one_thread
-    def regressor(self, kernel: Any, part: Any, **options: Any) -> Any:
-        """Return the regressor of scikit-learn through a part of the points, values scaled."""
-        from sklearn.exceptions import ConvergenceWarning
+    def regressor(self, part: Any) -> Any:
+        """Return the regressor of scikit-learn through a part of the points, lengths given."""
         from sklearn.gaussian_process import GaussianProcessRegressor
 
-        noise = np.maximum(self._known[part] / self._scale**2, _LEAST_VARIANCE)
-        values = (self._values[part] - self._offset) / self._scale
-        with warnings.catch_warnings():
-            # A length at the end of its range is a parameter without effect.
-            warnings.simplefilter("ignore", ConvergenceWarning)
-            return GaussianProcessRegressor(kernel, alpha=noise, **options).fit(
-                self.x[part], values
-            )
+        kernel = _kernel(self.places.shape[1], self.exponent, self.has_scatter)
+        kernel = kernel.clone_with_theta(self.theta)
+        return GaussianProcessRegressor(kernel, alpha=self.noise[part], optimizer=None).fit(
+            self.places[part], self.values[part]
+        )
 
-    def _in_unit(self, mean: np.ndarray, error: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _in_unit(
+        self, mean: np.ndarray, error: np.ndarray, scale: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Return mean and error in the unit of the values.
 
         With logarithms, the error gives the half width of the interval, which is not symmetric.
         """
         if not self.is_log:
-            return mean, error
-        normal = float(student(MANY))
-        return np.exp(mean), np.exp(mean) * np.sinh(np.minimum(normal * error, 50.0)) / normal
-
-
-def fit(x: np.ndarray, y: np.ndarray, variance: np.ndarray, has_scatter: bool) -> Process:
-    """Return the process through values (n,) at points (n, d), or through their logarithms.
-
-    The better of both is the one whose points, left out one by one, are predicted better. Two
-    factors widen its errors. Lengths are fitted to few points, so Student's distribution takes the
-    place of the normal one, with a degree of freedom less for each. And a process whose lengths are
-    the same everywhere is too sure next to a kink: 95 % of the points, left out one by one, must
-    lie within their intervals.
-    """
-    forms = (False, True) if (y > 0).all() else (False,)
-    fitted = [fit_lengths(Process(x, y, variance, is_log, has_scatter)) for is_log in forms]
-    best = min(fitted, key=lambda one: np.mean((one.left_out().mean - y) ** 2))
-    freedom, number = max(2, len(y) - len(best.theta)), len(y)
-    normal = float(student(MANY))
-    widening = np.sqrt(number / freedom) * student(freedom) / normal
-    ratios = np.sort(deviations(best.left_out(), y))
-    outer = ratios[min(number, int(np.ceil(CONFIDENCE * (number + 1)))) - 1]
-    return replace(best, widening=float(widening * max(1.0, outer / normal)))
-
-
-def fit_lengths(process: Process) -> Process:
-    """Return a process with the amplitude, lengths and scatter of greatest marginal likelihood."""
-    order = np.random.default_rng(0).permutation(len(process.y))[:_MOST_FITTED]
-    kernel = _kernel(process.x.shape[1], process.has_scatter)
-    fitted = process.regressor(kernel, np.sort(order), n_restarts_optimizer=1, random_state=0)
-    return replace(process, theta=fitted.kernel_.theta)
+            return scale * mean, scale * error
+        normal, mean = float(student(MANY)), scale * np.exp(mean)
+        return mean, mean * np.sinh(np.minimum(normal * error, 50.0)) / normal
 
 
 def deviations(left_out: LeftOut, y: np.ndarray) -> np.ndarray:
@@ -217,8 +269,8 @@ def deviations(left_out: LeftOut, y: np.ndarray) -> np.ndarray:
     return np.abs(left_out.mean - y) / np.maximum(spread, np.finfo(float).tiny)
 
 
-def _kernel(dimensions: int, has_scatter: bool) -> Any:
+def _kernel(dimensions: int, exponent: float, has_scatter: bool) -> Any:
     from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
 
-    kernel = ConstantKernel(1.0, _AMPLITUDES) * Matern(np.ones(dimensions), _LENGTHS, nu=2.5)
-    return kernel + WhiteKernel(1e-2, _SCATTERS) if has_scatter else kernel
+    kernel = ConstantKernel(1.0, AMPLITUDES) * Matern(np.ones(dimensions), LENGTHS, nu=exponent)
+    return kernel + WhiteKernel(1e-2, SCATTERS) if has_scatter else kernel

@@ -6,7 +6,8 @@ from functools import cached_property
 import numpy as np
 
 from sim.dataset.replicates import SLOWING
-from sim.surrogates.process import Process, fit_lengths
+from sim.surrogates.fits import fit_lengths
+from sim.surrogates.process import Process
 
 #: Regimes that say nothing of the flow: the run was too short, or gave no value.
 UNKNOWN = ("undetermined", SLOWING, "failed")

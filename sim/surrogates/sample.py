@@ -8,7 +8,6 @@ import numpy as np
 import xarray as xr
 
 from sim.base.errors import InputError
-from sim.base.statistics import MANY, student
 from sim.dataset.observed import replicate_values
 from sim.dataset.replicates import SCALARS, answering_regime, outcomes
 from sim.dataset.results import Results
@@ -16,6 +15,9 @@ from sim.parameters import NUMERICAL, SYSTEMS
 from sim.study.design import Axis
 from sim.study.plottable import numbers
 from sim.study.surrogate import SurrogateSpec
+
+#: Deviation, before any run, of how much the logarithm of a variance changes over a range.
+_SLOPE = 3.0
 
 #: Fewest degrees of freedom, over all points, from which the scatter between replicates is known.
 _ENOUGH_FREEDOM = 3
@@ -56,10 +58,11 @@ def sample_points(results: Results, spec: SurrogateSpec) -> xr.Dataset:
     values = replicate_values(results, numbers(spec.system)[spec.observable], points)
     own = np.zeros(len(points))
     if spec.observable == "velocity":
-        widths = rows["velocity_half_width"].where(rows["status"] == "completed").values
-        counts = np.maximum(1, np.isfinite(widths).sum(axis=1))
-        own = np.sqrt(np.nansum(widths**2, axis=1)) / counts / student(MANY)
-    errors, is_unknown = standard_errors(values, own)
+        within = rows["velocity_error"].where(rows["status"] == "completed").values
+        counts = np.maximum(1, np.isfinite(within).sum(axis=1))
+        own = np.sqrt(np.nansum(within**2, axis=1)) / counts
+    places = unit_cube(spec.axes, {axis.name: rows[axis.name].values for axis in spec.axes})
+    errors, is_unknown = standard_errors(values, own, places)
     columns = {axis.name: rows[axis.name].values for axis in spec.axes} | {
         "mean": np.array([row.mean() if row.size else np.nan for row in values]),
         "standard_error": errors,
@@ -130,13 +133,16 @@ def unit_cube(axes: tuple[Axis, ...], columns: Mapping[str, np.ndarray]) -> np.n
     return np.column_stack(parts)
 
 
-def standard_errors(values: Sequence[np.ndarray], own: np.ndarray) -> tuple[np.ndarray, bool]:
+def standard_errors(
+    values: Sequence[np.ndarray], own: np.ndarray, places: np.ndarray
+) -> tuple[np.ndarray, bool]:
     """Return the standard error of each point's mean, and whether it leaves out the scatter.
 
     Few replicates may agree by accident, so the variance of each point is moderated by that of all
-    (Smyth 2004, Stat. Appl. Genet. Mol. Biol. 3, 3): the more alike points are, the more. A point
-    with one replicate has the common variance. If no point has more, the scatter between initial
-    states is not known, and the errors within the runs are all there is.
+    (Smyth 2004, Stat. Appl. Genet. Mol. Biol. 3, 3): the more alike points are, the more. What all
+    have in common may rise or fall along each parameter. A point with one replicate has what all
+    have in common there. If no point has more, the scatter between initial states is not known, and
+    the errors within the runs are all there is.
 
     Parameters
     ----------
@@ -144,6 +150,8 @@ def standard_errors(values: Sequence[np.ndarray], own: np.ndarray) -> tuple[np.n
         Values of the replicates of each point, (R,).
     own : numpy.ndarray
         Standard error of each mean as known from within the runs, (n,); 0 where it is not known.
+    places : numpy.ndarray
+        The points in the unit cube, (n, d).
     """
     counts = np.array([row.size for row in values])
     variances = np.array([row.var(ddof=1) if row.size > 1 else np.nan for row in values])
@@ -151,11 +159,11 @@ def standard_errors(values: Sequence[np.ndarray], own: np.ndarray) -> tuple[np.n
     if freedom[variances > 0].sum() < _ENOUGH_FREEDOM:
         scattered = np.sqrt(np.nan_to_num(variances) / np.maximum(counts, 1))
         return np.maximum(own, scattered), not (freedom.sum() >= _ENOUGH_FREEDOM)
-    moderated = _moderate(variances, freedom)
+    moderated = _moderate(variances, freedom, places)
     return np.maximum(own, np.sqrt(moderated / np.maximum(counts, 1))), False
 
 
-def _moderate(variances: np.ndarray, freedom: np.ndarray) -> np.ndarray:
+def _moderate(variances: np.ndarray, freedom: np.ndarray, places: np.ndarray) -> np.ndarray:
     """Return the variances (n,) moderated by their common distribution, for all points."""
     # Imported here: reading a surrogate's file needs none of it.
     from scipy.optimize import brentq
@@ -164,10 +172,24 @@ def _moderate(variances: np.ndarray, freedom: np.ndarray) -> np.ndarray:
     scattered = variances > 0
     half = freedom[scattered] / 2
     logs = np.log(variances[scattered]) - digamma(half) + np.log(half)
-    excess = (logs.var(ddof=1) if logs.size > 1 else 0.0) - polygamma(1, half).mean()
+    trend = _trend(places, scattered, logs, polygamma(1, half))
+    excess = float(np.mean((logs - trend[scattered]) ** 2)) - polygamma(1, half).mean()
     if excess <= polygamma(1, 1e4):
-        return np.full(len(variances), np.exp(logs.mean()))
+        return np.exp(trend)
     prior = brentq(lambda x: float(polygamma(1, x)) - excess, 1e-3, 1e4)
-    common = np.exp(logs.mean() + digamma(prior) - np.log(prior))
+    common = np.exp(trend + digamma(prior) - np.log(prior))
     own = np.nan_to_num(variances) * freedom
     return (2 * prior * common + own) / (2 * prior + freedom)
+
+
+def _trend(
+    places: np.ndarray, scattered: np.ndarray, logs: np.ndarray, noise: np.ndarray
+) -> np.ndarray:
+    """Return what the logarithms of variances are at all places (n, d), linear in each parameter.
+
+    Slopes are 0 ± `_SLOPE` before any run; ``logs`` at the ``scattered`` places have a known noise.
+    """
+    basis = np.column_stack([np.ones(len(places)), places - places[scattered].mean(axis=0)])
+    weighted = basis[scattered].T / noise
+    before = np.diag([0.0, *np.full(places.shape[1], _SLOPE**-2)])
+    return basis @ np.linalg.solve(weighted @ basis[scattered] + before, weighted @ logs)

@@ -10,8 +10,10 @@ import xarray as xr
 
 from sim.base.files import atomic_write
 from sim.base.seals import append_summary, checked_read, seal
+from sim.parameters.forms import forms
 from sim.study.design import Axis
 from sim.surrogates.caveats import KEY, percent
+from sim.surrogates.frames import Frame
 from sim.surrogates.process import Process
 from sim.surrogates.refusals import require_answer
 from sim.surrogates.regimes import Regimes, has_known_regime
@@ -39,6 +41,9 @@ def save(surrogate: Surrogate, path: Path) -> None:
         "is_log": process.is_log,
         "has_scatter": process.has_scatter,
         "widening": process.widening,
+        "exponent": process.exponent,
+        "is_local": process.is_local,
+        "form": process.frame.form.name if process.frame else "",
     }
     file = surrogate.sample.assign(
         theta=("number", process.theta),
@@ -98,6 +103,10 @@ def _surrogate(stored: xr.Dataset, about: dict[str, Any]) -> Surrogate:
         has_scatter=bool(about["has_scatter"]),
         theta=stored["theta"].values,
         widening=float(about["widening"]),
+        # A file of an earlier version has none of these.
+        exponent=float(about.get("exponent", 2.5)),
+        is_local=bool(about.get("is_local", False)),
+        frame=_frame(about, axes),
     )
     regime = sample["regime"].values
     is_known = has_known_regime(regime, mean_regimes)
@@ -112,6 +121,16 @@ def _surrogate(stored: xr.Dataset, about: dict[str, Any]) -> Surrogate:
         process=process,
         regimes=regimes,
     )
+
+
+def _frame(about: dict[str, Any], axes: tuple[Axis, ...]) -> Frame | None:
+    """Return the frame that a surrogate was fitted in, if any."""
+    if not (name := about.get("form", "")):
+        return None
+    known = forms(str(about["system"]), str(about["observable"]))
+    if name not in known:
+        raise ValueError(f"no loaded plug-in declares its form {name}")
+    return Frame(known[name], axes, about["fixed"])
 
 
 def _require_numbers(surrogate: Surrogate) -> None:

@@ -12,7 +12,7 @@ from sim.base.errors import InputError
 from sim.base.messages import one_of
 from sim.base.statistics import MANY, student
 from sim.study.design import Axis
-from sim.surrogates.caveats import KEY, caveats_at, caveats_of_surrogate, joined, percent
+from sim.surrogates.caveats import KEY, caveats_of_mean, caveats_of_places, joined, percent
 from sim.surrogates.process import Process, deviations
 from sim.surrogates.regimes import Regimes
 from sim.surrogates.sample import left_out, points_of_mean, unit_cube
@@ -189,7 +189,7 @@ class Surrogate:
             "surrogate": self.name,
             "observable": self.observable,
             "error": self.error,
-            KEY: joined(caveats_at(self, counted, outside)),
+            KEY: joined([*caveats_of_places(counted, self.mean_regimes), *outside, *self.caveats]),
         }
         return answer
 
@@ -239,8 +239,8 @@ class Surrogate:
             raise InputError.of_value(self.name, axis.name, value, self._range(axis.name))
         return array.astype(float)
 
-    def _outside(self, arrays: list[xr.DataArray], extrapolate: bool) -> str:
-        """Return how far values are outside the ranges, as text, or refuse them."""
+    def _outside(self, arrays: list[xr.DataArray], extrapolate: bool) -> list[str]:
+        """Return how far values are outside the ranges, in words, or refuse them."""
         notes = []
         for axis, array in zip(self.numeric, arrays, strict=True):
             low, high = float(array.min()), float(array.max())
@@ -256,7 +256,7 @@ class Surrogate:
                     f"{axis.name} = {value:g} is {100 * beyond:.2g} % of its range outside "
                     f"[{axis.low:g}, {axis.high:g}]"
                 )
-        return "; ".join(notes)
+        return notes
 
     @cached_property
     def in_mean(self) -> np.ndarray:
@@ -299,16 +299,6 @@ class Surrogate:
         return float(np.mean(deviations(self.process.left_out(), self.process.y) < student(MANY)))
 
     @property
-    def unsure(self) -> tuple[str, ...]:
-        """Parameters that are numbers whose length is at its bound: they may matter or not."""
-        shown = [1 if len(axis.choices) <= 2 else len(axis.choices) for axis in self.axes]
-        names = [
-            axis.name for axis, count in zip(self.axes, shown, strict=True) for _ in range(count)
-        ]
-        at_bound = zip(names, self.process.at_bound, strict=True)
-        return tuple(name for name, is_so in at_bound if is_so and name in self.parameters)
-
-    @property
     def hours(self) -> float:
         """Core hours of all its points."""
         return float(self.sample["core_hours"].sum())
@@ -317,12 +307,13 @@ class Surrogate:
     def basis(self) -> str:
         """Of how many points the mean is, and its error, in words."""
         used, total = len(self.process.y), self.sample.sizes["point"]
-        return f"mean of {used} of {total} points, error {percent(self.error)}"
+        text = f"mean of {used} of {total} points, error {percent(self.error)}"
+        return f"{text}, {self.process.frame.form.meaning}" if self.process.frame else text
 
     @cached_property
     def caveats(self) -> tuple[str, ...]:
         """What is doubtful about it, the worst first."""
-        return caveats_of_surrogate(self)
+        return caveats_of_mean(self.sample, self.in_mean, self.error, self.omissions)
 
     @property
     def omissions(self) -> str:

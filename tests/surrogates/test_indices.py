@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from sim.surrogates.caveats import caveats_of_indices
-from sim.surrogates.index_table import COLUMNS, with_doubts
+from sim.surrogates.index_table import COLUMNS
 from sim.surrogates.indices import indices_of_surrogate, sobol_indices
 from sim.surrogates.predictor import scaled, unscaled
 from sim.surrogates.refusals import Refusal
@@ -113,20 +113,3 @@ def test_the_share_of_the_ranges_without_such_a_flow_is_told():
 def test_most_of_the_ranges_without_such_a_flow_is_no_answer():
     with pytest.raises(Refusal, match=r"steady or mixed, and in [67]. % of the ranges no such"):
         indices_of_surrogate(flows_beyond(0.7), "asked")
-
-
-def test_a_length_at_its_bound_is_unsure_and_never_without_effect():
-    table = with_doubts(sobol_indices(ISHIGAMI, BLOCKS).assign(error=0.1), ("x2",))
-    is_unsure = table["doubt"].str.startswith("unsure")
-    assert (is_unsure == ((table["parameter"] == "x2") | (table["other"] == "x2"))).all()
-    (text,) = caveats_of_indices(table)
-    assert text.startswith("first x2, total x2: unsure")
-
-
-def test_a_surrogate_names_the_parameters_whose_length_is_at_its_bound():
-    surrogate = made_surrogate()
-    assert surrogate.unsure == ()
-    theta = surrogate.process.theta.copy()
-    theta[2] = np.log(20.0)
-    stuck = replace(surrogate, process=replace(surrogate.process, theta=theta))
-    assert stuck.unsure == ("depth",)

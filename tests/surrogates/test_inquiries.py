@@ -164,7 +164,9 @@ def test_a_calibration_tells_of_its_surrogate_and_asks_for_one_that_is_sure(fold
     unsure = replace(surrogate)
     unsure.__dict__["error"] = 0.25
     inquiries.require_small_error(unsure, 0.3, "calibration beads: no posterior")
-    with pytest.raises(Refusal, match="no posterior, as the error of surrogate speed is above 20 % "):
+    with pytest.raises(
+        Refusal, match="no posterior, as the error of surrogate speed is above 20 % "
+    ):
         inquiries.require_small_error(unsure, None, "calibration beads: no posterior")
 
 

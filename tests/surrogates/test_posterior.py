@@ -8,6 +8,7 @@ import xarray as xr
 
 from sim.surrogates import posterior
 from sim.surrogates.calibration import load, outcome_sentences, save
+from sim.surrogates.caveats import caveats_of_posterior
 from sim.surrogates.likelihood import Calibration
 from sim.surrogates.posterior import DISCREPANCY, calibrate, summarize
 from tests.surrogates.made_calibration import ANGLES, RANGES, made_measurements
@@ -63,7 +64,8 @@ def test_chains_are_long_enough_or_say_that_they_are_not(groups, monkeypatch):
     monkeypatch.setattr(posterior, "_STEPS", 100)
     short = calibrate(made_measurements(1)[1])
     assert short["observed_data"].attrs["outcome"] == "not converged"
-    assert outcome_sentences(short)[0].startswith("Not converged: the chains of 100 steps are")
+    (text,) = caveats_of_posterior(short["observed_data"].attrs)
+    assert text.startswith("its chains are ") and text.endswith("too short for its intervals")
 
 
 def test_what_no_parameters_give_is_no_narrow_posterior():
@@ -162,9 +164,11 @@ def groups_of(draws, uncounted=0.0, regime="", outcome="converged"):
 
 def test_the_share_of_a_posterior_where_nothing_flows_is_told():
     draws = {"slope": np.random.default_rng(1).random((1, 100))}
-    told = outcome_sentences(groups_of(draws, 0.123, "arrested"))
-    assert told[0] == "12 % of the posterior lies where the flow is arrested." and len(told) == 2
-    assert len(outcome_sentences(groups_of(draws, 0.001, "arrested"))) == 1
+    about = groups_of(draws, 0.123, "arrested")["observed_data"].attrs
+    about |= {"steps": 100, "autocorrelation": 1.0}
+    (told,) = caveats_of_posterior(about)
+    assert told == "12 % of the posterior lies where the flow is arrested"
+    assert caveats_of_posterior(about | {"uncounted": 0.001}) == ()
     (none,) = outcome_sentences(groups_of(draws, 0.998, "arrested", "no fit"))
     assert none == (
         "No parameters in the ranges fit: 99.8 % of those that come nearest lie where the flow is "

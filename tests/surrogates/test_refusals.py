@@ -94,7 +94,7 @@ def asked(tmp_path_factory):
 
 def test_each_question_says_in_its_words_why_it_has_no_answer(asked):
     path, lines = asked
-    assert lines[0].startswith(f"{NO_MEAN} and 4 are needed; left out are 4 accel")
+    assert lines[0].startswith(f"{NO_MEAN} and 6 are needed; left out are 4 accel")
     assert lines[1].startswith("surrogate any-regime: 8 points, error ")
     assert lines[2].startswith(f"sensitivity matters: no indices without its surrogate; {NO_MEAN}")
     assert lines[3].startswith("sensitivity direct: no indices, as 0 of 8 blocks of 4 points have")
@@ -155,7 +155,7 @@ def test_rounds_buy_what_a_mean_lacks(tmp_path):
         run(tmp_path, added.values(), ("steady",))
     assert numbers[0] == 3
     assert _answer(path)[0].startswith(f"surrogate speed: {2 + sum(numbers)} points, error ")
-    with pytest.raises(InputError, match="allowed: a series of 4 to 3,000 points"):
+    with pytest.raises(InputError, match="allowed: a series of 6 to 3,000 points"):
         path.write_text(path.read_text().replace("error: 0.1, budget: 1.0e+5, ", ""))
         load_study(path, tmp_path)
 

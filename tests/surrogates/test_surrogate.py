@@ -149,8 +149,40 @@ def test_too_few_points_are_refused():
     x = design(16, 2)
     words = ["undetermined"] * 14 + ["steady"] * 2
     spec = SurrogateSpec("speed", "wide", "velocity", "chute", AXES[:2])
-    with pytest.raises(InputError, match=r"as 2 of 16 points .* and 4 are needed; there are 2"):
+    with pytest.raises(InputError, match=r"as 2 of 16 points .* and 6 are needed; there are 2"):
         fit_surrogate(spec, made_sample(x, smooth(x), regime=words))
+
+
+@pytest.mark.parametrize(("parameters", "fewest"), [(1, 4), (2, 6), (3, 9), (8, 24)])
+def test_the_fewest_points_grow_with_the_parameters(parameters, fewest):
+    axes = tuple(Axis(f"x{number}", 0.0, 1.0) for number in range(parameters))
+    spec, x = SurrogateSpec("speed", "wide", "velocity", "chute", axes), design(fewest, parameters)
+    values = 1 + x[:, 0]
+    assert len(fit_surrogate(spec, made_sample(x, values, axes)).process.y) == fewest
+    with pytest.raises(InputError, match=f"and {fewest} are needed"):
+        fit_surrogate(spec, made_sample(x[1:], values[1:], axes))
+
+
+def test_a_form_that_fits_is_found_told_and_kept(tmp_path):
+    """A belt's velocity as physics has it: a share of that of the belt, 0 below its onset."""
+    axes = (Axis("frequency", 15, 100), Axis("amplitude", 0.5, 1.5))
+    x = design(32, 2)
+    frequency, amplitude = 15 + 85 * x[:, 0], (0.5 + x[:, 1]) * 1e-3
+    speed, strength = amplitude * 2 * np.pi * frequency, amplitude * (2 * np.pi * frequency) ** 2
+    values = speed * (1 - 1 / np.maximum(strength / 10, 1))
+    sample = made_sample(x, values, axes, 1e-4)
+    sample.attrs["fixed"] = {"diameter": 1e-3, "gravity": 10.0, "vibration_angle": 45.0}
+    surrogate = fit_surrogate(SurrogateSpec("speed", "wide", "velocity", "belt", axes), sample)
+    assert surrogate.process.frame.form.name == "efficiency_of_shaking"
+    assert "as a share of the belt's velocity" in surrogate.basis
+    save(surrogate, tmp_path / "speed.nc")
+    fresh = np.column_stack([np.linspace(15, 100, 9), np.linspace(1.5, 0.5, 9)])
+    loaded = load(tmp_path / "speed.nc")
+    for one, other in zip(surrogate.predict(fresh), loaded.predict(fresh), strict=True):
+        assert one == pytest.approx(other, rel=1e-9)
+    truth = 1e-3 * fresh[:, 1] * 2 * np.pi * fresh[:, 0]
+    truth *= 1 - 1 / np.maximum(1e-4 * fresh[:, 1] * (2 * np.pi * fresh[:, 0]) ** 2, 1)
+    assert surrogate.predict(fresh)[0] == pytest.approx(truth, abs=2e-3)
 
 
 def test_a_file_gives_the_same_predictions(mixed, tmp_path):

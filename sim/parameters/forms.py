@@ -1,0 +1,76 @@
+"""Forms that the physics of a system suggests for an observable between points."""
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from sim.base.additions import add, additions, shipped
+from sim.base.require import require_function, require_line, require_one_of
+from sim.parameters.points import SYSTEMS
+
+#: Kind of the additions that are forms.
+_FORM = "form"
+
+#: Gives an array (n,) from the parameters of points, by name, each an array (n,) or one value.
+Column = Callable[[Mapping[str, Any]], Any]
+
+
+@dataclass(frozen=True)
+class Form:
+    """An observable as a scale times a smooth function of groups of parameters.
+
+    Attributes
+    ----------
+    name, observable, meaning : str
+        Its name, what it is of, and what it is in words, for captions.
+    systems : tuple of str
+        Systems that it is for.
+    scale : callable, optional
+        Scale of the observable, in its unit.
+    inputs : mapping
+        Groups by name. One with the name of a parameter takes its place; others are added.
+    """
+
+    name: str
+    systems: tuple[str, ...]
+    observable: str
+    meaning: str
+    scale: Column | None = None
+    inputs: Mapping[str, Column] = field(default_factory=dict)
+
+
+def form(
+    name: str,
+    *,
+    system: str | Collection[str],
+    observable: str,
+    meaning: str,
+    scale: Column | None = None,
+    inputs: Mapping[str, Column] | None = None,
+) -> None:
+    """Declare a form; a surrogate chooses among those of its system and observable by itself.
+
+    The functions get the parameters of points by name, in the units of study files.
+    """
+    systems = (system,) if isinstance(system, str) else tuple(system)
+    for one in systems or ("",):
+        require_one_of(f"form {name}: system", one, SYSTEMS)
+    require_line(f"form {name}: meaning", meaning)
+    for column in (*(inputs or {}).values(), *([scale] if scale else [])):
+        require_function(f"form {name}", column, takes=1)
+    value = Form(name, systems, observable, meaning, scale, dict(inputs or {}))
+    add(_FORM, name, value)
+
+
+def forms(system: str, observable: str) -> dict[str, Form]:
+    """Return the forms of an observable by name; those of plug-ins come last."""
+    # Imported here, as they declare by this file.
+    import sim.measures  # noqa: F401
+
+    every: dict[str, Form] = {**shipped(_FORM)}
+    every |= {name: one.value for name, one in additions(_FORM).items()}
+    return {
+        name: one
+        for name, one in every.items()
+        if system in one.systems and observable == one.observable
+    }

@@ -1,0 +1,159 @@
+"""The process that suits some points best: its lengths, its form, and how sure it is."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+
+from sim.base.statistics import CONFIDENCE, MANY, student
+from sim.surrogates.frames import Frame
+from sim.surrogates.process import AMPLITUDES, LENGTHS, SCATTERS, Process, deviations
+from sim.surrogates.threads import on_one_thread
+
+#: Most points from which lengths are fitted; the process goes through all of them.
+_MOST_FITTED = 500
+
+#: Mean and deviation of the logarithm of a length before any point is known: a parameter without
+#: effect has a length of a few ranges, not of any number of them.
+_PRIOR = (0.5, 1.5)
+
+#: Starts of a fit besides the first, for fewer points than these; drawn about a length of 0.6.
+_RESTARTS, _FEW, _START = 3, 150, -0.5
+
+#: Exponents of the covariance that are tried.
+_EXPONENTS = (2.5, 1.5)
+
+#: Share of the variance that points leave out one by one do not find in others, from which on a
+#: process has not learned its function, and places at which its errors are then looked at.
+_UNLEARNED, _PLACES = 0.05, 500
+
+Objective = Callable[[np.ndarray], tuple[float, np.ndarray]]
+
+
+def fit(
+    x: np.ndarray,
+    y: np.ndarray,
+    variance: np.ndarray,
+    has_scatter: bool,
+    frames: Sequence[Frame] = (),
+) -> Process:
+    """Return the process through values (n,) at points (n, d) of the unit cube.
+
+    It goes through them or their logarithms, with an exponent of 5/2 or 3/2, as such or in one of
+    some ``frames``: the most probable of all (evidence, with the prior of lengths). Its errors are
+    widened by `_widened`.
+    """
+    usable = [None, *(frame for frame in frames if frame.is_usable(x))]
+    forms = (False, True) if (y > 0).all() else (False,)
+    fitted = [
+        _fitted(Process(x, y, variance, is_log, has_scatter, exponent=exponent, frame=frame))
+        for frame, is_log, exponent in product(usable, forms, _EXPONENTS)
+    ]
+    return _widened(max(fitted, key=lambda one: one[1])[0])
+
+
+def fit_lengths(process: Process) -> Process:
+    """Return a process with the most probable amplitude, lengths and scatter."""
+    return _fitted(process)[0]
+
+
+@on_one_thread
+def _fitted(process: Process) -> tuple[Process, float]:
+    """Return a process with its most probable lengths, and the logarithm of its evidence."""
+    # Imported here: reading a surrogate's file needs none of it.
+    from scipy.optimize import minimize
+
+    dimensions, rng = process.places.shape[1], np.random.default_rng(0)
+    first = np.log([1.0, *np.ones(dimensions), *([1e-2] if process.has_scatter else [])])
+    bounds = np.log([AMPLITUDES, *[LENGTHS] * dimensions, *[SCATTERS] * process.has_scatter])
+    starts = [first]
+    for _ in range(_RESTARTS if len(process.y) < _FEW else 1):
+        start = first.copy()
+        start[1 : 1 + dimensions] = rng.normal(_START, 1.0, dimensions)
+        starts.append(np.clip(start, *bounds.T))
+    objective = _objective(process)
+    ends = [minimize(objective, one, jac=True, method="L-BFGS-B", bounds=bounds) for one in starts]
+    best = min(ends, key=lambda end: end.fun)
+    return replace(process, theta=best.x), process.log_unit - float(best.fun)
+
+
+def _objective(process: Process) -> Objective:
+    """Return the negative logarithm of evidence and prior, with its gradient, of theta.
+
+    Rasmussen and Williams (2006), equations 5.8 and 5.9.
+    """
+    from scipy.linalg import lapack
+
+    order = np.random.default_rng(0).permutation(len(process.y))[:_MOST_FITTED]
+    places, values, noise = process.places[order], process.values[order], process.noise[order]
+    count, dimensions = places.shape
+    squares = ((places.T[:, :, None] - places.T[:, None, :]) ** 2).reshape(dimensions, -1)
+    mean, deviation = _PRIOR
+
+    def objective(theta: np.ndarray) -> tuple[float, np.ndarray]:
+        amplitude, lengths = np.exp(theta[0]), theta[1 : 1 + dimensions]
+        scatter = np.exp(theta[-1]) if process.has_scatter else 0.0
+        inverse = np.exp(-2 * lengths)
+        distance = np.sqrt(inverse @ squares).reshape(count, count)
+        correlation, slope = _matern(distance, process.exponent)
+        covariance = amplitude * correlation
+        covariance.flat[:: count + 1] += noise + scatter
+        factor, failed = lapack.dpotrf(covariance, lower=1, clean=1)
+        if failed:
+            return np.inf, np.zeros_like(theta)
+        lower, _ = lapack.dpotri(factor, lower=1)
+        precision = np.tril(lower) + np.tril(lower, -1).T
+        weights = precision @ values
+        apart = (lengths - mean) / deviation
+        surprise = 0.5 * (values @ weights + count * np.log(2 * np.pi) + apart @ apart)
+        shares = 0.5 * (precision - np.outer(weights, weights))
+        gradient = np.zeros_like(theta)
+        gradient[0] = amplitude * np.sum(shares * correlation)
+        gradient[1 : 1 + dimensions] = inverse * (squares @ (amplitude * shares * slope).ravel())
+        gradient[1 : 1 + dimensions] += apart / deviation
+        if process.has_scatter:
+            gradient[-1] = scatter * np.trace(shares)
+        return float(surprise + np.log(factor.diagonal()).sum()), gradient
+
+    return objective
+
+
+def _matern(distance: np.ndarray, exponent: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return Matérn's correlation at distances, and its derivative by -log length over r²."""
+    root = np.sqrt(2 * exponent) * distance
+    decay = np.exp(-root)
+    if exponent == 1.5:
+        return (1 + root) * decay, 3 * decay
+    return (1 + root + root**2 / 3) * decay, 5 / 3 * (1 + root) * decay
+
+
+def _widened(process: Process) -> Process:
+    """Return a process whose errors hold what points that are left out say of them.
+
+    Lengths are fitted to few points, so Student's distribution takes the place of the normal one,
+    with a degree of freedom less for each. A process whose lengths are the same everywhere is too
+    sure next to a kink: errors widen near points that the others do not expect, and 95 % of the
+    points, left out one by one, must lie within their intervals. Where the points leave much of
+    each other unexplained, errors between them are as large as theirs.
+    """
+    freedom, number = max(2, len(process.y) - len(process.theta)), len(process.y)
+    normal = float(student(MANY))
+    local = replace(process, is_local=True)
+    ratios = np.sort(deviations(local.left_out(), local.y) / local.own_widening())
+    outer = ratios[min(number, int(np.ceil(CONFIDENCE * (number + 1)))) - 1]
+    widening = student(freedom) / normal * max(1.0, outer / normal)
+    widened = replace(local, widening=float(widening))
+    return replace(widened, widening=float(widening * _lack(widened)))
+
+
+def _lack(process: Process) -> float:
+    """Return by what factor errors between the points are below those at points left out."""
+    left_out = process.left_out()
+    apart = np.mean((left_out.mean - process.y) ** 2) - np.mean(left_out.noise**2)
+    lack = apart / (np.var(process.y) or 1.0)
+    if lack <= 0:
+        return 1.0
+    places = np.random.default_rng(0).random((_PLACES, process.x.shape[1]))
+    between = np.mean(process.predict(places)[1] ** 2)
+    return max(1.0, min(1.0, lack / _UNLEARNED) * np.sqrt(apart / between))

@@ -1,0 +1,212 @@
+"""How often the intervals of surrogates hold the truth: a row for each kind of function and noise.
+
+`python -m tests.coverage.surrogates` prints the table of docs/validation.md. Each design is fitted
+as a study would be, from the values of replicates to the surrogate.
+"""
+
+import argparse
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import qmc
+
+from sim.base.statistics import MANY, student
+from sim.study.design import Axis
+from sim.study.surrogate import SurrogateSpec
+from sim.surrogates.fitting import fit_surrogate
+from sim.surrogates.refusals import Refusal
+from sim.surrogates.sample import standard_errors
+from sim.surrogates.surrogate import Surrogate
+from tests.made.surrogates import kinked, made_sample, smooth
+from tests.surrogates.predictors import ISHIGAMI, g_function
+
+#: Designs of a row, and places at which each is compared with the truth.
+DESIGNS, PLACES = 40, 400
+
+Function = Callable[[np.ndarray], np.ndarray]
+
+
+def _everywhere(x: np.ndarray) -> np.ndarray:
+    return np.ones(len(x), bool)
+
+
+@dataclass(frozen=True)
+class Case:
+    """A function of the unit cube with runs of it.
+
+    Attributes
+    ----------
+    name : str
+        What it is, for the table.
+    function : callable
+        Values (n,) at points (n, d).
+    dimensions, points, replicates : int
+        Parameters, points of a design, runs of a point.
+    noise : float or callable
+        Scatter of a run relative to its value, at points (n, d).
+    counts : callable
+        Which points the mean is of, (n,); it is judged where it is of them.
+    designs : int
+        Scrambles of the design.
+    """
+
+    name: str
+    function: Function
+    dimensions: int
+    points: int
+    noise: float | Function = 0.0
+    replicates: int = 1
+    counts: Function = _everywhere
+    designs: int = DESIGNS
+
+
+def eight(x: np.ndarray) -> np.ndarray:
+    """Return a smooth function of eight parameters, some of which hardly matter."""
+    return 2 + smooth(x[:, :3]) + x[:, 3:] @ np.array([0.5, 0.3, 0.1, 0.02, 0.0])
+
+
+def oscillating(x: np.ndarray) -> np.ndarray:
+    """Return two periods of a sine."""
+    return 1 + 0.3 * np.sin(4 * np.pi * x[:, 0])
+
+
+def ishigami(x: np.ndarray) -> np.ndarray:
+    """Return Ishigami's function."""
+    low, high = ISHIGAMI.bounds.T
+    return ISHIGAMI.function(*(low + (high - low) * x).T)
+
+
+def product(x: np.ndarray) -> np.ndarray:
+    """Return Sobol's g-function, with a kink in the middle of each parameter."""
+    return g_function(*x.T)
+
+
+def step(height: float) -> Function:
+    """Return a smooth function that jumps by a share of it."""
+    return lambda x: smooth(x) * (1 + height * (x[:, 0] + 0.3 * x[:, 1] > 0.6))
+
+
+def uneven(x: np.ndarray) -> np.ndarray:
+    """Return a noise from 1 to 30 %."""
+    return 0.01 * 30 ** x[:, 0]
+
+
+def flows(x: np.ndarray) -> np.ndarray:
+    """Return which points flow."""
+    return x[:, 0] + 0.5 * x[:, 1] > 0.5
+
+
+CASES = (
+    *(Case(f"smooth, 2 parameters, 5 % noise, {r} run", smooth, 2, 16, 0.05, r) for r in (1, 2)),
+    Case("smooth, 3 parameters, 5 % noise", smooth, 3, 9, 0.05, 2),
+    Case("smooth, 3 parameters, 5 % noise", smooth, 3, 32, 0.05, 2),
+    Case("smooth, 8 parameters, 5 % noise", eight, 8, 32, 0.05, 2),
+    Case("smooth, 8 parameters, no noise", eight, 8, 64),
+    Case("two periods of a sine, 2 % noise", oscillating, 1, 16, 0.02, 2),
+    Case("Ishigami", ishigami, 3, 64, designs=20),
+    Case("Ishigami", ishigami, 3, 128, designs=20),
+    Case("Sobol' G (kinks)", product, 4, 64),
+    Case("kink, 5 % noise", kinked, 3, 32, 0.05, 2),
+    *(Case(f"noise of 1 to 30 %, {r} runs", smooth, 2, 32, uneven, r) for r in (1, 2, 3)),
+    Case("step of 30 %, 1 % noise", step(0.3), 2, 32, 0.01, 3),
+    Case("step of 100 %, 5 % noise", step(1.0), 2, 32, 0.05, 2),
+    Case("regime that ends inside the range, 5 % noise", smooth, 2, 48, 0.05, 2, flows),
+    Case(
+        "4 of 48 points count, 4 parameters",
+        smooth,
+        4,
+        48,
+        0.05,
+        1,
+        lambda x: np.arange(len(x)) < (4 if len(x) == 48 else len(x)),
+    ),
+)
+
+
+@dataclass(frozen=True)
+class Row:
+    """What the designs of a case give, (designs,); none without answer.
+
+    Attributes
+    ----------
+    held, noisy, said, true : numpy.ndarray
+        Share of truths within the 95 % interval, the same in the third of greatest noise, the error
+        that the surrogate gives itself, and the true one, relative to the mean size.
+    """
+
+    case: Case
+    held: np.ndarray
+    noisy: np.ndarray
+    said: np.ndarray
+    true: np.ndarray
+
+
+def surrogate_of(case: Case, seed: int) -> Surrogate:
+    """Return the surrogate of a design; raises `Refusal` without answer."""
+    rng = np.random.default_rng(seed)
+    x = qmc.Sobol(case.dimensions, rng=seed).random(case.points)
+    size = _noise(case, x) * np.abs(case.function(x))
+    values = case.function(x)[:, None] + size[:, None] * rng.normal(
+        size=(case.points, case.replicates)
+    )
+    errors, is_unknown = standard_errors(list(values), np.zeros(case.points), x)
+    axes = tuple(Axis(f"x{number}", 0.0, 1.0) for number in range(case.dimensions))
+    regime = np.where(case.counts(x), "steady", "arrested")
+    sample = made_sample(x, values.mean(axis=1), axes, errors, regime, is_unknown)
+    return fit_surrogate(SurrogateSpec("made", "made", "velocity", "chute", axes), sample)
+
+
+def row_of(case: Case, designs: int | None = None) -> Row:
+    """Return how often a case holds the truth."""
+    parts: list[list[float]] = []
+    for seed in range(designs or case.designs):
+        try:
+            surrogate = surrogate_of(case, seed)
+        except Refusal:
+            continue
+        x = np.random.default_rng(1000 + seed).random((PLACES, case.dimensions))
+        x = x[case.counts(x)]
+        truth = case.function(x)
+        mean, error = surrogate.predict(x)
+        is_held = np.abs(mean - truth) <= student(MANY) * error
+        true = np.sqrt(np.mean((mean - truth) ** 2)) / np.abs(truth).mean()
+        noise = _noise(case, x)
+        is_noisy = noise >= np.quantile(noise, 2 / 3)
+        parts.append([is_held.mean(), is_held[is_noisy].mean(), surrogate.error, true])
+    return Row(case, *np.reshape(parts, (-1, 4)).T)
+
+
+def _noise(case: Case, x: np.ndarray) -> np.ndarray:
+    return case.noise(x) if callable(case.noise) else np.full(len(x), case.noise)
+
+
+def table(rows: Iterator[Row]) -> Iterator[str]:
+    """Yield the lines of a table, in Markdown."""
+    yield "| case | points | designs | held (worst) | noisiest third | error said | true |"
+    yield "| --- | --- | --- | --- | --- | --- | --- |"
+    for row in rows:
+        case, count = row.case, len(row.held)
+        start = f"| {case.name} | {case.points} | {count} of {case.designs} | "
+        if not count:
+            yield start + "no answer | | | |"
+            continue
+        held = f"{100 * row.held.mean():.1f} ({100 * row.held.min():.0f})"
+        noisy = f"{100 * row.noisy.mean():.1f}" if callable(case.noise) else ""
+        said, true = (f"{100 * np.median(one):.2g}" for one in (row.said, row.true))
+        yield f"{start}{held} | {noisy} | {said} | {true} |"
+
+
+def main() -> None:
+    """Print the table of the cases whose name has a text."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--only", default="")
+    parser.add_argument("--designs", type=int)
+    options = parser.parse_args()
+    chosen = (case for case in CASES if options.only in case.name)
+    for line in table(row_of(case, options.designs) for case in chosen):
+        print(line, flush=True)
+
+
+if __name__ == "__main__":
+    main()
