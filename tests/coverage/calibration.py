@@ -15,6 +15,7 @@ from scipy.stats import qmc
 
 from sim.study.design import Axis
 from sim.study.surrogate import SurrogateSpec
+from sim.surrogates.caveats import LARGE_ERROR
 from sim.surrogates.fitting import fit_surrogate
 from sim.surrogates.likelihood import Calibration
 from sim.surrogates.posterior import (
@@ -27,7 +28,7 @@ from sim.surrogates.posterior import (
 )
 from sim.surrogates.predictor import scaled
 from sim.surrogates.sample import standard_errors
-from sim.surrogates.surrogate import LARGE_ERROR, Surrogate
+from sim.surrogates.surrogate import Surrogate
 from sim.surrogates.threads import on_one_thread
 from tests.made.surrogates import made_sample
 

@@ -16,6 +16,7 @@ from sim.study.surrogate import SurrogateSpec
 from sim.surrogates.fitting import fit_surrogate
 from sim.surrogates.indices import indices_of_surrogate, sobol_indices
 from sim.surrogates.indices_of_runs import morris_indices_of_runs, sobol_indices_of_runs
+from sim.surrogates.inquiries import require_small_error
 from sim.surrogates.predictor import scaled
 from sim.surrogates.refusals import Refusal
 from sim.surrogates.sample import standard_errors
@@ -100,12 +101,14 @@ def of_surrogate(case: tuple, seed: int) -> pd.DataFrame:
     x = design(count, dimensions, seed)
     rng = np.random.default_rng(seed)
     beds = function(x)[:, None] * (1 + noise * rng.normal(size=(count, 2)))
-    errors, _ = standard_errors(list(beds), np.zeros(count))
+    errors, _ = standard_errors(list(beds), np.zeros(count), x)
     regime = np.where(x[:, 0] < edge, "arrested", "steady")
     axes = tuple(Axis(f"x{number}", 0.0, 1.0) for number in range(dimensions))
     spec = SurrogateSpec("made", "wide", "velocity", "chute", axes)
     sample = made_sample(x, beds.mean(axis=1), axes, errors, regime)
-    return indices_of_surrogate(fit_surrogate(spec, sample), "made", blocks=BLOCKS)
+    surrogate = fit_surrogate(spec, sample)
+    require_small_error(surrogate, None, "made")
+    return indices_of_surrogate(surrogate, "made", blocks=BLOCKS)
 
 
 def of_runs(function: Function, case: tuple, seed: int) -> pd.DataFrame:

@@ -89,15 +89,6 @@ def test_what_does_not_vary_has_no_indices():
             indices_of_surrogate(still, "asked")
 
 
-def test_a_surrogate_that_has_not_learned_has_no_indices_unless_asked_for():
-    poor = made_surrogate(lambda x: 1 + np.sin(40 * x[:, 0]) * np.cos(30 * x[:, 1]), 8)
-    assert poor.error > 0.2
-    with pytest.raises(Refusal, match="no indices, as surrogate speed is a mean of 8 of 8 points"):
-        indices_of_surrogate(poor, "asked")
-    table = indices_of_surrogate(poor, "asked", True, BLOCKS)
-    assert set(table["error"]) == {poor.error} and "too large to rely on" in poor.caveats[0]
-
-
 def flows_beyond(edge: float) -> Surrogate:
     """Return a surrogate of flows that are steady beyond a share of the range of friction."""
     regime = np.where(design(32, 2)[:, 0] < edge, "arrested", "steady")
