@@ -140,7 +140,7 @@ def surrogate_of(
     values = exact * (1 + noise * rng.normal(size=(points, replicates)))
     is_flow = counts(*places)
     values[~is_flow] = 0.0
-    errors, is_unknown = standard_errors(list(values), np.zeros(points))
+    errors, is_unknown = standard_errors(list(values), np.zeros(points), x)
     regime = np.where(is_flow, "steady", "arrested")
     sample = made_sample(x, values.mean(axis=1), AXES, errors, regime, is_unknown)
     spec = SurrogateSpec("speed", "wide", "velocity", "chute", AXES)
