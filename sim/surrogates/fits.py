@@ -41,7 +41,8 @@ def fit(
     """Return the process through values (n,) at points (n, d) of the unit cube.
 
     It goes through them or their logarithms, with an exponent of 5/2 or 3/2, as such or in one of
-    some ``frames``: the most probable of all (evidence, with the prior of lengths). Its errors are
+    some ``frames``: the most probable of all (evidence, with the prior of lengths). Of several
+    maxima of a form, the one whose left-out points are most probable is taken. Its errors are
     widened by `_widened`.
     """
     usable = [None, *(frame for frame in frames if frame.is_usable(x))]
@@ -74,8 +75,18 @@ def _fitted(process: Process) -> tuple[Process, float]:
         starts.append(np.clip(start, *bounds.T))
     objective = _objective(process)
     ends = [minimize(objective, one, jac=True, method="L-BFGS-B", bounds=bounds) for one in starts]
-    best = min(ends, key=lambda end: end.fun)
-    return replace(process, theta=best.x), process.log_unit - float(best.fun)
+    found = [(replace(process, theta=end.x), process.log_unit - float(end.fun)) for end in ends]
+    return max(found, key=lambda one: _left_out_density(one[0]))
+
+
+def _left_out_density(process: Process) -> float:
+    """Return the logarithm of the density of all points, each as the others predict it.
+
+    Of several maxima, that of greatest evidence may take a function that it misses for noise.
+    Rasmussen and Williams (2006), equations 5.10 and 5.11.
+    """
+    mean, spread = process.left_out_values()
+    return -float(np.sum(((mean - process.values) / spread) ** 2 / 2 + np.log(spread)))
 
 
 def _objective(process: Process) -> Objective:
