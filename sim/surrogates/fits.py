@@ -26,7 +26,7 @@ _EXPONENTS = (2.5, 1.5)
 
 #: Share of the variance that points leave out one by one do not find in others, from which on a
 #: process has not learned its function, and places at which its errors are then looked at.
-_UNLEARNED, _PLACES = 0.05, 500
+_UNLEARNED, _PLACES = 0.03, 500
 
 Objective = Callable[[np.ndarray], tuple[float, np.ndarray]]
 
