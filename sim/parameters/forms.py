@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
+from importlib import import_module
 from typing import Any
 
 from sim.base.additions import add, additions, shipped
@@ -64,9 +65,8 @@ def form(
 
 def forms(system: str, observable: str) -> dict[str, Form]:
     """Return the forms of an observable by name; those of plug-ins come last."""
-    # Imported here, as they declare by this file.
-    import sim.measures  # noqa: F401
-
+    # They ship beside the observables, which import NumPy.
+    import_module("sim.measures")
     every: dict[str, Form] = {**shipped(_FORM)}
     every |= {name: one.value for name, one in additions(_FORM).items()}
     return {

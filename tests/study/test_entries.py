@@ -71,7 +71,7 @@ def error_message(**series) -> str:
         ),
         (
             {"grid": {"mu": [3]}},
-            "grid.mu: unknown key, got [3]; did you mean friction? allowed: 43 names "
+            "grid.mu: unknown key, got [3]; did you mean friction? allowed: 46 names "
             "(talus schema has all)",
         ),
         (

@@ -9,7 +9,7 @@ from sim.study.surrogate import COUNTED, MOST_ROUNDS
 
 DESIGN = {
     "kind": "sobol",
-    "points": 8,
+    "points": 16,
     "over": {
         "friction": [0.3, 0.6],
         "stiffness": {"between": [100, 10000], "scale": "log"},
@@ -54,7 +54,7 @@ def test_every_surrogate_has_its_pictures():
         "speed-friction-stiffness": "surface",
         "speed-agreement": "agreement",
     }
-    assert all(len(asked.figures[name]) == 8 for name in kinds)
+    assert all(len(asked.figures[name]) == 16 for name in kinds)
 
 
 def test_rounds_are_open_and_their_cost_is_told():
@@ -67,14 +67,14 @@ def test_rounds_are_open_and_their_cost_is_told():
 
 def test_further_points_are_those_of_a_larger_design():
     asked = study([{"error": 0.05, "budget": 2}])
-    larger = study(series={"design": DESIGN | {"points": 16}})
+    larger = study(series={"design": DESIGN | {"points": 24}})
     (speed,) = asked.surrogates
     first = speed.next_batch(asked.points)
-    assert list(first) == list(larger.points)[8:12]
+    assert list(first) == list(larger.points)[16:20]
     assert speed.added_points(asked.points) == {}
     known = {**asked.points, **first}
     assert list(speed.added_points(known)) == list(first)
-    assert list(speed.next_batch(known)) == list(larger.points)[12:]
+    assert list(speed.next_batch(known)) == list(larger.points)[20:]
 
 
 @pytest.mark.parametrize(
@@ -105,7 +105,7 @@ def test_what_is_wrong_is_refused(surrogate, message):
 @pytest.mark.parametrize(
     ("series", "surrogate", "message"),
     [
-        ({"design": DESIGN | {"points": 3}}, {}, "wide of 3 points'; allowed: a series of 4 to"),
+        ({"design": DESIGN | {"points": 3}}, {}, "wide of 3 points'; allowed: a series of 9 to"),
         (
             {"design": DESIGN | {"kind": "latin_hypercube"}},
             {"error": 0.1, "budget": 1},

@@ -52,9 +52,9 @@ def message(parse, *arguments, **keys) -> str:
 
 def test_a_sensitivity_of_a_surrogate_has_its_pictures(parse):
     entry = {"name": "matters", "surrogate": "speed"}
-    study = parse(sensitivity=[entry, entry | {"name": "all-the-same", "rough": True}])
+    study = parse(sensitivity=[entry, entry | {"name": "all-the-same", "surrogate_error": 0.3}])
     one, other = study.sensitivities
-    assert not one.is_rough and other.is_rough
+    assert (one.surrogate_error, other.surrogate_error) == (None, 0.3)
     assert one.file == "sensitivity/matters.csv" and one.of.name == "speed" and not one.design
     assert {"matters-indices", "matters-interactions"} <= set(study.plots)
     assert study.plots["matters-indices"].options["answer"] == one.file
@@ -78,7 +78,10 @@ def test_a_sensitivity_of_a_design_takes_its_runs(parse):
         ({"series": "wide"}, "series: got 'wide'; allowed: a series whose design is of kind salt"),
         ({"series": "many", "observable": "sped"}, "observable: got 'sped'; allowed: "),
         ({"surrogate": "speed", "nme": 1}, "nme: unknown key"),
-        ({"series": "many", "rough": True}, "rough: got true; allowed: none with series"),
+        (
+            {"series": "many", "surrogate_error": 0.3},
+            "surrogate_error: got 0.3; allowed: none with series",
+        ),
     ],
 )
 def test_mistakes_in_a_sensitivity_are_refused_by_their_key(parse, entry, text):

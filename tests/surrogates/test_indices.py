@@ -102,5 +102,5 @@ def test_the_share_of_the_ranges_without_such_a_flow_is_told():
 
 
 def test_most_of_the_ranges_without_such_a_flow_is_no_answer():
-    with pytest.raises(Refusal, match=r"steady or mixed, and in [67]. % of the ranges no such"):
+    with pytest.raises(Refusal, match=r"undetermined, and in [67]. % of the ranges no such"):
         indices_of_surrogate(flows_beyond(0.7), "asked")

@@ -87,7 +87,7 @@ def folder(tmp_path_factory) -> Path:
     [
         (
             "points: 16",
-            "points: 8",
+            "points: 12",
             "speed",
             "point chute-depth5-.*: not as in .*; run the study again",
         ),

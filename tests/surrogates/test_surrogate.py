@@ -26,11 +26,11 @@ def surrogate():
 
 @pytest.fixture(scope="module")
 def mixed():
-    """A surrogate of three regimes and two laws, whose mean is of steady flows."""
+    """A surrogate of three regimes and two laws, whose mean is of flows that are surely steady."""
     x = design(40, 3)
     words = np.where(x[:, 0] < 0.3, "arrested", "steady").astype(object)
     words[:3], mean = "undetermined", smooth(x) + (x[:, 2] >= 0.5)
-    spec = SurrogateSpec("speed", "wide", "velocity", "chute", (*AXES[:2], LAW))
+    spec = SurrogateSpec("speed", "wide", "velocity", "chute", (*AXES[:2], LAW), ("steady",))
     return fit_surrogate(spec, made_sample(x, mean, spec.axes, error=0.01, regime=words))
 
 
@@ -147,9 +147,9 @@ def test_the_error_is_that_of_points_left_out(surrogate):
 
 def test_too_few_points_are_refused():
     x = design(16, 2)
-    words = ["undetermined"] * 14 + ["steady"] * 2
+    words = ["arrested"] * 14 + ["steady"] * 2
     spec = SurrogateSpec("speed", "wide", "velocity", "chute", AXES[:2])
-    with pytest.raises(InputError, match=r"as 2 of 16 points .* and 6 are needed; there are 2"):
+    with pytest.raises(InputError, match=r"as 2 of 16 .* 6 are needed; left out are 14 a"):
         fit_surrogate(spec, made_sample(x, smooth(x), regime=words))
 
 
