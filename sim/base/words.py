@@ -10,6 +10,26 @@ def count_text(number: int, noun: str) -> str:
     return f"{number:,} {noun}" + ("" if number == 1 else "s")
 
 
+def upper_first(text: str) -> str:
+    """Return a text that begins with a capital; the rest stays as it is.
+
+    >>> upper_first("mean of V")
+    'Mean of V'
+    """
+    return text[:1].upper() + text[1:]
+
+
+def percent(share: float) -> str:
+    """Write a share in percent, to two digits, or to three just below all.
+
+    >>> percent(0.5678), percent(12.3456), percent(0.998), percent(0.9999)
+    ('57 %', '1200 %', '99.8 %', '99.9 %')
+    """
+    if 0.99 < share < 1:
+        return f"{min(99.9, 100 * share):.3g} %"
+    return f"{float(f'{100 * share:.2g}'):g} %"
+
+
 def duration(seconds: float) -> str:
     """Return a time in the unit that suits it: ``4.5 s``, ``3.1 min``, ``2.0 h``.
 

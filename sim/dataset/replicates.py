@@ -13,6 +13,7 @@ from sim.base.statistics import MANY, mean_interval, student, student_half_width
 from sim.dataset.run_file import NamedValues
 from sim.parameters.chute import negligible_acceleration
 from sim.parameters.common import drift_bound
+from sim.study.surrogate import SLOWING
 
 #: Qualities of a mean, from the best.
 QUALITIES = ("reliable", "jammed", "short", "drifting", "failed")
@@ -113,10 +114,6 @@ def outcome(point: Mapping[str, Any]) -> dict[str, Any]:
         "stopped": ", ".join(dict.fromkeys(completed["stopped"])) or "failure",
         "reason": "; ".join(reasons),
     }
-
-
-#: An undetermined flow that surely slows down: its mean is that of no steady flow.
-SLOWING = "slowing"
 
 
 def answering_regime(one: Mapping[str, Any]) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from sim.dataset.observed import replicate_values
-from sim.dataset.replicates import SLOWING, answering_regime
+from sim.dataset.replicates import answering_regime
 from sim.figures.data import FigureData
 from sim.figures.quantity import Quantity, quantities
 from sim.figures.style import is_undecided
@@ -19,6 +19,7 @@ from sim.parameters.words import quantity, setting
 from sim.study.plot_contents import in_words, name_in_words
 from sim.study.plot_kinds import REGIME
 from sim.study.plottable import numbers
+from sim.study.surrogate import SLOWING
 
 #: How captions name the regimes that are not steady.
 _REGIMES = {
@@ -277,7 +278,9 @@ def answer_sentences(data: FigureData) -> list[str]:
     if lacking := int((~has_value).sum()):
         texts.append(f"{points_text(lacking)} without a value")
     return [
-        unsteady_sentence(rows[counts & has_value], "part of the answer all the same"),
+        unsteady_sentence(
+            rows.assign(regime=regimes)[counts & has_value], "part of the answer all the same"
+        ),
         f"Not part of the answer: {', '.join(texts)}." if texts else "",
     ]
 

@@ -15,6 +15,7 @@ import pandas as pd
 from sim.base.errors import InputError
 from sim.base.files import file_version
 from sim.base.statistics import MANY, student
+from sim.base.words import upper_first
 from sim.figures.data import FigureData
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import setting
@@ -165,7 +166,7 @@ def with_units(surrogate: Surrogate, rows: pd.DataFrame) -> pd.DataFrame:
 
 def basis_note(surrogate: Surrogate, *shown: str) -> str:
     """Return the sentences on points and error of the mean, and on parameters that are held."""
-    return f"{surrogate.basis.capitalize()}. {held_note(surrogate, *shown)}".strip()
+    return f"{upper_first(surrogate.basis)}. {held_note(surrogate, *shown)}".strip()
 
 
 def held_note(surrogate: Surrogate, *shown: str) -> str:

@@ -94,7 +94,7 @@ def section_notes(data: FigureData) -> list[str]:
             "these values, moved here by what the surrogate says, with their 95 % intervals."
         )
     dashed = regime_note(surrogate, "The line is dashed where")
-    return [basis_note(surrogate, axis.name), runs, dashed, error_note(surrogate)]
+    return [basis_note(surrogate, axis.name), runs, dashed]
 
 
 def draw_surface(data: FigureData) -> Figure:
@@ -164,7 +164,7 @@ def surface_notes(data: FigureData) -> list[str]:
     basis = basis_note(surrogate, data.spec.options["x"], data.spec.options["y"])
     dots = "Dots: all runs, wherever their other parameters are."
     line = regime_note(surrogate, "Across the line")
-    return [basis, dots, line, error_note(surrogate)]
+    return [basis, dots, line]
 
 
 def draw_agreement(data: FigureData) -> Figure:
@@ -201,7 +201,8 @@ def agreement_notes(data: FigureData) -> list[str]:
     notes = [
         "Bars: 95 % intervals of the runs (vertical) and of the predictions (horizontal).",
         f"{100 * surrogate.coverage:.0f} % of the runs are within the interval of their prediction "
-        f"before it is widened by {surrogate.process.widening:.2f}, for few points and for kinks.",
+        f"before it is widened by {surrogate.process.widening:.2f} for few points, and by more beside "
+        "runs that the others do not expect.",
         error_note(surrogate),
     ]
     if surrogate.process.has_scatter:

@@ -58,7 +58,7 @@ def _earlier_points(results: Path) -> Iterator[Earlier]:
         try:
             with netCDF4.Dataset(path) as file:
                 columns = [file[name][:].tolist() for name in names]
-        except (OSError, LookupError):
+        except (OSError, RuntimeError, LookupError):
             continue
         for system, transient, average, regime in zip(*columns, strict=True):
             yield str(system), float(transient) + float(average), str(regime)

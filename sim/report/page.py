@@ -9,7 +9,7 @@ import xarray as xr
 
 from sim.base.files import atomic_write
 from sim.base.program import __version__
-from sim.base.words import count_text
+from sim.base.words import count_text, upper_first
 from sim.dataset.caveats import CLOSED_SHARE
 from sim.dataset.results import Results, load_current
 from sim.figures.figure_records import require_unchanged
@@ -216,7 +216,7 @@ def _refusals(study: Study, folder: Path) -> dict[str, str]:
 def _doubts(study: Study, folder: Path) -> dict[str, str]:
     """Return the caveats of answers as sentences, by the name of the answer."""
     files = [folder / question.file for question in study.questions]
-    texts = {answer_name(file).capitalize(): sentence(caveats_in(file)) for file in files}
+    texts = {upper_first(answer_name(file)): sentence(caveats_in(file)) for file in files}
     return {name: text for name, text in texts.items() if text}
 
 

@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 from sim.parameters.common import TWO_NUMBERS, Real, broken_rule
 from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional
 from sim.study.measured import ALLOWED_FILE, FILE
-from sim.study.surrogate import LARGEST_ERROR, SurrogateSpec
+from sim.study.surrogate import ACCEPTED_ERROR, SurrogateSpec
 
 #: Most measurements: each is predicted some 100,000 times.
 MOST_MEASUREMENTS = 1000
@@ -49,7 +49,7 @@ class CalibrateFile(Strict):
         True,
         description="whether the model itself may lack something; `false` gives narrower intervals",
     )
-    surrogate_error: Real = optional(LARGEST_ERROR, gt=0, le=10)
+    surrogate_error: Real = optional(ACCEPTED_ERROR, gt=0, le=10)
 
     @model_validator(mode="after")
     def _require_ranges(self) -> Self:

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 from sim.parameters.common import Real, broken_rule
 from sim.study.design import Design
 from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional
-from sim.study.surrogate import LARGEST_ERROR, Regime, SurrogateSpec
+from sim.study.surrogate import ACCEPTED_ERROR, Regime, SurrogateSpec
 
 #: Fewest blocks, or trajectories of Morris, that give an answer.
 FEWEST_BLOCKS = 8
@@ -33,7 +33,7 @@ class SensitivityFile(Strict):
         "are left out",
         min_length=1,
     )
-    surrogate_error: Real = optional(f"of a surrogate: {LARGEST_ERROR}", gt=0, le=10)
+    surrogate_error: Real = optional(f"of a surrogate: {ACCEPTED_ERROR}", gt=0, le=10)
 
     @model_validator(mode="after")
     def _require_one_source(self) -> Self:

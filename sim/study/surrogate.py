@@ -24,13 +24,19 @@ MOST_ROUNDS = 1000
 #: Points of a design that are drawn at a time.
 _CHUNK = 64
 
-#: Meaning of a key of what is asked of a surrogate.
-LARGEST_ERROR = (
+#: Error of a mean, relative to its size, from which on it is called too large to rely on.
+LARGE_ERROR = 0.2
+
+#: Meaning of the key of what is asked of a surrogate that accepts a larger one.
+ACCEPTED_ERROR = (
     "largest error of the surrogate with which there is an answer, relative to the mean size of "
-    "the observable (0.2)"
+    f"the observable ({LARGE_ERROR:g})"
 )
 
 Regime = Literal["steady", "accelerating", "arrested", "mixed", "undetermined", "slowing"]
+
+#: An undetermined flow that surely slows down: answers leave it out.
+SLOWING: Regime = "slowing"
 
 #: Regimes whose points count unless an entry names others: all but what surely changes or rests.
 COUNTED: tuple[Regime, ...] = ("steady", "mixed", "undetermined")

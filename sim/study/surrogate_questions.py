@@ -9,6 +9,7 @@ from sim.base.messages import did_you_mean, one_of
 from sim.base.words import count_text
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.common import CHOICES
+from sim.parameters.density import DENSITY
 from sim.study.calibration import MOST_MEASUREMENTS, CalibrateFile, CalibrationSpec
 from sim.study.design import Axis, block_size
 from sim.study.figure_spec import FigureSpec
@@ -58,6 +59,8 @@ class SensitivityQuestion(_Asked):
             hint = f": {', '.join(others)}" if others else ""
             allowed = f"a series whose design is of kind saltelli or morris{hint}"
             raise self.error("series", name, allowed)
+        if DENSITY in design.names:
+            raise self.error("series", name, f"a series whose design is over mass, not {DENSITY}")
         block = block_size(design.kind, len(design.axes))
         if design.size < FEWEST_BLOCKS * block:
             got = f"{name} of {design.size} points"

@@ -49,7 +49,8 @@ def summary_lines(study: Study, folder: Path) -> list[str]:
 def _summary_line(path: Path) -> str:
     """Return what an answer says of itself, and what is doubtful about it."""
     if path.suffix == ".csv":
-        line = f"{answer_name(path)}: {tables.summary_line(path)}"
+        line = tables.summary_line(path)
+        line = line and f"{answer_name(path)}: {line}"
     else:
         line = str((read_summary(path) or {}).get("line", ""))
     caveats = caveats_in(path)

@@ -10,7 +10,8 @@ import xarray as xr
 
 from sim.base.files import atomic_write
 from sim.base.seals import append_summary, checked_read, seal
-from sim.surrogates.caveats import KEY, caveats_of_posterior, percent
+from sim.base.words import percent
+from sim.surrogates.caveats import KEY, caveats_of_posterior
 from sim.surrogates.posterior import (
     LEAST_PROBABILITY,
     MOST_UNCOUNTED,

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sim.base.seals import read_summary
-from sim.base.words import count_text, printable
+from sim.base.words import count_text, percent, printable
+from sim.study.surrogate import LARGE_ERROR, SLOWING
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,9 +24,6 @@ KEY = "caveats"
 
 #: What stands between two caveats in a text.
 _SEPARATOR = "; "
-
-#: Error of a mean from which on it is called too large to rely on.
-LARGE_ERROR = 0.2
 
 #: Share of the points that a mean leaves out from which on it is told.
 _MUCH_LEFT_OUT = 0.5
@@ -75,14 +73,14 @@ def caveats_of_points(sample: "xr.Dataset") -> tuple[str, ...]:
     texts = [str(text) for text in sample["caveat"].values if text] if "caveat" in sample else []
     parts = [part for text in texts for part in text.split(_SEPARATOR)]
     mostly = max(dict.fromkeys(parts), key=parts.count, default="")
-    short = int((sample["regime"].values.astype(str) == "undetermined").sum())
-    return (
-        *([f"runs of {len(texts)} of its {points} carry a caveat ({mostly})"] if texts else []),
-        *(
-            [f"runs of {short} of its {points} are too short to tell a steady flow"]
-            if short
-            else []
-        ),
+    regimes = sample["regime"].values.astype(str).tolist()
+    counts = {
+        f"carry a caveat ({mostly})": len(texts),
+        "surely slow down, so that the mean depends on when one looks": regimes.count(SLOWING),
+        "are too short to tell a steady flow": regimes.count("undetermined"),
+    }
+    return tuple(
+        f"runs of {count} of its {points} {text}" for text, count in counts.items() if count
     )
 
 
@@ -95,11 +93,11 @@ def caveats_of_indices(table: "pd.DataFrame") -> tuple[str, ...]:
     names = alone["index"] + " " + alone["parameter"]
     rows = {text: names[alone["doubt"] == text] for text in dict.fromkeys(alone["doubt"])}
     texts = [
-        f"in {percent(first['absent'])} of the ranges no such flow is likely"
+        f"in {percent(first['absent'])} of the ranges no flow of a regime that counts is likely"
         if first["absent"] >= _MUCH_ABSENT
         else "",
         *(f"{', '.join(which)}: {text}" for text, which in rows.items() if text),
-        "the noise of the runs is not known, as points have one replicate, and adds to totals"
+        "the noise of the runs is not known, as points have one replicate, and counts as an effect"
         if np.isnan(first["noise"])
         else "",
         f"the noise of the runs is {percent(first['noise'])} of their variance"
@@ -137,16 +135,6 @@ def caveats_of_places(counted: np.ndarray, regimes: Sequence[str]) -> tuple[str,
     unlikely = int((counted < EVEN).sum())
     where = "there" if counted.size == 1 else f"at {unlikely} of {counted.size} places"
     return (f"{where} another regime is likelier than {' or '.join(regimes)}",) if unlikely else ()
-
-
-def percent(share: float) -> str:
-    """Write a share in percent, to two digits, or to three just below all.
-
-    >>> percent(0.5678), percent(12.3456), percent(0.998)
-    ('57 %', '1200 %', '99.8 %')
-    """
-    digits = 3 if 0.99 < share < 1 else 2
-    return f"{float(f'{100 * share:.{digits}g}'):g} %"
 
 
 def joined(caveats: Sequence[str]) -> str:

@@ -165,6 +165,10 @@ def _lack(process: Process) -> float:
     lack = apart / (np.var(process.y) or 1.0)
     if lack <= 0:
         return 1.0
-    places = np.random.default_rng(0).random((_PLACES, process.x.shape[1]))
+    rng = np.random.default_rng(0)
+    places = rng.random((_PLACES, process.x.shape[1]))
+    # Between the values of a word there is nothing.
+    words = np.isin(process.x, (0, 1)).all(axis=0)
+    places[:, words] = process.x[rng.integers(len(process.x), size=_PLACES)][:, words]
     between = np.mean(process.predict(places)[1] ** 2)
     return max(1.0, min(1.0, lack / _UNLEARNED) * np.sqrt(apart / between))

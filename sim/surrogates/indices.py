@@ -13,7 +13,8 @@ import numpy as np
 import pandas as pd
 
 from sim.base.statistics import MANY, student
-from sim.surrogates.caveats import EVEN, percent
+from sim.base.words import percent
+from sim.surrogates.caveats import EVEN
 from sim.surrogates.index_table import require_spread, shares_of, tabulate, with_doubts
 from sim.surrogates.predictor import Predictor, scaled
 from sim.surrogates.refusals import Refusal

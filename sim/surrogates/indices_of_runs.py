@@ -14,8 +14,8 @@ import numpy as np
 import pandas as pd
 
 from sim.base.statistics import student
+from sim.base.words import percent
 from sim.study.sensitivity import FEWEST_BLOCKS
-from sim.surrogates.caveats import percent
 from sim.surrogates.index_table import require_spread, shares_of, tabulate, with_doubts
 from sim.surrogates.refusals import Refusal
 

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from sim.base.words import percent
 from sim.dataset.observed import replicate_values
 from sim.dataset.results import Results
 from sim.parameters import point_id
@@ -13,15 +14,9 @@ from sim.study.calibration import CalibrationSpec
 from sim.study.design import Design
 from sim.study.plottable import numbers
 from sim.study.sensitivity import SensitivitySpec
-from sim.study.surrogate import SurrogateSpec
+from sim.study.surrogate import LARGE_ERROR, SurrogateSpec
 from sim.surrogates import calibration, tables
-from sim.surrogates.caveats import (
-    LARGE_ERROR,
-    caveats_of_indices,
-    caveats_of_points,
-    percent,
-    with_caveats,
-)
+from sim.surrogates.caveats import caveats_of_indices, caveats_of_points, with_caveats
 from sim.surrogates.fitting import fit_surrogate
 from sim.surrogates.indices import indices_of_surrogate
 from sim.surrogates.indices_of_runs import (

@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sim.dataset.replicates import SLOWING
+from sim.study.surrogate import SLOWING
 from sim.surrogates.fits import fit_lengths
 from sim.surrogates.process import Process
 

@@ -8,11 +8,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from sim.base.errors import InputError
 from sim.base.files import atomic_write
 from sim.base.seals import append_summary, checked_read, seal
+from sim.base.words import percent
 from sim.parameters.forms import forms
 from sim.study.design import Axis
-from sim.surrogates.caveats import KEY, percent
+from sim.surrogates.caveats import KEY
 from sim.surrogates.frames import Frame
 from sim.surrogates.process import Process
 from sim.surrogates.refusals import require_answer
@@ -129,7 +131,9 @@ def _frame(about: dict[str, Any], axes: tuple[Axis, ...]) -> Frame | None:
         return None
     known = forms(str(about["system"]), str(about["observable"]))
     if name not in known:
-        raise ValueError(f"no loaded plug-in declares its form {name}")
+        raise InputError(
+            f"surrogate {about['name']}: no plug-in that is loaded declares its form {name}"
+        )
     return Frame(known[name], axes, about["fixed"])
 
 

@@ -11,8 +11,9 @@ import xarray as xr
 from sim.base.errors import InputError
 from sim.base.messages import one_of
 from sim.base.statistics import MANY, student
+from sim.base.words import percent
 from sim.study.design import Axis
-from sim.surrogates.caveats import KEY, caveats_of_mean, caveats_of_places, joined, percent
+from sim.surrogates.caveats import KEY, caveats_of_mean, caveats_of_places, joined
 from sim.surrogates.process import Process, deviations
 from sim.surrogates.regimes import Regimes
 from sim.surrogates.sample import left_out, points_of_mean, unit_cube
@@ -275,7 +276,7 @@ class Surrogate:
             "run": rows["mean"].values,
             "run_error": left_out.noise,
             "mean": left_out.mean,
-            "error": self.process.widening * left_out.error,
+            "error": self.process.widening * self.process.own_widening() * left_out.error,
         }
         return xr.Dataset(
             {name: ("point", values) for name, values in columns.items()}, rows.coords

@@ -58,7 +58,10 @@ def load(path: Path) -> "pd.DataFrame":
             raise ValueError("its checksum is wrong")
         words = {"other": object, "doubt": object}
         texts = {"keep_default_na": False, "na_values": [""], "dtype": words}
-        return pd.read_csv(io.BytesIO(content), **texts).fillna({"other": "", "doubt": ""})
+        table = pd.read_csv(io.BytesIO(content), **texts)
+        if "doubt" not in table:
+            raise ValueError("it is of an earlier version")
+        return table.fillna({"other": "", "doubt": ""})
 
 
 def summary_line(path: Path) -> str:
@@ -68,18 +71,16 @@ def summary_line(path: Path) -> str:
     """
     rows = csv.DictReader((read(path) or b"").decode("utf-8", "replace").splitlines())
     shown = [row for row in rows if row.get("index") in ("total", "mu_star") and row.get("value")]
+    if not shown:
+        return ""
     shown.sort(key=lambda row: -float(row["value"]))
     texts = (
         f"{row['parameter']} {float(row['value']):.2g}"
         + (f" ({float(row['low']):.2g} to {float(row['high']):.2g})" if row["low"] else "")
         for row in shown[:_MOST_NAMED]
     )
-    index = (
-        {"mu_star": "mean size of the effect"}.get(shown[0]["index"], "total index")
-        if shown
-        else ""
-    )
-    return f"{index} of {', '.join(texts)}" if shown else "nothing matters"
+    index = "mean size of the effect" if shown[0]["index"] == "mu_star" else "total index"
+    return f"{index} of {', '.join(texts)}"
 
 
 def _note(path: Path) -> Path:

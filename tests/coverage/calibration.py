@@ -14,8 +14,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from sim.study.design import Axis
-from sim.study.surrogate import SurrogateSpec
-from sim.surrogates.caveats import LARGE_ERROR
+from sim.study.surrogate import LARGE_ERROR, SurrogateSpec
 from sim.surrogates.fitting import fit_surrogate
 from sim.surrogates.likelihood import Calibration
 from sim.surrogates.posterior import (
