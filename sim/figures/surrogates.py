@@ -201,8 +201,8 @@ def agreement_notes(data: FigureData) -> list[str]:
     notes = [
         "Bars: 95 % intervals of the runs (vertical) and of the predictions (horizontal).",
         f"{100 * surrogate.coverage:.0f} % of the runs are within the interval of their prediction "
-        f"before it is widened by {surrogate.process.widening:.2f} for few points, and by more beside "
-        "runs that the others do not expect.",
+        f"before it is widened: by {surrogate.process.widening:.2f} for few points, and by more "
+        "beside runs that the others do not expect.",
         error_note(surrogate),
     ]
     if surrogate.process.has_scatter:
