@@ -207,8 +207,8 @@ def agreement_notes(data: FigureData) -> list[str]:
     ]
     if surrogate.process.has_scatter:
         notes.append(
-            "No point has two replicates: how far initial states differ is estimated from how far "
-            "the runs are from a smooth surface."
+            "Too few points have two replicates: how far initial states differ is estimated from "
+            "how far the runs are from a smooth surface."
         )
     return notes
 

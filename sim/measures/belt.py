@@ -211,8 +211,8 @@ form(
     "efficiency_of_shaking",
     system="belt",
     observable="velocity",
-    meaning="as a share of the "
-    "belt's velocity A_x ω, over the logarithm of the frequency and 1/max(Γ, 1)",
+    meaning="as a share of the belt's velocity A_x ω, "
+    "over the logarithm of the frequency and 1/max(Γ, 1)",
     scale=speed_along_x,
     inputs={"frequency": _log_frequency, "rest": _rest},
 )

@@ -12,7 +12,7 @@ from sim.parameters.common import Real, broken_rule
 from sim.study.design import Axis, Design
 from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional
 
-#: Fewest points of which a mean can be, and as many for each parameter.
+#: Fewest points of which a mean can be, and fewest for each parameter.
 _FEWEST_POINTS, _POINTS_PER_PARAMETER = 4, 3
 
 #: Most points of a surrogate: the time of a fit grows with the cube of their number.

@@ -24,8 +24,8 @@ _RESTARTS, _FEW, _START = 3, 150, -0.5
 #: Exponents of the covariance that are tried.
 _EXPONENTS = (2.5, 1.5)
 
-#: Share of the variance that points leave out one by one do not find in others, from which on a
-#: process has not learned its function, and places at which its errors are then looked at.
+#: Share of the variance that points do not tell of each other above which a process has not learned
+#: its function; and places where its errors are then looked at.
 _UNLEARNED, _PLACES = 0.03, 500
 
 Objective = Callable[[np.ndarray], tuple[float, np.ndarray]]

@@ -49,8 +49,7 @@ def indices_of_surrogate(surrogate: Surrogate, source: str, blocks: int = BLOCKS
     Raises
     ------
     Refusal
-        If its error is too large, if a flow of another regime is likelier in most of the ranges, or
-        if it does not vary.
+        If a flow of another regime is likelier in most of the ranges, or if it does not vary.
     """
     absent = _absent_share(surrogate)
     if absent > _MOST_ABSENT:

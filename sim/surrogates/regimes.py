@@ -9,7 +9,8 @@ from sim.study.surrogate import SLOWING
 from sim.surrogates.fits import fit_lengths
 from sim.surrogates.process import Process
 
-#: Regimes that say nothing of the flow: the run was too short, or gave no value.
+#: Regimes that say nothing of the flow: the run was too short, or gave no value, or the flow still
+#: slows down.
 UNKNOWN = ("undetermined", SLOWING, "failed")
 
 #: Known variance of a label, ±1.

@@ -39,7 +39,7 @@ def sample_points(results: Results, spec: SurrogateSpec) -> xr.Dataset:
         A variable for each axis; ``mean`` of the observable (SI; NaN without a value),
         ``standard_error`` of the mean, ``replicates`` that completed, ``regime``, ``caveat`` of
         the runs, and ``core_hours``. Attribute ``scatter`` is 1 where the scatter between initial
-        states is not known, as every point has a single replicate. The standard errors then leave
+        states is not known, as too few points have two replicates. The standard errors then leave
         it out. Attribute ``fixed`` maps the parameters that are the same at all points to their
         values.
 
@@ -141,8 +141,8 @@ def standard_errors(
     Few replicates may agree by accident, so the variance of each point is moderated by that of all
     (Smyth 2004, Stat. Appl. Genet. Mol. Biol. 3, 3): the more alike points are, the more. What all
     have in common may rise or fall along each parameter. A point with one replicate has what all
-    have in common there. If no point has more, the scatter between initial states is not known, and
-    the errors within the runs are all there is.
+    have in common there. If too few points have two, the scatter between initial states is not
+    known, and the errors within the runs are all there is.
 
     Parameters
     ----------

@@ -136,7 +136,7 @@ class Surrogate:
         Parameters
         ----------
         extrapolate : bool
-            Predict outside the ranges, too; an attribute says how far outside.
+            Predict outside the ranges, too; the attribute ``caveats`` says how far outside.
         **values
             A number, a list of numbers, or an `xarray.DataArray` for each parameter, in the units
             of study files. A list becomes a dimension of the parameter's name. Parameters that are
