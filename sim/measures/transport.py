@@ -17,7 +17,7 @@ from sim.parameters.observables import observable
 def shaking_strength(run: Mapping[Any, Any]) -> float:
     """Return the peak acceleration of the plane along z over gravity."""
     if "plane_acceleration" not in run:
-        return float(acceleration_share(run))
+        return float(acceleration_share(run)) if "amplitude" in run else nan
     return float(run["plane_acceleration"] / run["gravity"])
 
 
@@ -29,6 +29,8 @@ def shaking_strength(run: Mapping[Any, Any]) -> float:
 )
 def transport_efficiency(run: Mapping[Any, Any]) -> float:
     """Return the mean velocity over the plane's amplitude of velocity, NaN if it moves up alone."""
+    if "amplitude" not in run:
+        return nan
     if "amplitude_along" not in run:
         is_vertical = run["vibration_angle"] >= 90 or not run["amplitude"]
         return nan if is_vertical else float(run["velocity"] / speed_along_x(run))

@@ -98,12 +98,14 @@ def stored(tmp_path) -> dict[Path, Read]:
     run = tmp_path / f"{point_id(POINT)}.nc"
     assert run_point(POINT, run, quiet=True) == 0
     storage.save(made_surrogate(), made / "surrogates" / "speed.nc")
-    indices = pd.DataFrame({"parameter": ["friction"], "index": ["total"], "value": [0.25]})
+    row = {"parameter": "friction", "index": "total", "value": 0.25, "doubt": ""}
+    indices = pd.DataFrame([row])
     tables.save(indices, made / "sensitivity" / "matters.csv")
     refused = [made / name for name in ("surrogates/none.nc", "sensitivity/none.csv")]
     for path in refused:
         refusals.save_refusal(refusals.Refusal("no answer, as 0 of 8 points count"), path)
-    groups = {"observed_data": xr.Dataset(attrs={"outcome": "no fit", "probability": 0.001})}
+    about = {"outcome": "no fit", "probability": 0.001, "uncounted": 0.0}
+    groups = {"observed_data": xr.Dataset(attrs=about)}
     calibration.save("beads", groups, [], made / "calibration" / "beads.nc")
     (made / "rounds").mkdir()
     points = {point_id(POINT): canonical_values(POINT)}

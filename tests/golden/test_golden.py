@@ -84,7 +84,8 @@ def test_so_they_are_where_vectors_are_shorter():
 def test_recorded_are_the_points_there_are():
     assert set(stored(VALUES)) == set(POINTS) - set(FAILING)
     # A machine that is not at hand cannot record a point that has been added since.
-    assert set().union(*stored(BITS).values()) == set(POINTS)
+    assert all(set(bits) <= set(POINTS) for bits in stored(BITS).values())
+    assert any(set(bits) == set(POINTS) for bits in stored(BITS).values())
 
 
 @pytest.mark.parametrize("name", ["chute_threads", "belt_shaken_before", "belt_trajectory"])

@@ -28,7 +28,7 @@ JOINT_RULE = re.compile(
     r"allowed: (a run of at most|a value that gives|a divisor of"
     r"|at least (transient|sample_interval|bumps|twice the largest)|.*width - 3"
     r"|.* with (damping_mass|engine|integrator|law|shape): |a value that lets|0 or at "
-    r"|false without a trajectory|50 unless law is drag|random, unless there are bumps"
+    r"|false without a trajectory|(50|kept) unless law is |random, unless there are bumps"
     r"|1 unless engine is)"
 )
 

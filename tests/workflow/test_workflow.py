@@ -82,7 +82,7 @@ def test_logs_of_runs_say_how_they_went(tree):
     for log in logs:
         first, *_, closing, written = log.read_text().splitlines()
         assert first.startswith(f"{log.stem}: ") and first.endswith("steps")
-        assert "velocity" in closing or "failed" in closing
+        assert "velocity" in closing or "to see the failure again" in closing
         assert written.endswith("written")
 
 
