@@ -18,6 +18,7 @@ from sim.figures.plot import SINGLE_SIZE, wrap_label
 from sim.figures.quantity import label_with_unit, unit_of
 from sim.figures.style import COLOURS, LEVEL, cycle_style, escape_label, legend_above
 from sim.study.plot_contents import parameter_phrase
+from sim.surrogates.caveats import MANY_BLOCKS
 from sim.surrogates.index_table import NEGLIGIBLE
 from sim.surrogates.tables import load
 
@@ -76,6 +77,8 @@ def _sum_note(row: pd.Series) -> str:
 def _negligible_note(table: pd.DataFrame) -> list[str]:
     """Return which parameters have no effect, by the upper ends of their intervals."""
     total = _of(table, "total")
+    if np.isnan(total["error"].iloc[0]) and total["blocks"].iloc[0] < MANY_BLOCKS:
+        return []
     names = total["parameter"][(total["high"] < NEGLIGIBLE) & (total["doubt"] == "")]
     return [f"Below {NEGLIGIBLE:g}, interval included: {', '.join(names)}."] if len(names) else []
 

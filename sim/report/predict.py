@@ -5,16 +5,18 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from sim.base.errors import InputError
-from sim.dataset.results import load_current
+from sim.dataset.results import Results, load_current
 from sim.report.points import align_table
 from sim.study.load import load_study
 from sim.study.surrogate import SurrogateSpec
 from sim.surrogates.caveats import KEY, parted, sentence
 from sim.surrogates.refusals import refusal_in
 from sim.surrogates.results import find_surrogate
+from sim.surrogates.sample import sample_points
 from sim.surrogates.storage import load
 from sim.surrogates.surrogate import Surrogate
 
@@ -72,19 +74,25 @@ def _current_folder(source: Path, results: Path) -> Path:
     """Return the results of a study file; dataset and surrogates must be those that it asks for."""
     study = load_study(source, results)
     folder = results / study.name
-    load_current(study, folder)
+    dataset = load_current(study, folder)
     for spec in study.surrogates:
         path = folder / spec.file
-        if not path.is_file() or not (refusal_in(path) or _is_of(spec, load(path))):
+        if not path.is_file() or not (refusal_in(path) or _is_of(spec, load(path), dataset)):
             message = f"{source}: surrogate {spec.name}: not as in {folder}; run the study again"
             raise InputError(message)
     return folder
 
 
-def _is_of(spec: SurrogateSpec, surrogate: Surrogate) -> bool:
-    """Return whether a surrogate has the observable, parameters and regimes of a study's entry."""
+def _is_of(spec: SurrogateSpec, surrogate: Surrogate, dataset: Results) -> bool:
+    """Return whether a surrogate is what a study's entry asks for, of the runs in the dataset."""
     entry = spec.observable, spec.axes, spec.regimes
-    return entry == (surrogate.observable, surrogate.axes, surrogate.mean_regimes)
+    if entry != (surrogate.observable, surrogate.axes, surrogate.mean_regimes):
+        return False
+    now, then = sample_points(dataset, spec), surrogate.sample
+    means = now["mean"].values, then["mean"].values
+    return now["point"].values.tolist() == then["point"].values.tolist() and np.allclose(
+        *means, equal_nan=True
+    )
 
 
 def _values(surrogate: Surrogate, at: Sequence[str]) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from sim.surrogates.caveats import KEY, caveats_of_posterior
 from sim.surrogates.posterior import (
     LEAST_PROBABILITY,
     MOST_UNCOUNTED,
+    at_ends,
     ridges,
     summarize,
 )
@@ -27,7 +28,7 @@ def save(name: str, groups: Mapping[str, xr.Dataset], caveats: Sequence[str], pa
     Its end has a line with what it says, and what is doubtful about that; ``caveats`` are those of
     the surrogate.
     """
-    caveats = [*caveats_of_posterior(groups["observed_data"].attrs), *caveats]
+    caveats = [*caveats_of_posterior(groups["observed_data"].attrs, at_ends(groups)), *caveats]
     line = f"calibration {name}: {' '.join(outcome_sentences(groups))}"
     path.parent.mkdir(parents=True, exist_ok=True)
     with atomic_write(path) as temporary:

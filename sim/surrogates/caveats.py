@@ -19,11 +19,22 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
+    from sim.study.design import Axis
+
 #: Key of the caveats in the summary of a file, and heading of their column in a table.
 KEY = "caveats"
 
 #: What stands between two caveats in a text.
 _SEPARATOR = "; "
+
+#: Share of the variance that points do not tell of each other from which on it is told.
+_MUCH_UNEXPLAINED = 0.1
+
+#: Fewest values of a number, and points of a word for each number, that are not told.
+_FEWEST_VALUES, _FEWEST_OF_A_WORD = 4, 3
+
+#: Blocks of runs below which an effect in a small part of the ranges is easily missed.
+MANY_BLOCKS = 64
 
 #: Share of the points that a mean leaves out from which on it is told.
 _MUCH_LEFT_OUT = 0.5
@@ -40,7 +51,7 @@ _LONGEST = 4000
 
 
 def caveats_of_mean(
-    sample: "xr.Dataset", is_used: np.ndarray, error: float, omissions: str
+    sample: "xr.Dataset", is_used: np.ndarray, error: float, unexplained: float, omissions: str
 ) -> tuple[str, ...]:
     """Return what is doubtful about the mean of a surrogate, the worst first.
 
@@ -52,18 +63,40 @@ def caveats_of_mean(
         Which of them the mean is of, (n,).
     error : float
         Error of the mean, relative to the mean size of the observable.
+    unexplained : float
+        Share of the variance between the points that the others do not tell.
     omissions : str
         How many points of which regime it leaves out.
     """
     used, total = int(is_used.sum()), len(is_used)
     texts = [
         f"its error of {percent(error)} is too large to rely on" if error > LARGE_ERROR else "",
+        f"its points do not tell {percent(min(1.0, unexplained))} of the variance of each other"
+        if unexplained > _MUCH_UNEXPLAINED
+        else "",
         f"it is of {used} of {total} points ({omissions} left out)"
         if total - used > _MUCH_LEFT_OUT * total
         else "",
         *caveats_of_points(sample.isel(point=is_used)),
     ]
     return tuple(filter(None, texts))
+
+
+def caveats_of_axes(sample: "xr.Dataset", axes: Sequence["Axis"]) -> tuple[str, ...]:
+    """Return which parameters the points of a mean vary too little, numbers and words."""
+    texts, numbers = [], sum(axis.is_number for axis in axes)
+    for axis in axes:
+        values = sample[axis.name].values.tolist()
+        counts = {one: values.count(one) for one in (axis.choices or dict.fromkeys(values))}
+        if axis.is_number:
+            if len(counts) < _FEWEST_VALUES:
+                texts.append(
+                    f"{axis.name} has {len(counts)} values, between which nothing is known"
+                )
+            continue
+        few = [one for one, count in counts.items() if count < _FEWEST_OF_A_WORD * numbers]
+        texts += [f"{axis.name} = {one} has {count_text(counts[one], 'point')}" for one in few]
+    return tuple(texts)
 
 
 def caveats_of_points(sample: "xr.Dataset") -> tuple[str, ...]:
@@ -76,12 +109,18 @@ def caveats_of_points(sample: "xr.Dataset") -> tuple[str, ...]:
     regimes = sample["regime"].values.astype(str).tolist()
     counts = {
         f"carry a caveat ({mostly})": len(texts),
+        "lost replicates, so that means are of the others": _lost(sample),
         "surely slow down, so that the mean depends on when one looks": regimes.count(SLOWING),
         "are too short to tell a steady flow": regimes.count("undetermined"),
     }
     return tuple(
         f"runs of {count} of its {points} {text}" for text, count in counts.items() if count
     )
+
+
+def _lost(sample: "xr.Dataset") -> int:
+    """Return how many points lost replicates; a surrogate of an earlier version does not tell."""
+    return int((sample["lost"].values > 0).sum()) if "lost" in sample else 0
 
 
 def caveats_of_indices(table: "pd.DataFrame") -> tuple[str, ...]:
@@ -93,10 +132,14 @@ def caveats_of_indices(table: "pd.DataFrame") -> tuple[str, ...]:
     names = alone["index"] + " " + alone["parameter"]
     rows = {text: names[alone["doubt"] == text] for text in dict.fromkeys(alone["doubt"])}
     texts = [
-        f"in {percent(first['absent'])} of the ranges no flow of a regime that counts is likely"
+        f"in {percent(first['absent'])} of the ranges no flow of a regime that counts is likely, "
+        "or no run is near"
         if first["absent"] >= _MUCH_ABSENT
         else "",
         *(f"{', '.join(which)}: {text}" for text, which in rows.items() if text),
+        f"{first['blocks']} blocks may miss an effect in a small part of the ranges"
+        if np.isnan(first["error"]) and first["blocks"] < MANY_BLOCKS
+        else "",
         "the noise of the runs is not known, as points have one replicate, and counts as an effect"
         if np.isnan(first["noise"])
         else "",
@@ -107,10 +150,11 @@ def caveats_of_indices(table: "pd.DataFrame") -> tuple[str, ...]:
     return tuple(filter(None, texts))
 
 
-def caveats_of_posterior(about: Mapping[str, Any]) -> tuple[str, ...]:
+def caveats_of_posterior(about: Mapping[str, Any], at_ends: Sequence[str] = ()) -> tuple[str, ...]:
     """Return what is doubtful about a calibration besides its surrogate, the worst first.
 
-    See `sim.surrogates.posterior.attributes`. Where nothing fits, that is the answer.
+    ``about`` are `sim.surrogates.posterior.attributes`; ``at_ends`` names the parameters that lie
+    at the end of their range. Where nothing fits, that is the answer.
     """
     if about["outcome"] == "no fit":
         return ()
@@ -123,18 +167,31 @@ def caveats_of_posterior(about: Mapping[str, Any]) -> tuple[str, ...]:
         f"{about['uncounted_regime']}"
         if about["uncounted"] >= _MUCH_ABSENT
         else "",
+        f"{percent(about.get('far', 0.0))} of the posterior lies where no run is near"
+        if about.get("far", 0.0) >= _MUCH_ABSENT
+        else "",
+        *(f"{name} lies at the end of its range, which may be too narrow" for name in at_ends),
     ]
     return tuple(filter(None, texts))
 
 
-def caveats_of_places(counted: np.ndarray, regimes: Sequence[str]) -> tuple[str, ...]:
-    """Return where a mean of some ``regimes`` means little, as another is likelier.
+def caveats_of_places(
+    counted: np.ndarray, regimes: Sequence[str], is_far: np.ndarray
+) -> tuple[str, ...]:
+    """Return where a mean of some ``regimes`` means little.
 
-    ``counted`` is the probability of these regimes at each place, (n,).
+    ``counted`` is the probability of these regimes at each place, (n,); ``is_far`` says which
+    places have no run near them, (n,).
     """
-    unlikely = int((counted < EVEN).sum())
-    where = "there" if counted.size == 1 else f"at {unlikely} of {counted.size} places"
-    return (f"{where} another regime is likelier than {' or '.join(regimes)}",) if unlikely else ()
+    counts = {
+        f"another regime is likelier than {' or '.join(regimes)}": int((counted < EVEN).sum()),
+        "no run is near": int(is_far.sum()),
+    }
+    return tuple(
+        f"{'there' if counted.size == 1 else f'at {count} of {counted.size} places'} {text}"
+        for text, count in counts.items()
+        if count
+    )
 
 
 def joined(caveats: Sequence[str]) -> str:

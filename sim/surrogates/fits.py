@@ -160,10 +160,9 @@ def _widened(process: Process) -> Process:
 
 def _lack(process: Process) -> float:
     """Return by what factor errors between the points are below those at points left out."""
-    left_out = process.left_out()
-    apart = np.mean((left_out.mean - process.y) ** 2) - np.mean(left_out.noise**2)
+    apart = process.unexplained
     lack = apart / (np.var(process.y) or 1.0)
-    if lack <= 0:
+    if lack == 0:
         return 1.0
     rng = np.random.default_rng(0)
     places = rng.random((_PLACES, process.x.shape[1]))

@@ -31,6 +31,9 @@ _WAVES, _LENGTHS = 128, (0.05, 1.0)
 #: points where this is looked at.
 _MOST_ABSENT, _PLACES = 0.5, 2**12
 
+#: Share of the variance that points do not tell of each other beyond which there are no indices.
+_MOST_UNEXPLAINED = 0.5
+
 _SEED = 1
 
 
@@ -56,7 +59,14 @@ def indices_of_surrogate(surrogate: Surrogate, source: str, blocks: int = BLOCKS
         raise Refusal(
             f"{source}: no indices, as surrogate {surrogate.name} is of flows that are "
             f"{' or '.join(surrogate.mean_regimes)}, and in {percent(absent)} of the ranges no "
-            "such flow is likely; ask narrower ranges, or name other regimes with the surrogate"
+            "such flow is likely, or no run is near; ask narrower ranges, or name other regimes "
+            "with the surrogate"
+        )
+    if surrogate.unexplained > _MOST_UNEXPLAINED:
+        raise Refusal(
+            f"{source}: no indices, as the points of surrogate {surrogate.name} do not tell "
+            f"{percent(min(1.0, surrogate.unexplained))} of the variance of each other; more "
+            "points lessen it"
         )
     require_spread(surrogate.sample["mean"].values[surrogate.in_mean], source)
     table = sobol_indices(surrogate, blocks).assign(error=surrogate.error, absent=absent)
@@ -64,13 +74,19 @@ def indices_of_surrogate(surrogate: Surrogate, source: str, blocks: int = BLOCKS
 
 
 def _absent_share(surrogate: Surrogate) -> float:
-    """Return the share of the ranges where the regimes of the mean have less than half a chance."""
+    """Return the share of the ranges where the mean means little.
+
+    The regimes that it is of have less than half a chance there, or no run is near.
+    """
     from scipy.stats import qmc
 
     counted = np.isin(surrogate.regimes.names, surrogate.mean_regimes)
     shares = qmc.Sobol(len(surrogate.parameters), rng=_SEED).random(_PLACES)
-    chances = surrogate.probability(scaled(shares, surrogate.bounds, surrogate.scales))
-    return float(np.mean(chances[counted].sum(axis=0) < EVEN)) if len(counted) else 0.0
+    places = scaled(shares, surrogate.bounds, surrogate.scales)
+    is_absent = surrogate.is_far(places)
+    if len(counted):
+        is_absent |= surrogate.probability(places)[counted].sum(axis=0) < EVEN
+    return float(is_absent.mean())
 
 
 def sobol_indices(predictor: Predictor, blocks: int = BLOCKS) -> pd.DataFrame:

@@ -1,5 +1,6 @@
 """Answers to questions, from surrogates and runs to files."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +32,9 @@ from sim.surrogates.refusals import Refusal
 from sim.surrogates.sample import points_of_mean, sample_points
 from sim.surrogates.storage import load, save
 from sim.surrogates.surrogate import Surrogate
+
+#: Most draws of a posterior that are compared with the places of runs.
+_MOST_DRAWS = 200
 
 
 def answer(
@@ -135,11 +139,25 @@ def _answer_calibration(spec: CalibrationSpec, folder: Path) -> None:
     )
     groups = calibrate(question)
     groups["observed_data"].attrs |= {
+        "far": _far_share(question, groups, surrogate),
         "surrogate_error": surrogate.error,
         "surrogate_points": len(surrogate.process.y),
         "points": surrogate.sample.sizes["point"],
     }
     calibration.save(spec.name, groups, surrogate.caveats, folder / spec.file)
+
+
+def _far_share(
+    question: Calibration, groups: Mapping[str, xr.Dataset], surrogate: Surrogate
+) -> float:
+    """Return the share of a posterior, under the conditions measured, that has no run near it."""
+    if "posterior" not in groups:
+        return 0.0
+    draws = np.column_stack([groups["posterior"][name].values.ravel() for name in question.names])
+    draws = draws[:: max(1, len(draws) // _MOST_DRAWS)]
+    shares = unscaled(draws, question.bounds, question.scales)
+    x = question.points(shares, question.conditions)
+    return float(surrogate.is_far(x.reshape(-1, x.shape[2])).mean())
 
 
 def require_small_error(surrogate: Surrogate, most: float | None, lack: str) -> None:

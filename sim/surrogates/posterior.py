@@ -33,6 +33,9 @@ LEAST_PROBABILITY = 0.01
 #: Share of the posterior that may lie where no regime flows that the surrogate's mean is of.
 MOST_UNCOUNTED = 0.5
 
+#: Part of a range that is its end, and how much denser than elsewhere a posterior gathers there.
+_END, _GATHERED = 0.02, 4.0
+
 #: Share of the prior's interval from which on data say nothing of a parameter.
 UNINFORMED = 0.8
 
@@ -107,8 +110,9 @@ def attributes(
     ``autocorrelation`` are the length of the chains and their longest time; ``probability``,
     ``uncounted``, ``regimes`` and their ``regime_shares`` are as `Check` has them, and
     ``uncounted_regime`` is the likeliest of those that the surrogate's mean is not of, or empty.
-    `sim.surrogates.inquiries` adds ``surrogate_error``, relative to the mean size of the
-    observable, ``surrogate_points``, of which its mean is, and ``points``, all that it has.
+    `sim.surrogates.inquiries` adds ``far``, the share that has no run near it,
+    ``surrogate_error``, relative to the mean size of the observable, ``surrogate_points``, of which
+    its mean is, and ``points``, all that it has.
     """
     others = {
         name: share
@@ -283,6 +287,25 @@ def _next_experiment(calibration: Calibration, chain: np.ndarray) -> xr.Dataset:
     narrowing = taken / max(shares.var(axis=0).sum(), np.finfo(float).tiny)
     columns = candidates | {"narrowing": narrowing if candidates else narrowing[:1]}
     return xr.Dataset({name: ("candidate", one) for name, one in columns.items()})
+
+
+def at_ends(groups: Mapping[str, xr.Dataset]) -> list[str]:
+    """Return the parameters whose probability gathers at an end of their range."""
+    names: list[str] = []
+    about = groups["observed_data"].attrs
+    if "posterior" not in groups or "parameters" not in about:
+        return names
+    for name, low, high, scale in zip(
+        *(np.atleast_1d(about[key]) for key in ("parameters", "low", "high", "scales")), strict=True
+    ):
+        ends = np.array([low, high], float)
+        draws = groups["posterior"][name].values
+        if scale == "log":
+            ends, draws = np.log(ends), np.log(draws)
+        shares = (draws - ends[0]) / (ends[1] - ends[0])
+        if max(np.mean(shares < _END), np.mean(shares > 1 - _END)) > _GATHERED * _END:
+            names.append(str(name))
+    return names
 
 
 def summarize(groups: Mapping[str, xr.Dataset]) -> pd.DataFrame:

@@ -189,6 +189,13 @@ class Process:
         unit = np.abs(middle) if self.is_log else self.scales
         return LeftOut(middle, error, self._scale * noise * unit)
 
+    @cached_property
+    def unexplained(self) -> float:
+        """Variance of the points that the others do not tell, less their own noise; at least 0."""
+        left_out = self._left_out
+        apart = np.mean((left_out.mean - self.y) ** 2) - np.mean(left_out.noise**2)
+        return max(0.0, float(apart))
+
     @on_one_thread
     def left_out_values(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the scaled values that others predict, and the deviations of runs from them."""

@@ -37,11 +37,11 @@ def sample_points(results: Results, spec: SurrogateSpec) -> xr.Dataset:
     -------
     xarray.Dataset
         A variable for each axis; ``mean`` of the observable (SI; NaN without a value),
-        ``standard_error`` of the mean, ``replicates`` that completed, ``regime``, ``caveat`` of
-        the runs, and ``core_hours``. Attribute ``scatter`` is 1 where the scatter between initial
-        states is not known, as too few points have two replicates. The standard errors then leave
-        it out. Attribute ``fixed`` maps the parameters that are the same at all points to their
-        values.
+        ``standard_error`` of the mean, ``replicates`` that completed, ``regime``, ``lost`` ones,
+        ``caveat`` of the runs, and ``core_hours``. Attribute ``scatter`` is 1 where the scatter
+        between initial states is not known, as too few points have two replicates. The standard
+        errors then leave it out. Attribute ``fixed`` maps the parameters that are the same at all
+        points to their values.
 
     Raises
     ------
@@ -69,6 +69,7 @@ def sample_points(results: Results, spec: SurrogateSpec) -> xr.Dataset:
         "replicates": np.array([row.size for row in values]),
         "regime": np.array([answering_regime(one) for one in summaries], dtype=object),
         "caveat": rows["caveat"].values.astype(object),
+        "lost": (~np.isin(rows["status"].values.astype(str), ("completed", ""))).sum(axis=1),
         "core_hours": np.nansum(_core_seconds(rows), axis=1) / 3600,
     }
     variables = {name: ("point", column) for name, column in columns.items()}

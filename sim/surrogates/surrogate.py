@@ -13,13 +13,16 @@ from sim.base.messages import one_of
 from sim.base.statistics import MANY, student
 from sim.base.words import percent
 from sim.study.design import Axis
-from sim.surrogates.caveats import KEY, caveats_of_mean, caveats_of_places, joined
+from sim.surrogates.caveats import KEY, caveats_of_axes, caveats_of_mean, caveats_of_places, joined
 from sim.surrogates.process import Process, deviations
 from sim.surrogates.regimes import Regimes
 from sim.surrogates.sample import left_out, points_of_mean, unit_cube
 
 #: Share of a range by which a value may be outside it: sums of steps need not end on it.
 _SLACK = 1e-9
+
+#: Largest distance to a point near a place, over the largest between neighbours.
+_REACH = 1.5
 
 #: Most ranges by which a value may be outside, where it is asked for.
 _MOST_OUTSIDE = 100.0
@@ -186,11 +189,12 @@ class Surrogate:
         )
         is_counted = [name in self.mean_regimes for name in self.regimes.names]
         counted = probability[is_counted].sum(axis=0) if is_counted else np.ones(shape)
+        places = caveats_of_places(counted, self.mean_regimes, surrogate.is_far(x))
         answer.attrs = {
             "surrogate": self.name,
             "observable": self.observable,
             "error": self.error,
-            KEY: joined([*caveats_of_places(counted, self.mean_regimes), *outside, *self.caveats]),
+            KEY: joined([*places, *outside, *self.caveats]),
         }
         return answer
 
@@ -289,10 +293,24 @@ class Surrogate:
         It is the larger of two: how far the points are from what the others predict (rms), less
         their own errors; and the error that the process gives itself there.
         """
-        left_out, y = self.process.left_out(), self.process.y
-        apart = np.mean((left_out.mean - y) ** 2) - np.mean(left_out.noise**2)
-        size = np.abs(y).mean() or 1.0
-        return float(np.sqrt(max(apart, np.mean(left_out.error**2))) / size)
+        left_out, size = self.process.left_out(), np.abs(self.process.y).mean() or 1.0
+        return float(np.sqrt(max(self.process.unexplained, np.mean(left_out.error**2))) / size)
+
+    @property
+    def unexplained(self) -> float:
+        """Share of the variance between its points that the others do not tell."""
+        return self.process.unexplained / (float(np.var(self.process.y)) or 1.0)
+
+    def is_far(self, x: np.ndarray) -> np.ndarray:
+        """Return which places as of `predict` have no point of the mean near them, (n,).
+
+        The distance to the nearest is larger there than any usual one between neighbours.
+        """
+        from scipy.spatial import KDTree
+
+        tree = KDTree(self.process.x)
+        apart = tree.query(self.process.x, k=2)[0][:, 1].max()
+        return np.asarray(tree.query(self._cube(x))[0] > _REACH * apart)
 
     @cached_property
     def coverage(self) -> float:
@@ -314,7 +332,11 @@ class Surrogate:
     @cached_property
     def caveats(self) -> tuple[str, ...]:
         """What is doubtful about it, the worst first."""
-        return caveats_of_mean(self.sample, self.in_mean, self.error, self.omissions)
+        doubts = caveats_of_axes(self.sample.isel(point=self.in_mean), self.axes)
+        means = caveats_of_mean(
+            self.sample, self.in_mean, self.error, self.unexplained, self.omissions
+        )
+        return *means, *doubts
 
     @property
     def omissions(self) -> str:

@@ -119,7 +119,9 @@ def test_an_index_outside_0_to_1_by_more_than_its_interval_has_a_word():
         outside = table[(table["high"] < 0) | (table["low"] > 1)]
         assert (table["doubt"] != "").sum() == len(outside)
         found += caveats_of_indices(outside) if len(outside) else []
+    *found, few = found
     assert found and all("outside 0 to 1 by more than its interval" in text for text in found)
+    assert few == "8 blocks may miss an effect in a small part of the ranges"
 
 
 def test_too_few_whole_blocks_are_no_answer():

@@ -227,3 +227,32 @@ def test_an_unknown_surrogate_is_refused(tmp_path, surrogate):
     save(surrogate, tmp_path / "surrogates" / "speed.nc")
     with pytest.raises(InputError, match="surrogate: got 'packing'; allowed: one of speed"):
         find_surrogate(tmp_path, "packing")
+
+
+def test_places_without_a_run_near_them_are_told():
+    """Points on a diagonal: a process knows nothing of the corners beside it, and does not know."""
+    line = np.linspace(0, 1, 16)
+    spec = SurrogateSpec("speed", "wide", "velocity", "chute", AXES[:2])
+    surrogate = fit_surrogate(spec, made_sample(np.column_stack([line, line]), 1 + line))
+    assert not surrogate(friction=0.5, depth=6.0).attrs["caveats"]
+    told = surrogate(friction=[0.2, 0.5], depth=10.0).attrs["caveats"]
+    assert told.startswith("at 2 of 2 places no run is near")
+    assert made_surrogate()(friction=[0.2, 0.8], depth=[2.0, 10.0]).attrs["caveats"] == ""
+
+
+def test_points_that_do_not_tell_of_each_other_are_told():
+    """The error is small beside the mean size, not beside what varies."""
+    x = design(32, 2)
+    values = 5 + 0.2 * np.sin(40 * x[:, 0]) * np.cos(37 * x[:, 1])
+    spec = SurrogateSpec("speed", "wide", "velocity", "chute", AXES[:2])
+    surrogate = fit_surrogate(spec, made_sample(x, values))
+    assert surrogate.error < 0.1 and surrogate.unexplained > 0.5
+    assert "of the variance of each other" in surrogate.caveats[0]
+
+
+def test_a_word_with_few_points_is_told():
+    x = design(16, 3)
+    x[:, 2] = 0.9 * (np.arange(16) == 15)
+    spec = SurrogateSpec("speed", "wide", "velocity", "chute", (*AXES[:2], LAW))
+    surrogate = fit_surrogate(spec, made_sample(x, smooth(x), spec.axes))
+    assert "law = hertz has 1 point" in surrogate.caveats
