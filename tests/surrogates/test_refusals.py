@@ -166,7 +166,10 @@ def _answer(path: Path) -> list[str]:
 
 
 def test_a_table_and_a_refusal_take_each_others_place(tmp_path):
-    path, indices = tmp_path / "matters.csv", pd.DataFrame([{"parameter": "friction", "doubt": ""}])
+    path, indices = (
+        tmp_path / "matters.csv",
+        pd.DataFrame([{"parameter": "friction", "doubt": ""}]).astype({"doubt": object}),
+    )
     for _ in range(2):
         save_refusal(Refusal('no indices, as "0 of 8"\x1b[2J'), path)
         assert refusal_in(path) == 'no indices, as "0 of 8" [2J'
@@ -175,7 +178,10 @@ def test_a_table_and_a_refusal_take_each_others_place(tmp_path):
 
 
 def test_a_kill_between_a_table_and_the_note_of_its_checksum_damages_nothing(tmp_path, monkeypatch):
-    path, indices = tmp_path / "matters.csv", pd.DataFrame([{"parameter": "friction", "doubt": ""}])
+    path, indices = (
+        tmp_path / "matters.csv",
+        pd.DataFrame([{"parameter": "friction", "doubt": ""}]).astype({"doubt": object}),
+    )
     tables.save(indices, path)
     replace = Path.replace
 
