@@ -1,5 +1,7 @@
 """Text of quantities for people to read."""
 
+from math import isfinite
+
 
 def count_text(number: int, noun: str) -> str:
     """Return a number of things in words.
@@ -20,14 +22,16 @@ def upper_first(text: str) -> str:
 
 
 def percent(share: float) -> str:
-    """Write a share in percent, to two digits, or to three just below all.
+    """Write a share in percent, to two digits, or to three just below all; a dash if not known.
 
-    >>> percent(0.5678), percent(12.3456), percent(0.998), percent(0.9999)
-    ('57 %', '1200 %', '99.8 %', '99.9 %')
+    >>> percent(0.5678), percent(12.3456), percent(0.998), percent(0.9999), percent(float("nan"))
+    ('57 %', '1200 %', '99.8 %', '99.9 %', '–')
     """
+    if not isfinite(share):
+        return "–"
     if 0.99 < share < 1:
         return f"{min(99.9, 100 * share):.3g} %"
-    return f"{float(f'{100 * share:.2g}'):g} %"
+    return f"{float(f'{100 * share:.2g}'):.12g} %"
 
 
 def duration(seconds: float) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 import jinja2
 from uncertainties import ufloat
 
-from sim.base.words import duration
+from sim.base.words import duration, percent
 
 #: Relative width of an interval below which it does not set the digits of its value.
 _EXACT = 1e-4
@@ -64,15 +64,6 @@ def value_with_interval(value: float | None, half_width: float | None) -> str:
     if half_width < _EXACT * abs(value):
         return f"{value:.5g} ± {half_width:.1g}"
     return f"{ufloat(value, half_width):.2uP}".replace("±", " ± ")
-
-
-def percent(share: float) -> str:
-    """Write a share in percent with two digits, or a dash where it is unknown.
-
-    >>> percent(0.0031), percent(24_012.0), percent(float("nan"))
-    ('0.31', '2,400,000', '–')
-    """
-    return f"{float(f'{100 * share:.2g}'):,.12g}" if isfinite(share) else "–"
 
 
 def threshold(low: float | None, high: float | None) -> str:
