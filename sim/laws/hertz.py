@@ -31,7 +31,7 @@ class Hertz(NamedTuple):
     friction: float
 
 
-class Optional(NamedTuple):
+class HertzVariant(NamedTuple):
     """The same numbers, and those of the options: 1 where the normal force ``clips`` its pull, and
     where the tangential force ``falls`` with its stiffness, else 0."""
 
@@ -58,7 +58,7 @@ def collision_time(p: SphereParameters) -> float:
     return 2.87 * ((p.lightest_mass / 2 / effective_modulus(p)) ** 2 / (radius * speed)) ** 0.2
 
 
-def make(p: SphereParameters, partners: Any) -> Hertz | Optional:
+def make(p: SphereParameters, partners: Any) -> Hertz | HertzVariant:
     """Return the law of a point for one kind of partners; plane and spheres are of one material."""
     share, whole = damping_fraction(p.restitution, p.attraction)
     damping = 2.0 * sqrt(5.0 / 6.0) * share / whole
@@ -69,7 +69,7 @@ def make(p: SphereParameters, partners: Any) -> Hertz | Optional:
         float(partners.friction),
     )
     clips, falls = p.attraction == "clipped", p.tangential_unloading == "rescaled"
-    return Optional(*usual, float(clips), float(falls)) if clips or falls else usual
+    return HertzVariant(*usual, float(clips), float(falls)) if clips or falls else usual
 
 
 def force(law, overlap, approach, slip, tangential, memory, radius, mass):
@@ -91,7 +91,7 @@ def force(law, overlap, approach, slip, tangential, memory, radius, mass):
     return normal, (tx * scale, ty * scale, tz * scale), (drag,), loss
 
 
-def optional_force(law, overlap, approach, slip, tangential, memory, radius, mass):
+def variant_force(law, overlap, approach, slip, tangential, memory, radius, mass):
     """Return what `force` does, with the options of the law; it also remembers the stiffness."""
     stiffness = 2.0 * law.modulus * sqrt(radius * max(overlap, 0.0))
     share = 1.0 - law.falls * (1.0 - stiffness / memory[1]) if stiffness < memory[1] else 1.0
@@ -124,5 +124,5 @@ law(
     remembers=1,
     max_overlap=SMALL_OVERLAP,
     owns=("attraction", "tangential_unloading"),
-    variants={Optional: (optional_force, 2)},
+    variants={HertzVariant: (variant_force, 2)},
 )
