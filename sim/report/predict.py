@@ -52,7 +52,7 @@ def predict(
         When there is no such surrogate, or a value is missing or out of range, or the study file
         has changed since the study was run.
     """
-    folder = source if source.is_dir() else _current_folder(source, results)
+    folder = source if source.is_dir() else _current_folder(source, of, results)
     surrogate = find_surrogate(folder, of)
     answer = surrogate(extrapolate=extrapolate, **_values(surrogate, at))
     rows = _rows(answer, surrogate.regimes.names)
@@ -70,12 +70,13 @@ def predict(
     return "\n".join(_lines(surrogate, rows, caveats))
 
 
-def _current_folder(source: Path, results: Path) -> Path:
-    """Return the results of a study file; dataset and surrogates must be those that it asks for."""
+def _current_folder(source: Path, of: str | None, results: Path) -> Path:
+    """Return the results of a study file; dataset and surrogate must be those that it asks for."""
     study = load_study(source, results)
     folder = results / study.name
     dataset = load_current(study, folder)
-    for spec in study.surrogates:
+    named = [spec for spec in study.surrogates if spec.name == of]
+    for spec in named or [spec for spec in study.surrogates if of in (None, spec.observable)]:
         path = folder / spec.file
         if not path.is_file() or not (refusal_in(path) or _is_of(spec, load(path), dataset)):
             message = f"{source}: surrogate {spec.name}: not as in {folder}; run the study again"

@@ -119,6 +119,17 @@ def test_predictions_of_a_study_that_has_changed_are_refused(folder, old, new, n
         ask(changed)
 
 
+def test_a_prediction_asks_for_its_own_surrogate_alone(folder):
+    place = folder.parent
+    more = place / "more.yaml"
+    asked = "surrogate: [{name: speed, series: wide}"
+    more.write_text(STUDY.replace(asked, f"{asked}, {{name: pace, series: many}}"))
+    at = ("friction=0.5", "restitution=0.8", "angle=16")
+    assert "surrogate speed: " in predict(more, at, "speed", False, "table", place)
+    with pytest.raises(InputError, match="surrogate pace: not as in"):
+        predict(more, at, "pace", False, "table", place)
+
+
 def table(folder: Path, name: str, index: str) -> pd.DataFrame:
     rows = pd.read_csv(folder / "sensitivity" / f"{name}.csv").set_index(["index", "parameter"])
     return rows.loc[index]
