@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from importlib import import_module
 from typing import Any
 
-from sim.base.additions import add, additions, shipped
+from sim.base.additions import add, additions, attribute_errors_to, shipped
 from sim.base.require import require_function, require_line, require_one_of
 from sim.parameters.points import SYSTEMS
 
@@ -61,6 +61,17 @@ def form(
         require_function(f"form {name}", column, takes=1)
     value = Form(name, systems, observable, meaning, scale, dict(inputs or {}))
     add(_FORM, name, value)
+
+
+def require_observables(system: str, observables: Collection[str]) -> None:
+    """Refuse forms of plug-ins for a system that are of none of its observables.
+
+    It is asked once all plug-ins are loaded: any of them may declare the observable of a form.
+    """
+    for name, one in additions(_FORM).items():
+        if system in one.value.systems:
+            with attribute_errors_to(_FORM, name):
+                require_one_of("observable", one.value.observable, observables)
 
 
 def forms(system: str, observable: str) -> dict[str, Form]:

@@ -8,6 +8,7 @@ from typing import Any
 
 from sim.base.errors import Allowed, InputError
 from sim.parameters import NUMERICAL
+from sim.parameters.forms import require_observables
 from sim.study.design import Axis, Design
 from sim.study.figure_spec import FigureSpec
 from sim.study.file import BoundaryFile, SeriesFile, StudyFile
@@ -115,6 +116,7 @@ class SurrogateQuestion(Question):
             allowed = f"a series of {least} to {MOST_POINTS:,} points"
             raise self.error("series", f"{entry.series} of {count:,} points", allowed)
         self.observable  # noqa: B018  (refuses what is not kept)
+        require_observables(self.system, numbers(self.system))
         if not axes:
             allowed = "a series whose points vary a parameter"
             raise self.error("series", entry.series, allowed)

@@ -9,11 +9,13 @@ import xarray as xr
 from sim.base.errors import InputError
 from sim.base.seals import read_summary
 from sim.study.design import Axis
+from sim.study.load import load_study
 from sim.study.surrogate import SurrogateSpec
 from sim.surrogates.fitting import fit_surrogate
 from sim.surrogates.results import find_surrogate
 from sim.surrogates.storage import load, save
 from tests.made.netcdf import edit_file
+from tests.made.plugins import restore_plugins
 from tests.made.surrogates import AXES, design, made_sample, made_surrogate, smooth
 
 LAW = Axis("law", 0, 1, choices=("walton_braun", "hertz"))
@@ -183,6 +185,56 @@ def test_a_form_that_fits_is_found_told_and_kept(tmp_path):
     truth = 1e-3 * fresh[:, 1] * 2 * np.pi * fresh[:, 0]
     truth *= 1 - 1 / np.maximum(1e-4 * fresh[:, 1] * (2 * np.pi * fresh[:, 0]) ** 2, 1)
     assert surrogate.predict(fresh)[0] == pytest.approx(truth, abs=2e-3)
+
+
+FORM = """\
+import sim
+sim.form(
+    "kinked", system="chute", observable="velocity", meaning="with a kink at a depth of 5",
+    scale=lambda p: 1 + abs(p["depth"] - 5),
+)
+"""
+
+
+def form_study(folder, text=FORM):
+    """Return the path of a study that asks for a surrogate, with a plug-in that declares a form."""
+    (folder / "kink.py").write_text(text)
+    path = folder / "study.yaml"
+    path.write_text(
+        "study: s\nplugins: [kink.py]\nsurrogate: [{name: speed, series: wide}]\nseries:\n"
+        "  - {name: wide, system: chute, design: {kind: sobol, points: 16,"
+        " over: {friction: [0.3, 0.8], depth: [2, 10]}}}\n"
+    )
+    return path
+
+
+def test_a_form_of_a_plugin_is_found_and_needed_again(tmp_path):
+    with restore_plugins():
+        (spec,) = load_study(form_study(tmp_path), None).surrogates
+        x = design(16, 2)
+        values = (1 + x[:, 1]) * (1 + np.abs(8 * x[:, 0] - 3))
+        surrogate = fit_surrogate(spec, made_sample(x, values, spec.axes))
+        assert surrogate.basis.endswith(", with a kink at a depth of 5")
+        save(surrogate, tmp_path / "speed.nc")
+        fresh = np.array([[0.5, 4.0]])
+        assert load(tmp_path / "speed.nc").predict(fresh)[0] == surrogate.predict(fresh)[0]
+    with pytest.raises(InputError, match="no plug-in that is loaded declares its form kinked"):
+        load(tmp_path / "speed.nc")
+
+
+@pytest.mark.parametrize("wrong", ["velocty", "transport_efficiency"])
+def test_the_observable_of_a_form_is_one_of_its_system(tmp_path, wrong):
+    path = form_study(tmp_path, FORM.replace('"velocity"', f'"{wrong}"'))
+    message = rf"plug-in kink.py \(\w+\): form kinked: observable is one of .*: got '{wrong}'"
+    with restore_plugins(), pytest.raises(InputError, match=message):
+        load_study(path, None)
+
+
+def test_the_observable_of_a_form_may_be_declared_after_it(tmp_path):
+    jump = 'sim.observable("jump", system="chute", unit="m s-1", meaning="of the velocity")(len)\n'
+    with restore_plugins():
+        path = form_study(tmp_path, FORM.replace('"velocity"', '"jump"') + jump)
+        assert load_study(path, None).surrogates
 
 
 def test_a_file_gives_the_same_predictions(mixed, tmp_path):
