@@ -20,6 +20,7 @@ from sim.figures.data import FigureData
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import setting
 from sim.study.design import Axis
+from sim.surrogates.predictor import counted_probability
 from sim.surrogates.sample import unit_cube
 from sim.surrogates.storage import load
 from sim.surrogates.surrogate import Surrogate
@@ -84,10 +85,7 @@ def _predictions(
     )
     there, x = surrogate.at(**chosen), rows.to_numpy()
     rows["mean"], error = there.predict(x)
-    names = surrogate.regimes.names
-    is_used = [name in surrogate.mean_regimes for name in names]
-    # Where no regime is known, none is likelier than another.
-    likely = there.probability(x)[is_used].sum(axis=0) if names else np.ones(count)
+    likely = counted_probability(there, there.probability(x))
     return rows.assign(half_width=student(MANY) * error, probability=likely, **chosen)
 
 

@@ -8,11 +8,14 @@ import numpy as np
 
 from sim.base.statistics import CONFIDENCE, MANY, student
 from sim.surrogates.frames import Frame
-from sim.surrogates.process import AMPLITUDES, LENGTHS, SCATTERS, Process, deviations
+from sim.surrogates.process import Process, deviations, matern
 from sim.surrogates.threads import on_one_thread
 
 #: Most points from which lengths are fitted; the process goes through all of them.
 _MOST_FITTED = 500
+
+#: Ranges of amplitude (variance of the values is 1), lengths (of the unit cube) and scatter.
+_AMPLITUDES, LENGTHS, _SCATTERS = (1e-2, 1e3), (0.05, 20.0), (1e-6, 1.0)
 
 #: Mean and deviation of the logarithm of a length before any point is known: a parameter without
 #: effect has a length of a few ranges, not of any number of them.
@@ -67,7 +70,7 @@ def _fitted(process: Process) -> tuple[Process, float]:
 
     dimensions, rng = process.places.shape[1], np.random.default_rng(0)
     first = np.log([1.0, *np.ones(dimensions), *([1e-2] if process.has_scatter else [])])
-    bounds = np.log([AMPLITUDES, *[LENGTHS] * dimensions, *[SCATTERS] * process.has_scatter])
+    bounds = np.log([_AMPLITUDES, *[LENGTHS] * dimensions, *[_SCATTERS] * process.has_scatter])
     starts = [first]
     for _ in range(_RESTARTS if len(process.y) < _FEW else 1):
         start = first.copy()
@@ -107,7 +110,7 @@ def _objective(process: Process) -> Objective:
         scatter = np.exp(theta[-1]) if process.has_scatter else 0.0
         inverse = np.exp(-2 * lengths)
         distance = np.sqrt(inverse @ squares).reshape(count, count)
-        correlation, slope = _matern(distance, process.exponent)
+        correlation, slope = matern(distance, process.exponent)
         covariance = amplitude * correlation
         covariance.flat[:: count + 1] += noise + scatter
         factor, failed = lapack.dpotrf(covariance, lower=1, clean=1)
@@ -130,15 +133,6 @@ def _objective(process: Process) -> Objective:
     return objective
 
 
-def _matern(distance: np.ndarray, exponent: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return Matérn's correlation at distances, and its derivative by -log length over r²."""
-    root = np.sqrt(2 * exponent) * distance
-    decay = np.exp(-root)
-    if exponent == 1.5:
-        return (1 + root) * decay, 3 * decay
-    return (1 + root + root**2 / 3) * decay, 5 / 3 * (1 + root) * decay
-
-
 def _widened(process: Process) -> Process:
     """Return a process whose errors hold what points that are left out say of them.
 
@@ -151,7 +145,7 @@ def _widened(process: Process) -> Process:
     freedom, number = max(2, len(process.y) - len(process.theta)), len(process.y)
     normal = float(student(MANY))
     local = replace(process, is_local=True)
-    ratios = np.sort(deviations(local.left_out(), local.y) / local.own_widening())
+    ratios = np.sort(deviations(local.left_out, local.y) / local.own_widening())
     outer = ratios[min(number, int(np.ceil(CONFIDENCE * (number + 1)))) - 1]
     widening = student(freedom) / normal * max(1.0, outer / normal)
     widened = replace(local, widening=float(widening))

@@ -8,6 +8,7 @@ import numpy as np
 
 from sim.parameters.forms import Form
 from sim.study.design import Axis
+from sim.surrogates.predictor import scaled
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class Frame:
     def places(self, x: np.ndarray) -> np.ndarray:
         """Return the groups at points (n, d) of the unit cube, (n, k), each in its unit."""
         columns = {f"{number}": column for number, column in enumerate(x.T)}
-        at = {axis.name: f"{number}" for axis, number in self._numbers()}
+        at = {axis.name: f"{number}" for number, axis in self._numbers().items()}
         for name, function in self.form.inputs.items():
             columns[at.get(name, name)] = self._column(function, x)
         return np.column_stack(list(columns.values()))
@@ -51,21 +52,21 @@ class Frame:
             return False
         return bool((scale > 0).all() and np.isfinite(scale).all() and np.isfinite(places).all())
 
-    def _numbers(self) -> list[tuple[Axis, int]]:
-        """Return the axes that are numbers, with their columns of the unit cube."""
-        found, column = [], 0
+    def _numbers(self) -> dict[int, Axis]:
+        """Return the axes that are numbers, by their columns of the unit cube."""
+        axes, column = {}, 0
         for axis in self.axes:
             if axis.is_number:
-                found.append((axis, column))
+                axes[column] = axis
             column += 1 if axis.is_number or len(axis.choices) == 2 else len(axis.choices)
-        return found
+        return axes
 
     def _column(self, function: Any, x: np.ndarray) -> np.ndarray:
-        values = dict(self.fixed)
-        for axis, number in self._numbers():
-            if axis.scale == "log":
-                values[axis.name] = axis.low * (axis.high / axis.low) ** x[:, number]
-            else:
-                values[axis.name] = axis.low + (axis.high - axis.low) * x[:, number]
+        numbers = self._numbers()
+        axes = list(numbers.values())
+        bounds = np.reshape([(axis.low, axis.high) for axis in axes], (-1, 2))
+        columns = scaled(x[:, list(numbers)], bounds, [axis.scale for axis in axes]).T
+        values = dict(zip([axis.name for axis in axes], columns, strict=True))
         with np.errstate(all="ignore"):
-            return np.broadcast_to(np.asarray(function(values), dtype=float), len(x))
+            column = np.asarray(function({**self.fixed, **values}), dtype=float)
+        return np.broadcast_to(column, len(x))

@@ -15,17 +15,17 @@ import pandas as pd
 from sim.base.statistics import MANY, student
 from sim.base.words import percent
 from sim.surrogates.caveats import EVEN
+from sim.surrogates.fits import LENGTHS
 from sim.surrogates.index_table import require_spread, shares_of, tabulate, with_doubts
-from sim.surrogates.predictor import Predictor, scaled
+from sim.surrogates.predictor import Predictor, counted_probability, scaled
 from sim.surrogates.refusals import Refusal
 from sim.surrogates.surrogate import Surrogate
 
 #: Blocks of a sample of a surrogate, a power of two; and samples, with as many realisations each.
 BLOCKS, _SCRAMBLINGS, _REALISATIONS = 2**11, 8, 4
 
-#: Waves of a realisation, and range of its correlation length, of the unit cube: from the shortest
-#: that a process may have.
-_WAVES, _LENGTHS = 128, (0.05, 1.0)
+#: Waves of a realisation, and its longest correlation length, of the unit cube.
+_WAVES, _LONGEST = 128, 1.0
 
 #: Share of the ranges without such a flow beyond which there are no indices, and the number of
 #: points where this is looked at.
@@ -80,13 +80,10 @@ def _absent_share(surrogate: Surrogate) -> float:
     """
     from scipy.stats import qmc
 
-    counted = np.isin(surrogate.regimes.names, surrogate.mean_regimes)
     shares = qmc.Sobol(len(surrogate.parameters), rng=_SEED).random(_PLACES)
     places = scaled(shares, surrogate.bounds, surrogate.scales)
-    is_absent = surrogate.is_far(places)
-    if len(counted):
-        is_absent |= surrogate.probability(places)[counted].sum(axis=0) < EVEN
-    return float(is_absent.mean())
+    counted = counted_probability(surrogate, surrogate.probability(places))
+    return float((surrogate.is_far(places) | (counted < EVEN)).mean())
 
 
 def sobol_indices(predictor: Predictor, blocks: int = BLOCKS) -> pd.DataFrame:
@@ -95,7 +92,7 @@ def sobol_indices(predictor: Predictor, blocks: int = BLOCKS) -> pd.DataFrame:
     They are means over `_SCRAMBLINGS` independent samples of so many ``blocks``. The interval has
     two parts, added in quadrature. The sample's own is from the scatter between these. That of the
     surrogate is from realisations: its mean plus its error times a smooth random field of variance
-    1, whose correlation length is drawn for each.
+    1, whose correlation length is drawn for each: from the shortest that a process may have.
     """
     from SALib.sample import sobol
 
@@ -142,7 +139,7 @@ def _smooth_field(shares: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     It is a sum of waves of random direction and phase (Rahimi and Recht 2007), with a Gaussian
     correlation.
     """
-    length = np.exp(rng.uniform(*np.log(_LENGTHS)))
+    length = np.exp(rng.uniform(*np.log([LENGTHS[0], _LONGEST])))
     waves = rng.normal(size=(shares.shape[1], _WAVES)) / length
     phases = rng.uniform(0, 2 * np.pi, _WAVES)
     return np.sqrt(2 / _WAVES) * np.cos(shares @ waves + phases).sum(axis=1)

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from sim.base.statistics import MANY, student
-from sim.surrogates.predictor import Predictor, scaled, unscaled
+from sim.surrogates.predictor import Predictor, counted_probability, scaled, unscaled
 
 #: The regime of a bed at rest.
 ARRESTED = "arrested"
@@ -220,11 +220,10 @@ class Calibration:
 
     def allowed(self, regimes: np.ndarray) -> np.ndarray:
         """Return the probability (n, m) of the regimes that each measurement allows."""
-        names = self.predictor.regimes.names
-        counts = np.isin(names, self.predictor.mean_regimes)
-        allowed = regimes[counts].sum(axis=0)
+        allowed = counted_probability(self.predictor, regimes)
         if self.may_rest.any():
-            allowed = allowed + self.may_rest * regimes[names.index(ARRESTED)]
+            at_rest = regimes[self.predictor.regimes.names.index(ARRESTED)]
+            allowed = allowed + self.may_rest * at_rest
         return allowed
 
     def alternatives(

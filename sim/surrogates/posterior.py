@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from sim.surrogates.caveats import EVEN
 from sim.surrogates.likelihood import Calibration, Predicted, distances
 from sim.surrogates.predictor import scaled
 from sim.surrogates.threads import on_one_thread
@@ -203,7 +204,7 @@ def check_draws(calibration: Calibration, draws: np.ndarray) -> Check:
         allowed = calibration.allowed(predicted.regimes)
         least, rows = allowed.argmin(axis=1), np.arange(len(part))
         regimes.append(predicted.regimes[:, rows, least])
-        uncounted.append(allowed[rows, least] < 0.5)
+        uncounted.append(allowed[rows, least] < EVEN)
         predicted = _settled(calibration, predicted, variance, rng)
         cause = rng.normal(size=(*predicted.shared.shape[::2], 1))
         shift = (predicted.shared @ cause)[..., 0]

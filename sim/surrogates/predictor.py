@@ -44,6 +44,17 @@ class Predictor(Protocol):
         """Return the probability of each regime at (n, k), (regimes, n)."""
 
 
+def counted_probability(predictor: Predictor, probability: np.ndarray) -> np.ndarray:
+    """Return the probability of the regimes that a mean is of, from that of each (regimes, ...).
+
+    Where no regime is known, none is likelier than these.
+    """
+    names = predictor.regimes.names
+    if not names:
+        return np.ones(probability.shape[1:])
+    return np.asarray(probability[np.isin(names, predictor.mean_regimes)].sum(axis=0))
+
+
 def scaled(shares: np.ndarray, bounds: np.ndarray, scales: Sequence[str]) -> np.ndarray:
     """Return the values of parameters at points (n, k) of the unit cube."""
     low, high = np.asarray(bounds, float).T

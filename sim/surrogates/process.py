@@ -16,9 +16,6 @@ _CHUNK = 2000
 #: Least variance of a point, relative to that of all: it keeps the matrix invertible.
 _LEAST_VARIANCE = 1e-9
 
-#: Ranges of amplitude (variance of the values is 1), lengths (of the unit cube) and scatter.
-AMPLITUDES, LENGTHS, SCATTERS = (1e-2, 1e3), (0.05, 20.0), (1e-6, 1.0)
-
 #: Weight of the mean of all points, in points, where errors are widened by those nearby.
 _PRIOR_WEIGHT = 2.0
 
@@ -87,7 +84,7 @@ class Process:
         mean, error = self._regressor.predict(places, return_std=True)
         spread = self.widening * np.sqrt(np.maximum(0.0, error**2 - self._scatter))
         if self.is_local:
-            spread *= self._local_widening(self._correlation(places))
+            spread *= self._local_widening(self._prior_correlation(places))
         values = self._offset + self._scale * mean, self._scale * spread
         return self._in_unit(*values, self._scale_at(x))
 
@@ -118,25 +115,25 @@ class Process:
         """Scale of the values at its points, (n,)."""
         return self._scale_at(self.x)
 
-    def _correlation(self, places: np.ndarray) -> np.ndarray:
+    def _prior_correlation(self, places: np.ndarray) -> np.ndarray:
         """Return the correlation of the values at places (m, k) and at its points, (m, n)."""
-        from sklearn.gaussian_process.kernels import Matern
+        from scipy.spatial.distance import cdist
 
-        lengths = np.exp(self.theta[1 : 1 + self.places.shape[1]])
-        return np.asarray(Matern(lengths, nu=self.exponent)(places, self.places))
+        distance = cdist(places / self._lengths, self.places / self._lengths)
+        return matern(distance, self.exponent)[0]
 
     def _local_widening(self, correlation: np.ndarray) -> np.ndarray:
         """Return by how much errors widen where points nearby lie outside of what others expect.
 
         It is the root of a mean of squared `deviations`, weighted by the correlation (m, n).
         """
-        squares = deviations(self._left_out, self.y) ** 2
+        squares = deviations(self.left_out, self.y) ** 2
         weights = correlation.sum(axis=1) + _PRIOR_WEIGHT
         return np.sqrt(np.maximum(1.0, (_PRIOR_WEIGHT + correlation @ squares) / weights))
 
     def own_widening(self) -> np.ndarray:
         """Return the local widening at each point that the others give, (n,)."""
-        correlation = self._correlation(self.places)
+        correlation = self._prior_correlation(self.places)
         np.fill_diagonal(correlation, 0.0)
         return self._local_widening(correlation) if self.is_local else np.ones(len(self.y))
 
@@ -172,15 +169,12 @@ class Process:
         covariance = prior - first.transpose(0, 2, 1) @ second
         return covariance / (spread[:, :, None] * spread_of_others[:, None])
 
+    @cached_property
     def left_out(self) -> LeftOut:
-        """Return each point as the others predict it, lengths unchanged, without `widening`.
+        """Each point as the others predict it, lengths unchanged, without `widening`.
 
         Rasmussen and Williams (2006), equations 5.10 to 5.12.
         """
-        return self._left_out
-
-    @cached_property
-    def _left_out(self) -> LeftOut:
         mean, spread = self.left_out_values()
         noise = np.sqrt(self._known / self._scale**2 + self._scatter)
         error = np.sqrt(np.maximum(0.0, spread**2 - noise**2))
@@ -192,7 +186,7 @@ class Process:
     @cached_property
     def unexplained(self) -> float:
         """Variance of the points that the others do not tell, less their own noise; at least 0."""
-        left_out = self._left_out
+        left_out = self.left_out
         apart = np.mean((left_out.mean - self.y) ** 2) - np.mean(left_out.noise**2)
         return max(0.0, float(apart))
 
@@ -243,19 +237,20 @@ class Process:
         return float(np.exp(self.theta[-1])) if self.has_scatter else 0.0
 
     @cached_property
-    def _regressor(self) -> Any:
-        return self.regressor(slice(None))
+    def _lengths(self) -> np.ndarray:
+        return np.exp(self.theta[1 : 1 + self.places.shape[1]])
 
+    @cached_property
     @on_one_thread
-    def regressor(self, part: Any) -> Any:
-        """Return the regressor of scikit-learn through a part of the points, lengths given."""
+    def _regressor(self) -> Any:
         from sklearn.gaussian_process import GaussianProcessRegressor
+        from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
 
-        kernel = _kernel(self.places.shape[1], self.exponent, self.has_scatter)
-        kernel = kernel.clone_with_theta(self.theta)
-        return GaussianProcessRegressor(kernel, alpha=self.noise[part], optimizer=None).fit(
-            self.places[part], self.values[part]
-        )
+        kernel = ConstantKernel(np.exp(self.theta[0])) * Matern(self._lengths, nu=self.exponent)
+        if self.has_scatter:
+            kernel += WhiteKernel(self._scatter)
+        regressor = GaussianProcessRegressor(kernel, alpha=self.noise, optimizer=None)
+        return regressor.fit(self.places, self.values)
 
     def _in_unit(
         self, mean: np.ndarray, error: np.ndarray, scale: np.ndarray
@@ -276,8 +271,10 @@ def deviations(left_out: LeftOut, y: np.ndarray) -> np.ndarray:
     return np.abs(left_out.mean - y) / np.maximum(spread, np.finfo(float).tiny)
 
 
-def _kernel(dimensions: int, exponent: float, has_scatter: bool) -> Any:
-    from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
-
-    kernel = ConstantKernel(1.0, AMPLITUDES) * Matern(np.ones(dimensions), LENGTHS, nu=exponent)
-    return kernel + WhiteKernel(1e-2, SCATTERS) if has_scatter else kernel
+def matern(distance: np.ndarray, exponent: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return Matérn's correlation at distances, and its derivative by -log length over r²."""
+    root = np.sqrt(2 * exponent) * distance
+    decay = np.exp(-root)
+    if exponent == 1.5:
+        return (1 + root) * decay, 3 * decay
+    return (1 + root + root**2 / 3) * decay, 5 / 3 * (1 + root) * decay

@@ -107,7 +107,7 @@ def _sharpness(process: Process) -> float:
     from scipy.optimize import minimize_scalar
     from scipy.special import log_ndtr
 
-    left_out = process.left_out()
+    left_out = process.left_out
 
     def surprise(sharpness: float) -> float:
         scores = _score(sharpness, left_out.mean, left_out.error)

@@ -14,6 +14,7 @@ from sim.base.statistics import MANY, student
 from sim.base.words import percent
 from sim.study.design import Axis
 from sim.surrogates.caveats import KEY, caveats_of_axes, caveats_of_mean, caveats_of_places, joined
+from sim.surrogates.predictor import counted_probability
 from sim.surrogates.process import Process, deviations
 from sim.surrogates.regimes import Regimes
 from sim.surrogates.sample import left_out, points_of_mean, unit_cube
@@ -187,8 +188,7 @@ class Surrogate:
             | {"regime": list(self.regimes.names)}
             | dict(surrogate.setting),
         )
-        is_counted = [name in self.mean_regimes for name in self.regimes.names]
-        counted = probability[is_counted].sum(axis=0) if is_counted else np.ones(shape)
+        counted = counted_probability(self, probability)
         places = caveats_of_places(counted, self.mean_regimes, surrogate.is_far(x))
         answer.attrs = {
             "surrogate": self.name,
@@ -275,7 +275,7 @@ class Surrogate:
         ``run`` and ``run_error`` are the mean of the runs and its standard deviation; ``mean`` and
         ``error`` what the other points predict, lengths unchanged.
         """
-        left_out, rows = self.process.left_out(), self.sample.isel(point=self.in_mean)
+        left_out, rows = self.process.left_out, self.sample.isel(point=self.in_mean)
         columns = {
             "run": rows["mean"].values,
             "run_error": left_out.noise,
@@ -293,7 +293,7 @@ class Surrogate:
         It is the larger of two: how far the points are from what the others predict (rms), less
         their own errors; and the error that the process gives itself there.
         """
-        left_out, size = self.process.left_out(), np.abs(self.process.y).mean() or 1.0
+        left_out, size = self.process.left_out, np.abs(self.process.y).mean() or 1.0
         return float(np.sqrt(max(self.process.unexplained, np.mean(left_out.error**2))) / size)
 
     @property
@@ -315,7 +315,7 @@ class Surrogate:
     @cached_property
     def coverage(self) -> float:
         """Share of points in the 95 % interval that the others give them, before it is widened."""
-        return float(np.mean(deviations(self.process.left_out(), self.process.y) < student(MANY)))
+        return float(np.mean(deviations(self.process.left_out, self.process.y) < student(MANY)))
 
     @property
     def hours(self) -> float:

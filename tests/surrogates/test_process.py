@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.special import ndtr
+from sklearn.base import clone
 
 from sim.surrogates.fits import fit, fit_lengths
 from sim.surrogates.process import Process, deviations
@@ -37,10 +38,11 @@ def test_leaving_out_is_what_a_process_without_the_point_says():
     x, y, size, _ = noisy(kinked, 16, 2, 3, 0.05)
     for is_log in (False, True):
         process = fit_lengths(Process(x, y, np.full(16, size**2), is_log, has_scatter=True))
-        left_out = process.left_out()
+        left_out = process.left_out
         for index in range(16):
             others = np.arange(16) != index
-            again = process.regressor(others)
+            again = clone(process._regressor).set_params(alpha=process.noise[others])
+            again.fit(process.places[others], process.values[others])
             mean, spread = again.predict(x[index : index + 1], return_std=True)
             error = np.sqrt(spread**2 - process._scatter)
             middle, unit = process._in_unit(
@@ -98,7 +100,7 @@ def test_the_logarithm_is_taken_where_it_predicts_better():
 
 def test_noise_that_is_not_known_is_estimated():
     x, y, size, _ = noisy(smooth, 64, 2, 4, 0.1)
-    noise = fit(x, y, np.zeros(64), has_scatter=True).left_out().noise
+    noise = fit(x, y, np.zeros(64), has_scatter=True).left_out.noise
     assert 0.7 < noise.mean() / size < 1.4
 
 
@@ -120,5 +122,5 @@ def test_errors_are_wider_the_fewer_points_lengths_are_fitted_to():
 def test_deviations_of_normal_noise_are_normal():
     x, y, size, _ = noisy(smooth, 64, 2, 6, 0.1)
     process = replace(fit_lengths(Process(x, y, np.full(64, size**2), False, False)))
-    z = deviations(process.left_out(), y)
+    z = deviations(process.left_out, y)
     assert np.mean(2 * ndtr(z) - 1) == pytest.approx(0.5, abs=0.12)
