@@ -15,7 +15,6 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from sim.base.errors import InputError
 from sim.base.files import file_version
 from sim.base.statistics import MANY, student
 from sim.figures.axes import set_log
@@ -28,7 +27,7 @@ from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import setting
 from sim.study.plot_contents import name_in_words
 from sim.surrogates.calibration import load, outcome_sentences
-from sim.surrogates.posterior import DISCREPANCY, INTERVAL, summarize
+from sim.surrogates.posterior import DISCREPANCY, INTERVAL, ranges, summarize
 
 #: Size of a picture of one parameter, and of each of several, inches.
 _SINGLE, _PANEL = (4.4, 3.2), 2.1
@@ -46,7 +45,7 @@ _ASIDE = 3.0
 def draw_posterior(data: FigureData) -> Figure:
     """Draw a histogram of each parameter on the diagonal, and the regions of each pair below."""
     groups = _groups(data)
-    names = list(np.atleast_1d(_about(groups)["parameters"]))
+    names = list(ranges(groups))
     count = len(names)
     size = _SINGLE if count == 1 else (_PANEL * count + 0.6, _PANEL * count + 0.6)
     if "posterior" not in groups:
@@ -95,7 +94,7 @@ def posterior_notes(data: FigureData) -> list[str]:
     if "posterior" not in groups:
         return sentences
     about = _about(groups)
-    pairs = len(np.atleast_1d(about["parameters"])) > 1
+    pairs = len(ranges(groups)) > 1
     return [
         "Median and 95 % interval: " + sentences[-1] if len(sentences) == 1 else
         "Medians and 95 % intervals: " + " ".join(sentences),
@@ -126,14 +125,9 @@ def draw_predictions(data: FigureData) -> Figure:
     axes = figure.subplots()
     look: dict[str, Any] = {"linestyle": "none", "elinewidth": 1.2, "markersize": 5.0}
     measured = axes.errorbar(
-        rows["x"],
-        rows["measured"],
-        rows["half"],
-        marker="o",
-        color="black",
-        label="measured",
-        **look,
-    )
+        rows["x"], rows["measured"], rows["half"],
+        marker="o", color="black", label="measured", **look,
+    )  # fmt: skip
     predicted = axes.errorbar(
         rows["x"], rows["median"], (rows["median"] - rows["low"], rows["high"] - rows["median"]),
         marker="s", color=COLOURS[1], label="calibrated", **look,
@@ -236,10 +230,7 @@ def experiment_notes(data: FigureData) -> list[str]:
     if "predictions_constant_data" not in groups:
         return outcome_sentences(groups)
     rows, varied = _candidates(groups)
-    best, names = (
-        rows.loc[rows["narrowing"].idxmax()],
-        _conditions(groups["constant_data"]),
-    )
+    best, names = rows.loc[rows["narrowing"].idxmax()], _conditions(groups["constant_data"])
     place = ", ".join(setting(data.spec.system, name, float(f"{best[name]:.3g}")) for name in names)
     notes = [
         f"It tells most at {place}: there it takes some {100 * best['narrowing']:.0f} % of the "
@@ -253,15 +244,11 @@ def experiment_notes(data: FigureData) -> list[str]:
 
 
 def _groups(data: FigureData) -> Mapping[str, xr.Dataset]:
-    if data.results.runs is None:
-        raise InputError(f"{data.spec.name}: drawn in the results of a study alone")
-    path = data.results.runs.parent / data.spec.options["answer"]
-    return _load(path, file_version(path))
+    return _load(data.answer, file_version(data.answer))
 
 
 @lru_cache(maxsize=4)
 def _load(path: Path, version: tuple[int, ...]) -> Mapping[str, xr.Dataset]:
-    """Return the groups of a version of a file."""
     return load(path)
 
 
@@ -269,21 +256,11 @@ def _about(groups: Mapping[str, xr.Dataset]) -> dict[str, Any]:
     return groups["observed_data"].attrs
 
 
-def _range(groups: Mapping[str, xr.Dataset], name: str) -> tuple[float, float, bool]:
-    """Return lowest and highest value of a parameter, and whether its scale is logarithmic."""
-    about = _about(groups)
-    names, low, high, scales = (
-        list(np.atleast_1d(about[key])) for key in ("parameters", "low", "high", "scales")
-    )
-    index = names.index(name)
-    return float(low[index]), float(high[index]), scales[index] == "log"
-
-
 def _draw_histogram(axes: Axes, groups: Mapping[str, xr.Dataset], name: str) -> None:
     """Draw the histogram of a parameter, its interval, and what was assumed before."""
-    low, high, is_log = _range(groups, name)
+    low, high, scale = ranges(groups)[name]
     draws = groups["posterior"][name].to_numpy().ravel()
-    spread: Any = np.geomspace if is_log else np.linspace
+    spread: Any = np.geomspace if scale == "log" else np.linspace
     bins = spread(low, high, _BINS + 1)
     axes.hist(draws, bins, weights=np.full(draws.size, _BINS / draws.size), color=COLOURS[1])
     axes.axhline(1, color="#444444", linestyle=":", linewidth=1)
@@ -298,12 +275,13 @@ def _draw_regions(axes: Axes, groups: Mapping[str, xr.Dataset], x: str, y: str) 
 
     columns, lines = [], []
     for name in (x, y):
-        low, high, is_log = _range(groups, name)
+        low, high, scale = ranges(groups)[name]
+        is_log = scale == "log"
         draws = groups["posterior"][name].to_numpy().ravel()
         draws = draws[:: max(1, draws.size // _MOST_DRAWS)]
         columns.append(np.log(draws) if is_log else draws)
-        ends = np.log([low, high]) if is_log else np.array([low, high])
-        lines.append((np.linspace(ends[0], ends[1], _STEPS), is_log))
+        first, last = np.log([low, high]) if is_log else (low, high)
+        lines.append((np.linspace(first, last, _STEPS), is_log))
     density = gaussian_kde(columns)
     grid = np.meshgrid(lines[0][0], lines[1][0])
     heights = density(np.array([one.ravel() for one in grid])).reshape(_STEPS, _STEPS)
@@ -318,11 +296,11 @@ def _set_axis(
     axes: Axes, groups: Mapping[str, xr.Dataset], name: str, axis: Any, system: str, labelled: bool
 ) -> None:
     """Set scale and limits of the axis of a parameter, and label it or hide its numbers."""
-    low, high, is_log = _range(groups, name)
-    if is_log:
+    low, high, scale = ranges(groups)[name]
+    if scale == "log":
         set_log(axes, axis)
     getattr(axes, f"set_{axis}lim")(low, high)
-    if not is_log:
+    if scale != "log":
         axes.locator_params(axis, nbins=4)
     if labelled:
         getattr(axes, f"set_{axis}label")(parameter_label(system, name))
@@ -354,7 +332,6 @@ def _prediction_rows(data: FigureData) -> tuple[pd.DataFrame, str]:
 
 
 def _conditions(constant: xr.Dataset) -> list[str]:
-    """Return the names of the conditions."""
     return [str(name) for name in constant.data_vars if name != "error"]
 
 
@@ -366,10 +343,8 @@ def _varied(constant: xr.Dataset) -> list[str]:
 
 def _candidates(groups: Mapping[str, xr.Dataset]) -> tuple[pd.DataFrame, list[str]]:
     """Return candidates of the first two conditions that vary, the others as the best has them."""
-    rows, varied = (
-        groups["predictions_constant_data"].to_dataframe(),
-        _varied(groups["constant_data"]),
-    )
+    rows = groups["predictions_constant_data"].to_dataframe()
+    varied = _varied(groups["constant_data"])
     best = rows.loc[rows["narrowing"].idxmax()]
     for name in varied[2:]:
         rows = rows[rows[name] == best[name]]

@@ -2,12 +2,14 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
+from sim.base.errors import InputError
 from sim.dataset.replicates import OUTCOME, SCALARS, outcomes
 from sim.dataset.results import Results
 from sim.parameters import NUMERICAL, SYSTEMS, field_info
@@ -30,6 +32,13 @@ class FigureData:
     rows: pd.DataFrame
     boundaries: pd.DataFrame
     results: Results
+
+    @property
+    def answer(self) -> Path:
+        """File of the answer that the figure shows, in the results of its study."""
+        if self.results.runs is None or "answer" not in self.spec.options:
+            raise InputError(f"{self.spec.name}: drawn in the results of a study alone")
+        return self.results.runs.parent / self.spec.options["answer"]
 
 
 def figure_data(results: Results, spec: FigureSpec) -> FigureData:

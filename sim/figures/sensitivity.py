@@ -12,7 +12,6 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from sim.base.errors import InputError
 from sim.figures.data import FigureData
 from sim.figures.plot import SINGLE_SIZE, wrap_label
 from sim.figures.quantity import label_with_unit, unit_of
@@ -160,10 +159,7 @@ def screening_notes(data: FigureData) -> list[str]:
 
 
 def _table(data: FigureData) -> pd.DataFrame:
-    """Return the table of indices of a figure."""
-    if data.results.runs is None:
-        raise InputError(f"{data.spec.name}: drawn in the results of a study alone")
-    return load(data.results.runs.parent / data.spec.options["answer"])
+    return load(data.answer)
 
 
 def _of(table: pd.DataFrame, index: str) -> pd.DataFrame:

@@ -12,10 +12,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from sim.base.errors import InputError
 from sim.base.files import file_version
 from sim.base.statistics import MANY, student
-from sim.base.words import upper_first
+from sim.base.words import percent, upper_first
 from sim.figures.data import FigureData
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import setting
@@ -37,15 +36,11 @@ _MOST_SETTINGS = 4
 
 def find_surrogate(data: FigureData) -> Surrogate:
     """Return the surrogate that a figure shows."""
-    if data.results.runs is None or "answer" not in data.spec.options:
-        raise InputError(f"{data.spec.name}: drawn of the surrogates of a study alone")
-    path = data.results.runs.parent / data.spec.options["answer"]
-    return _load(path, file_version(path))
+    return _load(data.answer, file_version(data.answer))
 
 
 @lru_cache(maxsize=4)
 def _load(path: Path, version: tuple[int, ...]) -> Surrogate:
-    """Return the surrogate in a version of a file."""
     return load(path)
 
 
@@ -191,6 +186,6 @@ def regime_note(surrogate: Surrogate, where: str) -> str:
 def error_note(surrogate: Surrogate) -> str:
     """Return the sentence on the error of a surrogate."""
     return (
-        f"Error of the surrogate: {100 * surrogate.error:.2g} % of the mean size of the "
+        f"Error of the surrogate: {percent(surrogate.error)} of the mean size of the "
         f"observable, from {len(surrogate.process.y)} points, each predicted from the others."
     )

@@ -10,7 +10,7 @@ import xarray as xr
 
 from sim.surrogates.caveats import EVEN
 from sim.surrogates.likelihood import Calibration, Predicted, distances
-from sim.surrogates.predictor import scaled
+from sim.surrogates.predictor import scaled, unscaled
 from sim.surrogates.threads import on_one_thread
 
 #: Name of the size of the discrepancy among the parameters of a posterior.
@@ -250,7 +250,6 @@ def _settled(
 
 
 def _posterior(calibration: Calibration, chain: np.ndarray) -> xr.Dataset:
-    """Return the draws as parameters over chain and draw."""
     count = len(calibration.names)
     theta = scaled(chain[..., :count], calibration.bounds, calibration.scales)
     columns = {name: theta[..., k] for k, name in enumerate(calibration.names)}
@@ -292,21 +291,22 @@ def _next_experiment(calibration: Calibration, chain: np.ndarray) -> xr.Dataset:
 
 def at_ends(groups: Mapping[str, xr.Dataset]) -> list[str]:
     """Return the parameters whose probability gathers at an end of their range."""
-    names: list[str] = []
-    about = groups["observed_data"].attrs
-    if "posterior" not in groups or "parameters" not in about:
-        return names
-    for name, low, high, scale in zip(
-        *(np.atleast_1d(about[key]) for key in ("parameters", "low", "high", "scales")), strict=True
-    ):
-        ends = np.array([low, high], float)
-        draws = groups["posterior"][name].values
-        if scale == "log":
-            ends, draws = np.log(ends), np.log(draws)
-        shares = (draws - ends[0]) / (ends[1] - ends[0])
+    if "posterior" not in groups or "parameters" not in groups["observed_data"].attrs:
+        return []
+    names = []
+    for name, (low, high, scale) in ranges(groups).items():
+        shares = unscaled(groups["posterior"][name].values[..., None], [(low, high)], [scale])
         if max(np.mean(shares < _END), np.mean(shares > 1 - _END)) > _GATHERED * _END:
-            names.append(str(name))
+            names.append(name)
     return names
+
+
+def ranges(groups: Mapping[str, xr.Dataset]) -> dict[str, tuple[float, float, str]]:
+    """Return lowest and highest value of each parameter looked for, and its scale."""
+    about = groups["observed_data"].attrs
+    keys = ("parameters", "low", "high", "scales")
+    names, *columns = (np.atleast_1d(about[key]).tolist() for key in keys)
+    return dict(zip(names, zip(*columns, strict=True), strict=True))
 
 
 def summarize(groups: Mapping[str, xr.Dataset]) -> pd.DataFrame:
@@ -315,12 +315,8 @@ def summarize(groups: Mapping[str, xr.Dataset]) -> pd.DataFrame:
     ``share`` is the length of this interval over that of the prior, in the scale of the parameter;
     ``informed`` is whether it is below `UNINFORMED`: else the data say nothing of the parameter.
     """
-    attributes = groups["observed_data"].attrs
     rows = []
-    for name, low, high, scale in zip(
-        *(np.atleast_1d(attributes[key]) for key in ("parameters", "low", "high", "scales")),
-        strict=True,
-    ):
+    for name, (low, high, scale) in ranges(groups).items():
         least, median, most = np.quantile(groups["posterior"][name], INTERVAL)
         ends = np.array([least, most, low, high], float)
         first, last, *prior = np.log(ends) if scale == "log" else ends
@@ -336,7 +332,7 @@ def ridges(groups: Mapping[str, xr.Dataset]) -> list[tuple[str, str, float]]:
     """
     from scipy.stats import rankdata
 
-    names = np.atleast_1d(groups["observed_data"].attrs["parameters"]).tolist()
+    names = list(ranges(groups))
     ranks = [rankdata(groups["posterior"][name].to_numpy().ravel()) for name in names]
     pairs = ((names[i], names[k], i, k) for i in range(len(names)) for k in range(i))
     found = [(b, a, float(np.corrcoef(ranks[i], ranks[k])[0, 1])) for a, b, i, k in pairs]
