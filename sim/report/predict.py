@@ -147,10 +147,7 @@ def _lines(
     headings = (*given, f"{surrogate.observable}{unit}", "± 95 %", *surrogate.regimes.names)
     cells = [
         (
-            *(
-                f"{row[name]:g}" if isinstance(row[name], float) else str(row[name])
-                for name in given
-            ),
+            *(f"{one:g}" if isinstance(one, float) else str(one) for one in map(row.get, given)),
             f"{row['mean']:.4g}",
             f"{row['half_width']:.2g}",
             *(f"{chance:.2f}" for chance in row["probability"].values()),
@@ -158,9 +155,6 @@ def _lines(
         for row in rows
     ]
     left_out = f" ({surrogate.omissions} left out)" if surrogate.omissions else ""
-    notes = [f"surrogate {surrogate.name}: {surrogate.basis}{left_out}"]
-    return [
-        *align_table(headings, cells, set(headings)),
-        *notes,
-        *filter(None, [sentence(caveats)]),
-    ]
+    note = f"surrogate {surrogate.name}: {surrogate.basis}{left_out}"
+    table = align_table(headings, cells, set(headings))
+    return [*table, note, *filter(None, [sentence(caveats)])]

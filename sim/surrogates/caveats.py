@@ -102,25 +102,22 @@ def caveats_of_axes(sample: "xr.Dataset", axes: Sequence["Axis"]) -> tuple[str, 
 def caveats_of_points(sample: "xr.Dataset") -> tuple[str, ...]:
     """Return what is doubtful about the points of an answer, see `sample_points`."""
     points = count_text(sample.sizes["point"], "point")
-    # A surrogate of an earlier version does not tell them.
-    texts = [str(text) for text in sample["caveat"].values if text] if "caveat" in sample else []
+    # A surrogate of an earlier version tells neither.
+    told = sample["caveat"].values if "caveat" in sample else ()
+    lost = sample["lost"].values if "lost" in sample else ()
+    texts = [str(text) for text in told if text]
     parts = [part for text in texts for part in text.split(_SEPARATOR)]
     mostly = max(dict.fromkeys(parts), key=parts.count, default="")
     regimes = sample["regime"].values.astype(str).tolist()
     counts = {
         f"carry a caveat ({mostly})": len(texts),
-        "lost replicates, so that means are of the others": _lost(sample),
+        "lost replicates, so that means are of the others": sum(count > 0 for count in lost),
         "surely slow down, so that the mean depends on when one looks": regimes.count(SLOWING),
         "are too short to tell a steady flow": regimes.count("undetermined"),
     }
     return tuple(
         f"runs of {count} of its {points} {text}" for text, count in counts.items() if count
     )
-
-
-def _lost(sample: "xr.Dataset") -> int:
-    """Return how many points lost replicates; a surrogate of an earlier version does not tell."""
-    return int((sample["lost"].values > 0).sum()) if "lost" in sample else 0
 
 
 def caveats_of_indices(table: "pd.DataFrame") -> tuple[str, ...]:

@@ -6,7 +6,7 @@ Estimators: Saltelli et al. 2010, Comput. Phys. Commun. 181, 259; of interaction
 ibid. 145, 280.
 """
 
-from collections.abc import Sequence
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -96,7 +96,9 @@ def sobol_indices(predictor: Predictor, blocks: int = BLOCKS) -> pd.DataFrame:
     """
     from SALib.sample import sobol
 
-    problem, rng = _problem(predictor.parameters), np.random.default_rng(_SEED)
+    names, rng = list(predictor.parameters), np.random.default_rng(_SEED)
+    # The unit cube, as SALib describes it.
+    problem = {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
     estimates, deviations = [], []
     for seed in range(1, _SCRAMBLINGS + 1):
         shares = sobol.sample(problem, blocks, calc_second_order=True, seed=seed)
@@ -109,28 +111,17 @@ def sobol_indices(predictor: Predictor, blocks: int = BLOCKS) -> pd.DataFrame:
     spread = np.sqrt(np.mean(np.square(deviations), axis=0)) if deviations else 0.0
     half = np.hypot(sampling, float(student(MANY)) * spread)
     middle = np.mean(estimates, axis=0)
-    names = _sobol_names(problem["names"])
-    return tabulate(names, middle, middle - half, middle + half, blocks=_SCRAMBLINGS * blocks)
-
-
-def _problem(names: Sequence[str]) -> dict[str, Any]:
-    """Return the unit cube as SALib describes it."""
-    return {"num_vars": len(names), "names": list(names), "bounds": [[0.0, 1.0]] * len(names)}
+    rows = [*shares_of(names), *(("interaction", *pair) for pair in combinations(names, 2))]
+    return tabulate(rows, middle, middle - half, middle + half, blocks=_SCRAMBLINGS * blocks)
 
 
 def _sobol(problem: dict[str, Any], values: np.ndarray) -> np.ndarray:
-    """Return indices in the order of `_sobol_names`."""
+    """Return first-order and total indices, the sum of the former, and interactions."""
     from SALib.analyze import sobol
 
     analysis = sobol.analyze(problem, values, True, num_resamples=2, seed=_SEED)
     pairs = analysis["S2"][np.triu_indices(problem["num_vars"], 1)]
     return np.concatenate([analysis["S1"], analysis["ST"], [analysis["S1"].sum()], pairs])
-
-
-def _sobol_names(names: Sequence[str]) -> list[tuple[str, str, str]]:
-    """Return index, parameter and other parameter of each value."""
-    pairs = [("interaction", one, other) for k, one in enumerate(names) for other in names[k + 1 :]]
-    return [*shares_of(names), *pairs]
 
 
 def _smooth_field(shares: np.ndarray, rng: np.random.Generator) -> np.ndarray:

@@ -59,11 +59,6 @@ class Predicted:
     own: np.ndarray
     regimes: np.ndarray
 
-    @property
-    def variance(self) -> np.ndarray:
-        """Variances of the means, (n, m)."""
-        return (self.shared**2).sum(axis=2) + self.own
-
 
 @dataclass(frozen=True)
 class Calibration:
@@ -238,7 +233,8 @@ class Calibration:
         at_rest = predicted.regimes[self.predictor.regimes.names.index(ARRESTED)][:, rests]
         allowed = self.allowed(predicted.regimes)[:, rests]
         surety = 1 - at_rest / np.maximum(allowed, np.finfo(float).tiny)
-        flowing = (variance + predicted.variance)[:, rests]
+        spread = (predicted.shared**2).sum(axis=2) + predicted.own
+        flowing = (variance + spread)[:, rests]
         values, variance = self.values[rests], variance[:, rests]
         return (
             surety,

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 
 class Predictor(Protocol):
@@ -55,7 +56,7 @@ def counted_probability(predictor: Predictor, probability: np.ndarray) -> np.nda
     return np.asarray(probability[np.isin(names, predictor.mean_regimes)].sum(axis=0))
 
 
-def scaled(shares: np.ndarray, bounds: np.ndarray, scales: Sequence[str]) -> np.ndarray:
+def scaled(shares: np.ndarray, bounds: ArrayLike, scales: Sequence[str]) -> np.ndarray:
     """Return the values of parameters at points (n, k) of the unit cube."""
     low, high = np.asarray(bounds, float).T
     is_log = np.array([scale == "log" for scale in scales])
@@ -65,7 +66,7 @@ def scaled(shares: np.ndarray, bounds: np.ndarray, scales: Sequence[str]) -> np.
     return np.where(is_log, low * ratio**shares, linear)
 
 
-def unscaled(x: np.ndarray, bounds: np.ndarray, scales: Sequence[str]) -> np.ndarray:
+def unscaled(x: np.ndarray, bounds: ArrayLike, scales: Sequence[str]) -> np.ndarray:
     """Return the points of the unit cube that stand for values (n, k), as `scaled` gives them."""
     low, high = np.asarray(bounds, float).T
     is_log = np.array([scale == "log" for scale in scales])

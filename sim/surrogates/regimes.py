@@ -61,14 +61,13 @@ class Regimes:
 
     def probability(self, x: np.ndarray) -> np.ndarray:
         """Return the probability of each regime at points (m, d), (regimes, m)."""
+        # Imported here: reading a surrogate's file needs none of it.
+        from scipy.special import ndtr
+
         if len(self.names) < 2:
             return np.ones((len(self.names), len(x)))
-        chances = np.array(
-            [
-                _chance(theta[0], *process.predict(x))
-                for theta, process in zip(self.theta, self._processes, strict=True)
-            ]
-        )
+        pairs = zip(self.theta, self._processes, strict=True)
+        chances = ndtr([_score(theta[0], *process.predict(x)) for theta, process in pairs])
         if len(self.names) == 2:
             return np.vstack([chances, 1 - chances])
         return chances / chances.sum(axis=0)
@@ -119,9 +118,3 @@ def _sharpness(process: Process) -> float:
 def _score(sharpness: float, mean: np.ndarray, error: np.ndarray) -> np.ndarray:
     factor = np.exp(sharpness)
     return factor * mean / np.sqrt(1 + (factor * error) ** 2)
-
-
-def _chance(sharpness: float, mean: np.ndarray, error: np.ndarray) -> np.ndarray:
-    from scipy.special import ndtr
-
-    return np.asarray(ndtr(_score(sharpness, mean, error)))

@@ -89,7 +89,10 @@ def load(path: Path) -> Surrogate:
 
 def _surrogate(stored: xr.Dataset, about: dict[str, Any]) -> Surrogate:
     axes = tuple(
-        Axis(**row | {"choices": tuple(row["choices"]), "normal": _pair(row["normal"])})
+        Axis(
+            **row
+            | {"choices": tuple(row["choices"]), "normal": row["normal"] and tuple(row["normal"])}
+        )
         for row in about["axes"]
     )
     sample = stored.drop_vars(["theta", "regime_theta"])
@@ -126,7 +129,6 @@ def _surrogate(stored: xr.Dataset, about: dict[str, Any]) -> Surrogate:
 
 
 def _frame(about: dict[str, Any], axes: tuple[Axis, ...]) -> Frame | None:
-    """Return the frame that a surrogate was fitted in, if any."""
     if not (name := about.get("form", "")):
         return None
     known = forms(str(about["system"]), str(about["observable"]))
@@ -146,16 +148,12 @@ def _require_numbers(surrogate: Surrogate) -> None:
         raise ValueError("its numbers give no prediction")
 
 
-def _pair(values: list[float] | None) -> tuple[float, float] | None:
-    return None if values is None else (values[0], values[1])
-
-
 def _summary(surrogate: Surrogate) -> dict[str, Any]:
-    omissions = surrogate.omissions
+    points, omissions = len(surrogate.process.y), surrogate.omissions
     line = (
-        f"surrogate {surrogate.name}: {len(surrogate.process.y)} points"
+        f"surrogate {surrogate.name}: {points} points"
         + (f" ({omissions} left out)" if omissions else "")
         + f", error {percent(surrogate.error)}, {surrogate.hours:.2g} core hours"
     )
-    points, caveats = len(surrogate.process.y), list(surrogate.caveats)
+    caveats = list(surrogate.caveats)
     return {"line": line, "error": surrogate.error, "points": points, KEY: caveats}

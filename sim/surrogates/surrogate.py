@@ -102,8 +102,7 @@ class Surrogate:
                 allowed = "one of " + ", ".join(self.choices) if self.choices else "none"
                 raise InputError.of_value(self.name, "parameter", name, allowed)
             if value not in self.choices[name]:
-                allowed = "one of " + ", ".join(map(str, self.choices[name]))
-                raise InputError.of_value(self.name, name, value, allowed)
+                raise InputError.of_value(self.name, name, value, self._range(name))
         return replace(self, setting={**self.setting, **setting})
 
     def predict(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -201,11 +200,9 @@ class Surrogate:
     def _cube(self, x: np.ndarray) -> np.ndarray:
         """Return points as of `predict` in the unit cube of the process."""
         columns = dict(zip(self.parameters, np.asarray(x, dtype=float).T, strict=True))
-        for name, choices in self.choices.items():
-            allowed = "one of " + ", ".join(map(str, choices))
-            raise InputError.of_value(self.name, name, None, allowed)
-        count = len(x)
-        chosen = {name: np.full(count, value, object) for name, value in self.setting.items()}
+        for name in self.choices:
+            raise InputError.of_value(self.name, name, None, self._range(name))
+        chosen = {name: np.full(len(x), value, object) for name, value in self.setting.items()}
         return unit_cube(self.axes, columns | chosen)
 
     def _require_fixed(self, name: str, value: Any) -> None:
@@ -231,9 +228,8 @@ class Surrogate:
             try:
                 plain = np.asarray(value, dtype=float)
             except (TypeError, ValueError):
-                raise InputError.of_value(
-                    self.name, axis.name, value, self._range(axis.name)
-                ) from None
+                allowed = self._range(axis.name)
+                raise InputError.of_value(self.name, axis.name, value, allowed) from None
             if plain.ndim > 1:
                 got = f"an array of {plain.ndim} dimensions"
                 allowed = "a number, a list of numbers, or an array of xarray"
@@ -341,9 +337,5 @@ class Surrogate:
     @property
     def omissions(self) -> str:
         """How many points of which regime, or without a value, the mean leaves out, in words."""
-        return ", ".join(f"{count} {name}" for name, count in self.counts.items())
-
-    @property
-    def counts(self) -> dict[str, int]:
-        """Number of points that the mean leaves out, by regime, and of those without a value."""
-        return left_out(self.sample, self.mean_regimes)
+        counts = left_out(self.sample, self.mean_regimes).items()
+        return ", ".join(f"{count} {name}" for name, count in counts)
