@@ -16,10 +16,10 @@ import xarray as xr
 from sim.base.statistics import student
 from sim.claims.checks import below, withhold, within
 from sim.claims.claim import Claim
+from sim.claims.evidence import DEFAULT
 from sim.claims.inference import outranks, share_above, trend
 from sim.claims.judgement import Judgement, Variant
 from sim.claims.place import Place, quotient
-from sim.claims.readings import DEFAULT
 from sim.claims.verdict import (
     NOT_REPRODUCED,
     READING_DEPENDENT,

@@ -21,7 +21,7 @@ import numpy as np
 import psutil
 
 from sim.base.files import atomic_write
-from sim.engine.flatten import flatten, refill, subtree
+from sim.engine.states import flatten, refill, subtree
 from sim.engine.systems import build
 from sim.parameters import parse_point
 

@@ -15,13 +15,11 @@ from sim.base.program import __version__
 if TYPE_CHECKING:
     from sim.base.plugins import load_plugins
     from sim.claims.claim import judge
-    from sim.engine.dynamics.status import BlowUp
+    from sim.engine.dynamics.cells import BlowUp
     from sim.engine.flow import Flow, simulate
     from sim.parameters.choices import parameter
-    from sim.parameters.engines import flow_engine
     from sim.parameters.forms import form
-    from sim.parameters.laws import law
-    from sim.parameters.motions import motion
+    from sim.parameters.laws import flow_engine, law, motion
     from sim.parameters.observables import observable
     from sim.report.results import load
     from sim.study.load import points
@@ -50,14 +48,14 @@ __all__ = [
 
 #: Name -> module and object, imported on first use: the engine takes half a second.
 _PLACES = {
-    "BlowUp": "sim.engine.dynamics.status:BlowUp",
+    "BlowUp": "sim.engine.dynamics.cells:BlowUp",
     "Flow": "sim.engine.flow:Flow",
-    "flow_engine": "sim.parameters.engines:flow_engine",
+    "flow_engine": "sim.parameters.laws:flow_engine",
     "judge": "sim.claims.claim:judge",
     "law": "sim.parameters.laws:law",
     "load": "sim.report.results:load",
     "load_plugins": "sim.base.plugins:load_plugins",
-    "motion": "sim.parameters.motions:motion",
+    "motion": "sim.parameters.laws:motion",
     "form": "sim.parameters.forms:form",
     "observable": "sim.parameters.observables:observable",
     "paper": "sim.study.papers:paper",

@@ -26,10 +26,9 @@ from typing import Any
 
 from sim.base.additions import plugin_code_error
 from sim.base.command_line import INPUT_ERROR, parse
-from sim.base.errors import InputError
+from sim.base.errors import InputError, printable
 from sim.base.plugins import load_from_environment
 from sim.base.program import __version__, program
-from sim.base.words import printable
 
 SYSTEM_ERROR = 1
 INTERRUPTED = 130

@@ -15,14 +15,14 @@ import sim
 from sim.base.errors import InputError
 from sim.base.plugins import load_plugins, places
 from sim.claims import judge
-from sim.claims.readings import readings_of
+from sim.claims.evidence import readings_of
 from sim.claims.verdict_files import build as build_claims
 from sim.dataset.build import build
 from sim.dataset.rows import reader_hash
 from sim.engine.contact import Partners, law_of
 from sim.engine.identity import cache_directory
 from sim.engine.systems.start import vibration
-from sim.figures.several import draw_figures
+from sim.figures.render import draw_figures
 from sim.parameters import ChuteParameters, Parameters, parse_point, point_id
 from sim.report.compare import show
 from sim.report.page import build as build_report
@@ -176,7 +176,7 @@ def test_what_cannot_be_compiled_is_told_with_its_line(folder, right, wrong, why
         "from sim.__main__ import main\n"
         "from sim.engine import command\n"
         "def one_contact(**options):\n"
-        "    from sim.claims.contacts import contact_path\n"
+        "    from sim.claims.experiments import contact_path\n"
         "    from sim.engine.contact import Partners, law_of\n"
         "    from sim.engine.contact.functions import PartnerLaw\n"
         "    from sim.parameters import parse_point\n"
@@ -335,7 +335,7 @@ def test_a_compiled_law_is_the_function_of_its_file(folder, count, changes):
         "import runpy, numpy as np, sim\n"
         "own = runpy.run_path('hertz_mindlin.py')['force']\n"
         "sim.load_plugins('hertz_mindlin.py')\n"
-        "from sim.claims.contacts import contact_path\n"
+        "from sim.claims.experiments import contact_path\n"
         "from sim.engine.contact import Partners, law_of\n"
         "from sim.engine.contact.functions import PartnerLaw\n"
         "from sim.parameters import parse_point\n"

@@ -9,9 +9,8 @@ import pytest
 from docs.site.paper_pages import main as paper_page
 from docs.site.paper_pages import results_page
 from sim.claims.claim import claims
-from sim.claims.evidence import Evidence
+from sim.claims.evidence import Evidence, readings_of
 from sim.claims.judge import judge
-from sim.claims.readings import readings_of
 from sim.claims.verdict_files import as_mapping
 from sim.dataset.gather import read_run
 from sim.dataset.replicates import PARAMETERS, outcome

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from sim.base.rooms import PAPERS, ROOMS
+from sim.base.program import PAPERS, ROOMS
 
 PACKAGE = Path(__file__).parents[1] / "sim"
 MODULES = sorted(PACKAGE.rglob("*.py"))
@@ -29,8 +29,7 @@ ONLY = {
         "dataset": {"belt"},
         "measures": {"belt", "layers", "plug"},
         "claims": {
-            *("checks", "claim", "criterion", "evidence", "inference", "place", "trends"),
-            *("contacts", "verdict"),
+            *("checks", "claim", "evidence", "experiments", "inference", "place", "verdict"),
         },
     },
 }

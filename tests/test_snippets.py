@@ -17,7 +17,7 @@ import yaml
 
 from sim.base.command_line import parse
 from sim.base.statistics import student_half_width
-from sim.claims.readings import readings_of
+from sim.claims.evidence import readings_of
 from sim.parameters import parse_point
 from sim.study.load import load_study, parse_study
 from sim.study.papers import papers

@@ -10,8 +10,8 @@ from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
+from sim.base.errors import printable
 from sim.base.program import SHELLS, PrintCompletion, __version__, program
-from sim.base.words import printable
 
 #: Exit code of a command line, study or file that cannot be used.
 INPUT_ERROR = 2
@@ -48,7 +48,7 @@ COMMANDS = {
     "predict": ("sim.report.predict:predict", "predict between the points of a study"),
     "claims": ("sim.claims.verdict_files:build", "judge the claims of both papers on a study"),
     "decide": ("sim.report.decide:decide", "add the replicates that open questions need"),
-    "figure": ("sim.figures.several:draw_figures", "draw figures from a dataset"),
+    "figure": ("sim.figures.render:draw_figures", "draw figures from a dataset"),
     "report": ("sim.report.page:build", "write the report of a study"),
     "second-opinion": (
         "sim.report.second_opinion:ask",

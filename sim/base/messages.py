@@ -3,8 +3,10 @@
 import difflib
 import re
 import typing
+import unicodedata
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
+from math import pi
 from typing import Any
 
 import annotated_types
@@ -14,8 +16,6 @@ from pydantic_core import ErrorDetails, ValidationError
 
 from sim.base.additions import plain_name
 from sim.base.errors import Allowed, InputError, in_short, key_path
-from sim.base.synonyms import names_meant
-from sim.base.units import conversion
 
 _UNKNOWN = {"extra_forbidden", "invalid_key"}
 _TAG = "system"
@@ -288,3 +288,111 @@ def did_you_mean(name: str, known: Collection[str]) -> str:
             one for one, ratio in zip(similar, likeness, strict=True) if ratio > likeness[0] - 0.1
         ]
     return f"did you mean {' or '.join(close)}? " if close else ""
+
+
+# Other words for the names of Talus, by which errors find the name that was meant.
+#
+# The rooms that know such words register them.
+
+
+#: Names by the words that may stand for them.
+_NAMES: dict[str, dict[str, None]] = {}
+
+
+def add_synonym(word: str, name: str) -> None:
+    """Register a word or a symbol for a name; it may stand for several."""
+    _NAMES.setdefault(_spelled(word), {})[name] = None
+
+
+def names_meant(word: str, known: Collection[str]) -> list[str]:
+    """Return the known names for which a word or symbol stands, however it is spelled.
+
+    >>> add_synonym("μ", "friction")
+    >>> names_meant("mu", ["friction", "depth"])
+    ['friction']
+    """
+    names = _NAMES.get(_spelled(word)) or _NAMES.get(_spelled(word).lower(), {})
+    return [name for name in names if name in known]
+
+
+def _spelled(word: str) -> str:
+    """Return a word with the names of Greek letters, without brackets and signs."""
+    letters = unicodedata.normalize("NFKC", word)
+    return "".join(
+        unicodedata.name(letter).split()[-1].lower() if "Ͱ" <= letter <= "Ͽ" else letter
+        for letter in letters
+        if letter.isalnum() or letter in "_/"
+    )
+
+
+#: Size in SI units, and powers of metre, kilogram, second and radian.
+_Unit = tuple[float, tuple[int, ...]]
+
+#: Units that take a prefix.
+_PREFIXED: dict[str, _Unit] = {
+    "m": (1, (1, 0, 0, 0)),
+    "g": (1e-3, (0, 1, 0, 0)),
+    "s": (1, (0, 0, 1, 0)),
+    "rad": (1, (0, 0, 0, 1)),
+    "Hz": (1, (0, 0, -1, 0)),
+    "N": (1, (1, 1, -2, 0)),
+    "J": (1, (2, 1, -2, 0)),
+    "W": (1, (2, 1, -3, 0)),
+    "Pa": (1, (-1, 1, -2, 0)),
+}
+
+_PREFIXES = {"n": 1e-9, "u": 1e-6, "µ": 1e-6, "m": 1e-3, "c": 1e-2, "k": 1e3, "M": 1e6, "G": 1e9}
+
+_PURE, _DEGREE, _MINUTE = (0, 0, 0, 0), (pi / 180, (0, 0, 0, 1)), (60, (0, 0, 1, 0))
+
+_UNITS: dict[str, _Unit] = {
+    **{
+        prefix + name: (scale * size, powers)
+        for prefix, scale in _PREFIXES.items()
+        for name, (size, powers) in _PREFIXED.items()
+    },
+    **_PREFIXED,
+    "1": (1, _PURE),
+    "-": (1, _PURE),
+    "%": (0.01, _PURE),
+    "°": _DEGREE,
+    "deg": _DEGREE,
+    "degree": _DEGREE,
+    "degrees": _DEGREE,
+    "min": _MINUTE,
+    "h": (3600, (0, 0, 1, 0)),
+}
+
+#: Other spellings of the same letters.
+_SPELLINGS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻\N{MINUS SIGN}μ·*", "0123456789--µ  ")
+
+_FACTOR = re.compile(r"([A-Za-zµ°%]+|1|-)(?:\^?(-?[0-9]))?")
+
+
+def conversion(unit: str, to: str) -> float | None:
+    """Return how many of one unit another makes, ``None`` if one is unknown or of another kind.
+
+    >>> conversion("mm/s", "m s-1"), conversion("kg", "m")
+    (0.001, None)
+    """
+    one, other = _parse(unit), _parse(to)
+    if one is None or other is None or one[1] != other[1]:
+        return None
+    return one[0] / other[0]
+
+
+def _parse(text: str) -> _Unit | None:
+    """Return the size and the powers of a unit, ``None`` if it is unknown."""
+    size, powers = 1.0, list(_PURE)
+    above, *below = text.translate(_SPELLINGS).split("/")
+    parts = [(factor, 1) for factor in above.split()]
+    parts += [(factor, -1) for part in below for factor in part.strip().strip("()").split()]
+    for factor, sign in parts:
+        match = _FACTOR.fullmatch(factor)
+        if match is None or match[1] not in _UNITS:
+            return None
+        exponent = sign * int(match[2] or 1)
+        factor_size, factor_powers = _UNITS[match[1]]
+        size *= factor_size**exponent
+        powers = [power + exponent * own for power, own in zip(powers, factor_powers, strict=True)]
+    return (size, tuple(powers)) if parts else None

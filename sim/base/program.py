@@ -1,8 +1,10 @@
 """The program: its name, version and folders, and the completion of its commands by the shell."""
 
 import argparse
+import hashlib
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -54,3 +56,74 @@ def _complete_files(parser: argparse.ArgumentParser) -> None:
         if isinstance(action, argparse._SubParsersAction):
             for command in action.choices.values():
                 _complete_files(command)
+
+
+# The rooms of the package: the rooms that each may import, and hashes of their code.
+#
+# Data flow from the first room to the last: parameters make points, a study lists them, the engine
+# runs them, the dataset gathers the runs, figures and claims read it, and the report shows all.
+# Laws, engines and papers come in as plug-ins do: no room imports them.
+
+
+ROOMS: dict[str, tuple[str, ...]] = {
+    "base": (),
+    "parameters": ("base",),
+    "study": ("parameters", "base"),
+    "engine": ("parameters", "base"),
+    "laws": ("engine", "parameters", "base"),
+    "engines": ("laws", "engine", "parameters", "base"),
+    "measures": ("parameters", "base"),
+    "dataset": ("measures", "engine", "study", "parameters", "base"),
+    "surrogates": ("dataset", "measures", "engine", "study", "parameters", "base"),
+    "figures": ("surrogates", "dataset", "measures", "engine", "study", "parameters", "base"),
+    "claims": ("dataset", "measures", "engine", "study", "parameters", "base"),
+    "papers": ("claims", "dataset", "measures", "engine", "study", "parameters", "base"),
+    "report": (
+        "claims",
+        "figures",
+        "surrogates",
+        "dataset",
+        "measures",
+        "engine",
+        "study",
+        "parameters",
+        "base",
+    ),
+}
+
+#: Room whose edits invalidate no output: runs depend on the number of the numerics instead.
+UNTRACKED = "engine"
+
+#: Folder of the papers, and the file of a paper's figures there. Each figure depends on its own
+#: entry; the report shows all of them.
+PAPERS, FIGURES = "papers", "figures.yaml"
+
+
+@cache
+def room_hash(package: Path, room: str) -> str:
+    """Return a hash of the files of a room and of its imports, except those of `UNTRACKED`.
+
+    Parameters
+    ----------
+    package : Path
+        Folder of the package.
+    room : str
+        One of `ROOMS`. The hash of the report includes `PAPERS`; no other includes `FIGURES`.
+    """
+    folders = {room, *ROOMS[room], *([PAPERS] if room == "report" else [])} - {UNTRACKED}
+    return files_hash(
+        path
+        for folder in folders
+        for path in (package / folder).rglob("*")
+        if path.is_file()
+        and "__pycache__" not in path.parts
+        and (room == "report" or path.name != FIGURES)
+    )
+
+
+def files_hash(files: Iterable[Path]) -> str:
+    """Return a hash of the names and contents of files; their folders do not matter."""
+    digest = hashlib.sha256()
+    for path in sorted(files):
+        digest.update(path.name.encode() + path.read_bytes())
+    return digest.hexdigest()[:12]

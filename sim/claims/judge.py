@@ -5,19 +5,19 @@ from dataclasses import replace
 from typing import Any
 
 from sim.claims.claim import OWN, Claim, claims
-from sim.claims.evidence import Evidence
-from sim.claims.experiments import run_experiment
-from sim.claims.judgement import MODEL, PROTOCOLS, Judgement, Variant
-from sim.claims.points import Points
-from sim.claims.readings import (
+from sim.claims.evidence import (
     DEFAULT,
     GRID,
+    Evidence,
     combined_readings,
     is_regridded,
     model_readings,
     reading_label,
     readings_of,
 )
+from sim.claims.experiments import run_experiment
+from sim.claims.judgement import MODEL, PROTOCOLS, Judgement, Variant
+from sim.claims.place import Points
 from sim.claims.verdict import Ambiguous, Check, Untestable
 from sim.dataset.results import Results
 from sim.study.papers import Readings

@@ -6,7 +6,7 @@ from functools import cached_property
 from math import isfinite
 
 from sim.claims.claim import Claim
-from sim.claims.readings import DEFAULT
+from sim.claims.evidence import DEFAULT
 from sim.claims.verdict import (
     INCONCLUSIVE,
     NOT_REPRODUCED,

@@ -16,8 +16,7 @@ from sim.base.additions import plugin_options
 from sim.base.errors import InputError
 from sim.base.messages import one_of
 from sim.base.seals import checked_read
-from sim.dataset.grids import GRIDS, number_density_name, regrid
-from sim.dataset.groups import open_group
+from sim.dataset.grids import GRIDS, number_density_name, open_group, regrid
 from sim.dataset.rounds import RESULT_COLUMNS
 from sim.dataset.rows import CENTRES, PARTICLES, RUNS
 from sim.parameters import SYSTEMS, amounts, defaults_of_added

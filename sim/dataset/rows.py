@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from sim.base.additions import codes
-from sim.base.rooms import files_hash, room_hash
+from sim.base.program import files_hash, room_hash
 from sim.engine import identity
 from sim.parameters import SYSTEMS
 from sim.parameters.variables import (
@@ -20,7 +20,7 @@ from sim.parameters.variables import (
     observable_variables,
     variables_of,
 )
-from sim.study.figure_spec import Shown
+from sim.study.plot_kinds import Shown
 
 if TYPE_CHECKING:
     # Not imported otherwise: plans of studies use these names, and need no table library.

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from sim.base.errors import InputError
-from sim.engine.dynamics.status import BlowUp
+from sim.engine.dynamics.cells import BlowUp
 from sim.engine.progress import bar
 from sim.engine.replicate import origin_of
 from sim.engine.run import run_point

@@ -36,7 +36,6 @@ NUMERICS_BY_HASH = {"0b14a980090c": 1}
 ENGINE_PARTS = ("parameters", "laws", "engine", "engines")
 COMPILED_PARTS = (
     "engine/compile.py",
-    "engine/calls.py",
     "laws",
     "engine/contact",
     "engine/boundary",

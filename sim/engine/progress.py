@@ -14,8 +14,8 @@ from typing import Annotated
 from pydantic import AwareDatetime, BaseModel, ConfigDict, Field, ValidationError
 from tqdm import tqdm
 
+from sim.base.errors import duration
 from sim.base.files import atomic_write, read_regular
-from sim.base.words import duration
 from sim.parameters import Parameters, point_id
 
 log = logging.getLogger("talus")

@@ -10,10 +10,9 @@ from pathlib import Path
 from typing import Any, NamedTuple, Self
 
 from sim.base.errors import InputError
-from sim.engine.dynamics.status import BlowUp
-from sim.engine.flatten import FlatState, flatten, refill, subtree
+from sim.engine.dynamics.cells import BlowUp
 from sim.engine.observe.samples import Samples
-from sim.engine.states import States, unpack
+from sim.engine.states import FlatState, States, flatten, refill, subtree, unpack
 from sim.engine.stored_run import read_parameters
 from sim.engine.systems import build
 from sim.engine.systems.recorder import Record, Recorder

@@ -15,11 +15,9 @@ from graphlib import TopologicalSorter
 from pathlib import Path
 from typing import NamedTuple
 
-from sim.base.errors import InputError
-from sim.base.files import file_lock, open_regular, temporary_folder
+from sim.base.errors import InputError, count_text
+from sim.base.files import date_back_readers, file_lock, open_regular, temporary_folder
 from sim.base.seals import is_damaged
-from sim.base.times import date_back_readers
-from sim.base.words import count_text
 from sim.engine.states import state_file, stored_samples
 from sim.engine.stored_run import (
     find_stage,

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from sim.parameters.engines import flow_engine
+from sim.parameters.laws import flow_engine
 
 
 def make(p: Any, replicate: int, substeps: int) -> Any:

@@ -17,13 +17,12 @@ from matplotlib.patches import Circle
 
 from sim.figures.beads import OBSTACLE
 from sim.figures.caption import velocity_text
-from sim.figures.configuration import COLOURS, DARK, Scene
 from sim.figures.data import FigureData
 from sim.figures.plot import message_figure
 from sim.figures.render import Animation
-from sim.figures.spheres import Frame, picture, view_from
+from sim.figures.spheres import COLOURS, DARK, Frame, Scene, picture, view_from
 from sim.figures.style import SHORT_DASH
-from sim.study.figure_spec import TALLEST
+from sim.study.plot_kinds import TALLEST
 
 #: Number of frames of a chute flow.
 FRAMES = 24

@@ -18,10 +18,9 @@ from matplotlib.figure import Figure
 from sim.base.files import file_version
 from sim.base.statistics import MANY, student
 from sim.figures.axes import set_log
-from sim.figures.configuration import COLOURS as SHADES
-from sim.figures.data import FigureData
+from sim.figures.data import FigureData, label_with_unit, unit_of
 from sim.figures.plot import SINGLE_SIZE, message_figure, parameter_label, wrap_label
-from sim.figures.quantity import label_with_unit, unit_of
+from sim.figures.spheres import COLOURS as SHADES
 from sim.figures.style import COLOURS, legend_above, move_aside
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import setting

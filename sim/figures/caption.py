@@ -9,10 +9,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from sim.dataset.observed import replicate_values
-from sim.dataset.replicates import answering_regime
-from sim.figures.data import FigureData
-from sim.figures.quantity import Quantity, quantities
+from sim.dataset.replicates import answering_regime, replicate_values
+from sim.figures.data import FigureData, Quantity, quantities
 from sim.figures.style import is_undecided
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import quantity, setting

@@ -13,20 +13,16 @@ from matplotlib.figure import Figure
 from sim.figures import paper_curves
 from sim.figures.axes import has_cut_bars, limit_axis, mark_cut_bars, set_log
 from sim.figures.caption import bar_notes
-from sim.figures.data import FigureData, varying_parameters
+from sim.figures.data import FigureData, Quantity, quantity_table, varying_parameters
 from sim.figures.family import draw_family, name_bands
 from sim.figures.fit import Fit, draw_fits, fit_columns, fit_curves, fit_notes
-from sim.figures.foreign_data import (
+from sim.figures.plot import (
+    Panels,
     append_foreign_data,
+    curve_keys,
     draw_foreign_data,
     foreign_data_notes,
     foreign_values,
-    set_run_ticks,
-)
-from sim.figures.looks import legend, shared_look
-from sim.figures.plot import (
-    Panels,
-    curve_keys,
     label_axes,
     missing_value_note,
     nonpositive_note,
@@ -34,12 +30,12 @@ from sim.figures.plot import (
     observed_quantity,
     panels,
     parameter_label,
+    set_run_ticks,
     width_of,
     write_no_data,
 )
-from sim.figures.quantity import Quantity, quantity_table
 from sim.figures.style import CurveStyle, Look, is_undecided
-from sim.figures.variables import has_logarithmic_values, is_number
+from sim.figures.variables import has_logarithmic_values, is_number, legend, shared_look
 from sim.parameters import SYSTEMS
 from sim.study.plot_contents import SCATTER_HINT, parameter_phrase
 from sim.study.plottable import numbers

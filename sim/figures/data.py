@@ -1,5 +1,6 @@
 """Turn a study's dataset into one row per point of a figure, and into the table of its data."""
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,10 +11,12 @@ import pandas as pd
 import xarray as xr
 
 from sim.base.errors import InputError
+from sim.base.statistics import student_half_width
 from sim.dataset.replicates import OUTCOME, SCALARS, outcomes
 from sim.dataset.results import Results
 from sim.parameters import NUMERICAL, SYSTEMS, field_info
-from sim.study.figure_spec import FigureSpec
+from sim.study.plot_contents import name_in_words, parameter_phrase
+from sim.study.plot_kinds import FigureSpec
 
 #: Parameters that every table of velocities has in addition to those of its figure.
 _PROTOCOL = ("protocol", "target", "limit")
@@ -172,3 +175,220 @@ def velocity_table(data: FigureData) -> pd.DataFrame:
             "caveat": rows["caveat"],
         }
     )
+
+
+#: Natural unit by SI unit: powers of diameter, gravity and mass, and how it is written.
+_NATURAL = {
+    "m": ((1, 0, 0), "d"),
+    "s": ((0.5, -0.5, 0), "√(d/g)"),
+    "m s-1": ((0.5, 0.5, 0), "√(gd)"),
+    "m s-2": ((0, 1, 0), "g"),
+    "m2 s-2": ((1, 1, 0), "gd"),
+    "m-2": ((-2, 0, 0), "1/d²"),
+    "s-1": ((-0.5, 0.5, 0), "√(g/d)"),
+    "N": ((0, 1, 1), "mg"),
+    "J": ((1, 1, 1), "mgd"),
+    "W": ((0.5, 1.5, 1), "mg√(gd)"),
+    "Pa": ((-2, 1, 1), "mg/d²"),
+    "kg s-1": ((-0.5, 0.5, 1), "m√(g/d)"),
+    "kg m-1 s-1": ((-1.5, 0.5, 1), "m√(g/d)/d"),
+}
+
+#: What natural units have, and those by which a label can be divided without brackets.
+_NATURAL_UNIT, _ONE_FACTOR = re.compile("[σ⟨]|^m?g$"), re.compile(r"⟨d⟩|\w|√\([^()]*\)")
+
+#: SI units as axes show them.
+_AXIS_UNITS = {
+    "m s-1": "m/s",
+    "m s-2": "m/s²",
+    "m2 s-2": "m²/s²",
+    "m-2": "1/m²",
+    "s-1": "1/s",
+    "kg s-1": "kg/s",
+    "kg m-1 s-1": "kg/(m s)",
+}
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A quantity of every point of a figure.
+
+    Attributes
+    ----------
+    name : str
+        Column or measure that is its source.
+    label : str
+        Its meaning and its unit: ``meaning [unit]``.
+    value, half_width : pandas.Series
+        Value and half width of its 95 % interval per row of the points; not-a-number if unknown.
+    """
+
+    name: str
+    label: str
+    value: pd.Series
+    half_width: pd.Series
+
+    def rows_with_value(self, rows: pd.DataFrame) -> pd.DataFrame:
+        """Return the rows with a value; of the velocity all, as that of failed runs is unknown."""
+        return rows if self.name == "velocity" else rows[self.value.notna()]
+
+
+def velocity(rows: pd.DataFrame) -> Quantity:
+    """Return the mean velocity of points."""
+    return Quantity("velocity", "mean velocity [m s-1]", rows["velocity"], rows["half_width"])
+
+
+def measure_quantity(data: FigureData, name: str, label: str, over: str = "") -> Quantity:
+    """Return a measure of the dataset: its mean over the replicates that have a finite value.
+
+    Parameters
+    ----------
+    data : FigureData
+        The data of the figure.
+    name : str
+        Measure in the dataset.
+    label : str
+        Its meaning and unit, ``meaning [unit]``.
+    over : str
+        Parameter by which it is divided, if any.
+
+    Raises
+    ------
+    InputError
+        When the dataset has no such measure.
+    """
+    rows, dataset = data.rows, data.results.dataset
+    if name not in dataset:
+        raise InputError(f"no {name} in the dataset")
+    values = dataset[name].sel(point=rows["point"].values).values
+    if over:
+        values = values / rows[over].to_numpy()[:, None]
+    return replicate_means(
+        name, label, [replicates[np.isfinite(replicates)] for replicates in values], rows.index
+    )
+
+
+def replicate_means(
+    name: str, label: str, values: Sequence[np.ndarray], index: pd.Index
+) -> Quantity:
+    """Return a quantity whose values are the means over the replicates (R,) of each point."""
+    return Quantity(
+        name,
+        label,
+        pd.Series(
+            [replicates.mean() if replicates.size else np.nan for replicates in values],
+            index,
+            dtype=float,
+        ),
+        pd.Series(
+            [float(student_half_width(replicates)) for replicates in values], index, dtype=float
+        ),
+    )
+
+
+def quantities(data: FigureData) -> list[Quantity]:
+    """Return the measures that the option ``quantities`` of a figure names, or the velocity."""
+    return [
+        measure_quantity(data, option["name"], option["label"], option.get("over", ""))
+        for option in data.spec.options.get("quantities", ())
+    ] or [velocity(data.rows)]
+
+
+def point_table(data: FigureData) -> pd.DataFrame:
+    """Return parameters and quantities of a figure, one row per point, units in the headings."""
+    if "quantities" in data.spec.options:
+        return quantity_table(data, quantities(data))
+    return velocity_table(data)
+
+
+def quantity_table(
+    data: FigureData, quantities: Sequence[Quantity], along: dict[str, pd.Series] | None = None
+) -> pd.DataFrame:
+    """Return parameters and quantities of points, one row each, units in the headings.
+
+    Parameters
+    ----------
+    data : FigureData
+        The data of the figure.
+    quantities : sequence of Quantity
+        Quantities of its rows.
+    along : dict, optional
+        Columns between parameters and quantities, by their headings.
+    """
+    rows, columns = data.rows, dict(along or {})
+    for quantity in quantities:
+        what, unit = (
+            quantity.label[: quantity.label.index("[")],
+            quantity.label[quantity.label.index("[") :],
+        )
+        of = "" if len(quantities) == 1 else f" of the {what.strip()}"
+        columns[quantity.label] = quantity.value
+        columns[f"half width of 95 % interval{of} {unit}"] = quantity.half_width
+    spec = data.spec
+    return pd.DataFrame(
+        parameter_columns(rows, spec.system, (*spec.axes, *spec.named, "protocol"))
+        | columns
+        | {
+            "completed replicates": rows["completed"],
+            "regime": rows["regime"],
+            "quality of the mean": rows["quality"],
+        }
+    )
+
+
+def unit_of(unit: str, units: str, system: str) -> str:
+    """Return a unit as axes show it, empty for pure numbers.
+
+    >>> unit_of("m s-1", "si", "chute"), unit_of("m s-1", "natural", "chute")
+    ('m/s', '√(gσ)')
+    """
+    if unit == "1":
+        return ""
+    if units == "natural" and unit in _NATURAL:
+        return _NATURAL[unit][1].replace("d", _diameter(system))
+    return _AXIS_UNITS.get(unit, unit)
+
+
+def _diameter(system: str) -> str:
+    """Return the symbol of the diameter."""
+    return field_info(SYSTEMS[system])["diameter"].symbol
+
+
+def scale_of(unit: str, units: str, rows: pd.DataFrame) -> pd.Series:
+    """Return the divisor of values in an SI unit, for each point; 1 for units ``"si"``."""
+    powers = _NATURAL[unit][0] if units == "natural" and unit in _NATURAL else (0, 0, 0)
+    length, gravity, mass = powers
+    scale = rows["diameter"] ** length * rows["gravity"] ** gravity * rows["mass"] ** mass
+    return pd.Series(scale, rows.index, dtype=float)
+
+
+def parameter_text(system: str, name: str) -> str:
+    """Return the label of a parameter, in the unit of study files.
+
+    >>> parameter_text("belt", "amplitude")
+    'amplitude A_z/⟨d⟩'
+    """
+    row = field_info(SYSTEMS[system])[name]
+    return label_with_unit(parameter_phrase(system, name), row.scale or row.unit_text.strip())
+
+
+def observable_text(name: str, unit: str, units: str, system: str) -> str:
+    """Return the label of an observable in an SI unit: its name and its unit, as of `unit_of`."""
+    return label_with_unit(name_in_words(name), unit_of(unit, units, system))
+
+
+def label_with_unit(text: str, unit: str) -> str:
+    """Return a label with its unit, if any; a quantity is divided by a natural unit.
+
+    The space before a unit in brackets does not break.
+
+    >>> label_with_unit("height z", "⟨d⟩"), label_with_unit("stress", "mg/σ²")
+    ('height z/⟨d⟩', 'stress/(mg/σ²)')
+    >>> label_with_unit("height z", "m") == "height z\N{NO-BREAK SPACE}(m)"
+    True
+    """
+    if not unit:
+        return text
+    if not _NATURAL_UNIT.search(unit):
+        return f"{text}\N{NO-BREAK SPACE}({unit})"
+    return f"{text}/{unit if _ONE_FACTOR.fullmatch(unit) else f'({unit})'}"

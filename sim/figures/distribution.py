@@ -12,8 +12,7 @@ from matplotlib.figure import Figure
 
 from sim.figures.axes import set_log
 from sim.figures.caption import unsteady_sentence
-from sim.figures.data import FigureData
-from sim.figures.looks import legend, shared_look
+from sim.figures.data import FigureData, unit_of
 from sim.figures.plot import (
     above_zero,
     curve_keys,
@@ -27,8 +26,8 @@ from sim.figures.plot import (
     replicate_values,
     write_no_data,
 )
-from sim.figures.quantity import unit_of
 from sim.figures.style import PALE
+from sim.figures.variables import legend, shared_look
 from sim.study.plottable import numbers
 
 #: Share of the room of an x value that its curves fill, and share of that over which dots spread.

@@ -8,8 +8,7 @@ import pandas as pd
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
-from sim.figures.data import split_curves
-from sim.figures.quantity import Quantity
+from sim.figures.data import Quantity, split_curves
 from sim.figures.style import (
     MARKERS,
     PALE_LINE,

@@ -12,8 +12,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from sim.base.statistics import student
-from sim.figures.data import FigureData, split_curves
-from sim.figures.quantity import Quantity
+from sim.figures.data import FigureData, Quantity, split_curves
 from sim.figures.style import Look
 from sim.parameters.words import setting
 

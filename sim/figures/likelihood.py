@@ -13,7 +13,6 @@ from matplotlib.figure import Figure
 
 from sim.base.statistics import MANY, share_of_rises, student
 from sim.figures.data import FigureData, split_curves
-from sim.figures.looks import legend, shared_look
 from sim.figures.plot import (
     curve_keys,
     label_axes,
@@ -24,6 +23,7 @@ from sim.figures.plot import (
     write_no_data,
 )
 from sim.figures.style import PALE
+from sim.figures.variables import legend, shared_look
 from sim.parameters import SYSTEMS
 from sim.study.plottable import numbers
 

@@ -9,9 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim.figures.caption import regime_sentence
-from sim.figures.data import FigureData
+from sim.figures.data import FigureData, quantity_table
 from sim.figures.plot import missing_value_note, observed_quantity
-from sim.figures.quantity import quantity_table
 from sim.figures.scatter import draw_points
 from sim.figures.variables import Colours, Variable, known_rows, observable, parameters
 

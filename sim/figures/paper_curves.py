@@ -17,14 +17,20 @@ from matplotlib.figure import Figure
 
 from sim.figures.axes import mark_cut_bars, set_log, set_plain_ticks, set_ticks
 from sim.figures.caption import point_notes
-from sim.figures.data import FigureData, varying_parameters
+from sim.figures.data import (
+    FigureData,
+    Quantity,
+    point_table,
+    quantities,
+    quantity_table,
+    varying_parameters,
+)
 from sim.figures.family import draw_family, name_bands
 from sim.figures.plot import given_labels, label_axes, nonpositive_note, panels
-from sim.figures.quantity import Quantity, point_table, quantities, quantity_table
 from sim.figures.style import LEVEL, PATTERNS, legend_title, look_of, place_legend
 from sim.measures.belt import speed_along_x
 from sim.parameters import SYSTEMS
-from sim.study.figure_spec import WIDEST_INTERVAL, FigureSpec
+from sim.study.plot_kinds import WIDEST_INTERVAL, FigureSpec
 
 #: Largest acceleration of the belt that is drawn (g): well within the flow.
 _LARGEST = 3.0

@@ -13,9 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from sim.figures.caption import unsteady_sentence
-from sim.figures.data import FigureData
+from sim.figures.data import FigureData, quantity_table
 from sim.figures.plot import missing_value_note, observed_quantity
-from sim.figures.quantity import quantity_table
 from sim.figures.style import OPEN_MEANS, PALE_MEANS, is_undecided, legend_above
 from sim.figures.variables import Colours, Variable, known_rows, observable, parameters
 

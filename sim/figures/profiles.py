@@ -17,18 +17,15 @@ from sim.base.statistics import student_half_width
 from sim.figures import belt_profiles
 from sim.figures.axes import NONE, has_cut_bars, limit_axis, mark_cut_bars, set_log
 from sim.figures.caption import unsteady_sentence
-from sim.figures.data import FigureData
-from sim.figures.foreign_data import (
+from sim.figures.data import FigureData, label_with_unit, unit_of
+from sim.figures.plot import (
+    Panels,
     append_foreign_data,
+    completed_rows,
+    curve_keys,
     draw_foreign_data,
     foreign_data_notes,
     foreign_values,
-)
-from sim.figures.looks import groups, legend
-from sim.figures.plot import (
-    Panels,
-    completed_rows,
-    curve_keys,
     label_axes,
     missing_value_note,
     nonpositive_note,
@@ -38,9 +35,9 @@ from sim.figures.plot import (
     scale_of_point,
     write_no_data,
 )
-from sim.figures.quantity import label_with_unit, unit_of
 from sim.figures.style import PALE, CurveStyle
-from sim.study.figure_spec import SHARE
+from sim.figures.variables import groups, legend
+from sim.study.plot_kinds import SHARE
 from sim.study.plottable import Observable, profiles
 
 #: Fewest replicates for which the mean has an interval: that of two says little.

@@ -11,13 +11,13 @@ from matplotlib.figure import Figure
 
 from sim.base.errors import InputError
 from sim.figures.caption import velocity_text
-from sim.figures.configuration import Scene
 from sim.figures.data import FigureData, split_curves
+from sim.figures.spheres import Scene
 from sim.figures.style import COLOURS, DOTTED, PALE, escape_label, place_legend
 from sim.parameters import SYSTEMS, default_of
 from sim.parameters.roles import start_parameters
 from sim.parameters.words import PROTOCOLS, setting
-from sim.study.figure_spec import LARGEST_PORTION, SHARE
+from sim.study.plot_kinds import LARGEST_PORTION, SHARE
 
 PIXELS = 640
 

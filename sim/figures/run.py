@@ -14,13 +14,13 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from sim.dataset.run_file import RunFile
-from sim.figures.quantity import label_with_unit
+from sim.figures.data import label_with_unit
 from sim.figures.render import settle
 from sim.figures.style import COLOURS, LEVEL, SETTINGS
 from sim.figures.time_series import average_successive
 from sim.parameters import Parameters
 from sim.parameters.variables import variables_of
-from sim.study.figure_spec import SHARE
+from sim.study.plot_kinds import SHARE
 
 #: Inches of a picture's width and height.
 SIZE = (7.4, 2.8)

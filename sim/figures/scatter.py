@@ -15,24 +15,28 @@ from matplotlib.figure import Figure
 from sim.figures.axes import NONE, has_cut_bars, limit_axis, mark_cut_bars
 from sim.figures.binned import GROUPS, draw_running_mean
 from sim.figures.caption import bar_notes
-from sim.figures.data import FigureData
-from sim.figures.foreign_data import (
+from sim.figures.data import FigureData, quantity_table
+from sim.figures.plot import (
     append_foreign_data,
     draw_foreign_data,
     foreign_data_notes,
     foreign_values,
-)
-from sim.figures.looks import legend
-from sim.figures.plot import (
     label_axes,
     missing_value_note,
     observed_quantity,
     panels,
     write_no_data,
 )
-from sim.figures.quantity import quantity_table
 from sim.figures.style import COLOURS, PALE, explain_markers, is_undecided
-from sim.figures.variables import Colours, Variable, colour, known_rows, observable, parameter
+from sim.figures.variables import (
+    Colours,
+    Variable,
+    colour,
+    known_rows,
+    legend,
+    observable,
+    parameter,
+)
 from sim.study.plot_kinds import REGIME
 from sim.study.plottable import numbers
 

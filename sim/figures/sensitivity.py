@@ -12,9 +12,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from sim.figures.data import FigureData
+from sim.figures.data import FigureData, label_with_unit, unit_of
 from sim.figures.plot import SINGLE_SIZE, wrap_label
-from sim.figures.quantity import label_with_unit, unit_of
 from sim.figures.style import COLOURS, LEVEL, cycle_style, escape_label, legend_above
 from sim.study.plot_contents import parameter_phrase
 from sim.surrogates.caveats import MANY_BLOCKS

@@ -16,8 +16,8 @@ from matplotlib.transforms import offset_copy
 
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import PROTOCOLS, setting
-from sim.study.figure_spec import FigureSpec
 from sim.study.plot_contents import name_in_words, parameter_phrase
+from sim.study.plot_kinds import FigureSpec
 
 #: Okabe and Ito's colours, told apart by colour-blind readers, darkest first.
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from sim.base.errors import percent, upper_first
 from sim.base.files import file_version
 from sim.base.statistics import MANY, student
-from sim.base.words import percent, upper_first
 from sim.figures.data import FigureData
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import setting

@@ -10,10 +10,9 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from sim.figures.axes import set_log
-from sim.figures.configuration import COLOURS
-from sim.figures.data import FigureData
+from sim.figures.data import FigureData, observable_text
 from sim.figures.plot import SINGLE_SIZE, parameter_label, wrap_label
-from sim.figures.quantity import observable_text
+from sim.figures.spheres import COLOURS
 from sim.figures.style import LEVEL, cycle_style, legend_above, settings
 from sim.figures.surrogate_rows import (
     MAP_STEPS,

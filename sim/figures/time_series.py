@@ -17,8 +17,7 @@ from sim.base.seals import checked_read
 from sim.dataset.run_file import RunFile
 from sim.figures.axes import set_log
 from sim.figures.caption import unsteady_sentence
-from sim.figures.data import FigureData
-from sim.figures.looks import groups, legend
+from sim.figures.data import FigureData, label_with_unit, unit_of
 from sim.figures.plot import (
     above_zero,
     curve_keys,
@@ -30,8 +29,8 @@ from sim.figures.plot import (
     scale_of_point,
     write_no_data,
 )
-from sim.figures.quantity import label_with_unit, unit_of
 from sim.figures.style import LEVEL
+from sim.figures.variables import groups, legend
 from sim.parameters import SYSTEMS, amounts
 from sim.study.plottable import series
 

@@ -3,7 +3,7 @@
 import math
 from typing import Any, ClassVar, Literal
 
-from sim.parameters import fields
+from sim.parameters import roles
 from sim.parameters.common import (
     MAX_PARTICLES,
     MAX_STEPS,
@@ -75,7 +75,7 @@ class BeltParameters(Parameters):
     )
 
     system: Literal["belt"] = declare("belt", description="which of the systems")
-    frequency: Real = fields.frequency("Gallas, Eqs. 1a, 1b")
+    frequency: Real = roles.frequency("Gallas, Eqs. 1a, 1b")
     amplitude: Real = declare(
         1,
         symbol="A_z",
@@ -104,7 +104,7 @@ class BeltParameters(Parameters):
         id_part="damping",
         ge=0,
     )
-    shear_damping: Real = fields.shear_damping("shear friction coefficient", id_part="shear")
+    shear_damping: Real = roles.shear_damping("shear friction coefficient", id_part="shear")
     stiffness: Real = declare(
         STIFFNESS,
         symbol="Y",
@@ -137,7 +137,7 @@ class BeltParameters(Parameters):
         equation="Gallas, Sec. 3, Fig. 6",
         ge=0,
     )
-    initial_velocity: Real = fields.initial_velocity(
+    initial_velocity: Real = roles.initial_velocity(
         0,
         scale="√(g⟨d⟩)",
         description="velocity along the belt of all beads when the shaking starts",
@@ -183,7 +183,7 @@ class BeltParameters(Parameters):
         equation="Gallas, Sec. 3",
         gt=0,
     )
-    gravity: Real = fields.gravity(10, "Gallas, Sec. 2")
+    gravity: Real = roles.gravity(10, "Gallas, Sec. 2")
     phase: Real = declare(
         0,
         symbol="φ0",
@@ -200,7 +200,7 @@ class BeltParameters(Parameters):
         ge=100,
         le=1_000_000,
     )
-    samples_per_cycle: int = fields.samples_per_cycle(
+    samples_per_cycle: int = roles.samples_per_cycle(
         "samples of the observables in one cycle (divides steps_per_cycle)"
     )
     slice_height: Real = numerics(
@@ -213,32 +213,32 @@ class BeltParameters(Parameters):
         ge=0.1,
         le=10,
     )
-    phase_0_profiles: bool = fields.extra(
+    phase_0_profiles: bool = roles.extra(
         "also average the profiles at the beginning of the cycle alone, when the "
         "belt is at its mean height and rises",
         equation="Gallas, Sec. 3, Fig. 5",
     )
-    fluctuation_profiles: bool = fields.extra(
+    fluctuation_profiles: bool = roles.extra(
         "also keep the granular temperature about the mean velocity at each phase of "
         "the cycle, of which there are samples_per_cycle",
     )
-    belt_forces: bool = fields.extra(
+    belt_forces: bool = roles.extra(
         "also keep the forces on the belt and when it is touched, as time series",
     )
-    trajectory: Real = fields.trajectory(fields.CYCLES)
-    transient: Real = fields.transient(
+    trajectory: Real = roles.trajectory(roles.CYCLES)
+    transient: Real = roles.transient(
         45,
-        fields.CYCLES,
+        roles.CYCLES,
         description="length discarded before averaging",
         equation="Gallas, Sec. 2: 9·10⁴ steps",
     )
-    average: Real = fields.average(
+    average: Real = roles.average(
         45,
-        fields.CYCLES,
+        roles.CYCLES,
         description="length averaged over",
         equation="Gallas, Sec. 2: 9·10⁴ steps",
     )
-    limit: Real = fields.limit(1500, fields.CYCLES)
+    limit: Real = roles.limit(1500, roles.CYCLES)
     settle_velocity_squared: Real = numerics(
         1e-8,
         symbol="⟨v²⟩",

@@ -24,7 +24,7 @@ from sim.base.additions import (
     shipped,
 )
 from sim.base.errors import in_short
-from sim.base.require import (
+from sim.base.plugins import (
     require_function,
     require_line,
     require_names,

@@ -3,7 +3,7 @@
 import math
 from typing import ClassVar, Literal
 
-from sim.parameters import fields
+from sim.parameters import roles
 from sim.parameters.common import Real, broken_rule
 from sim.parameters.roles import declare, numerics
 from sim.parameters.spheres import SphereParameters
@@ -31,20 +31,20 @@ class ChuteParameters(SphereParameters):
     boundaries: ClassVar[tuple[str, ...]] = ("flow", "acceleration")
 
     system: Literal["chute"] = declare("chute", description="which of the systems")
-    angle: Real = fields.angle(17, equation="Walton, Sec. 3")
-    initial_velocity: Real = fields.initial_velocity(
+    angle: Real = roles.angle(17, equation="Walton, Sec. 3")
+    initial_velocity: Real = roles.initial_velocity(
         scale="√(gσ)",
         description="uniform initial velocity down the slope (omitted: 4 + 1.2 depth, at most 30)",
         equation="Walton, Sec. 1: slightly above the expected steady velocity",
         default_factory=lambda values: min(4 + 1.2 * values["depth"], 30),
     )
-    transient: Real = fields.transient(
+    transient: Real = roles.transient(
         300, TIME, description="time discarded before averaging", equation="Walton, Sec. 1"
     )
-    average: Real = fields.average(
+    average: Real = roles.average(
         200, TIME, description="time averaged over", equation="Walton, Sec. 1"
     )
-    limit: Real = fields.limit(3000, TIME)
+    limit: Real = roles.limit(3000, TIME)
     sample_interval: Real = numerics(
         0.25,
         symbol="Δt_s",
@@ -53,7 +53,7 @@ class ChuteParameters(SphereParameters):
         gt=0,
         le=100,
     )
-    trajectory: Real = fields.trajectory(TIME)
+    trajectory: Real = roles.trajectory(TIME)
 
     @property
     def time_unit(self) -> float:

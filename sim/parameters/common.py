@@ -11,7 +11,7 @@ from pydantic_core import PydanticCustomError
 
 from sim.base.additions import plain_name, shipped
 from sim.base.errors import Allowed
-from sim.parameters import fields
+from sim.parameters import roles
 from sim.parameters.roles import amount, declare, numerics
 
 SIGNIFICANT_DIGITS = 12
@@ -175,7 +175,7 @@ class Parameters(BaseModel):
         max_length=1000,
     )
 
-    trajectory_contacts: bool = fields.extra(
+    trajectory_contacts: bool = roles.extra(
         "also keep the contacts in each frame of the trajectory: partners and forces",
     )
 

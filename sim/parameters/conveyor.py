@@ -3,7 +3,7 @@
 import math
 from typing import Any, ClassVar, Literal
 
-from sim.parameters import fields
+from sim.parameters import roles
 from sim.parameters.common import Real, broken_rule
 from sim.parameters.roles import declare
 from sim.parameters.spheres import SLIDING, SlidingDirection, SphereParameters
@@ -29,7 +29,7 @@ class ConveyorParameters(SphereParameters):
     # No paper prescribes it.
     sliding_direction: SlidingDirection = declare("slip", **SLIDING)
     system: Literal["conveyor"] = declare("conveyor", description="which of the systems")
-    frequency: Real = fields.frequency("ω = 2πf")
+    frequency: Real = roles.frequency("ω = 2πf")
     amplitude: Real = declare(
         1,
         symbol="A_z",
@@ -87,7 +87,7 @@ class ConveyorParameters(SphereParameters):
         ge=0,
         lt=360,
     )
-    angle: Real = fields.angle(0)
+    angle: Real = roles.angle(0)
     shape: Literal["sphere", "disc"] = declare(
         "sphere",
         description="solid spheres, or discs that move in the plane of x and z alone",
@@ -97,22 +97,22 @@ class ConveyorParameters(SphereParameters):
         True,
         description="whether the particles rotate",
     )
-    initial_velocity: Real = fields.initial_velocity(
+    initial_velocity: Real = roles.initial_velocity(
         0,
         scale="√(gσ)",
         description="velocity along the plane of all particles when the vibration starts",
     )
-    samples_per_cycle: int = fields.samples_per_cycle(
+    samples_per_cycle: int = roles.samples_per_cycle(
         "samples of the observables in one cycle", le=1000
     )
-    transient: Real = fields.transient(
+    transient: Real = roles.transient(
         60,
-        fields.CYCLES,
+        roles.CYCLES,
         description="length discarded before averaging, the fall onto the plane included",
     )
-    average: Real = fields.average(60, fields.CYCLES, description="length averaged over")
-    limit: Real = fields.limit(1500, fields.CYCLES)
-    trajectory: Real = fields.trajectory(fields.CYCLES)
+    average: Real = roles.average(60, roles.CYCLES, description="length averaged over")
+    limit: Real = roles.limit(1500, roles.CYCLES)
+    trajectory: Real = roles.trajectory(roles.CYCLES)
 
     @property
     def time_unit(self) -> float:

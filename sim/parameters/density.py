@@ -6,8 +6,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from sim.base.errors import InputError
-from sim.base.words import count_text
+from sim.base.errors import InputError, count_text
 from sim.parameters.common import Parameters, Real, sphere_volume
 from sim.parameters.roles import declare
 

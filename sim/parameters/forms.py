@@ -6,7 +6,7 @@ from importlib import import_module
 from typing import Any
 
 from sim.base.additions import add, additions, attribute_errors_to, shipped
-from sim.base.require import require_function, require_line, require_one_of
+from sim.base.plugins import require_function, require_line, require_one_of
 from sim.parameters.points import SYSTEMS
 
 #: Kind of the additions that are forms.

@@ -1,13 +1,25 @@
 """Contact laws: what a law is, and the call that adds one."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from importlib.util import find_spec
 from typing import Any, ClassVar
 
-from sim.base.require import require_count, require_positive, require_switch
+from sim.base.additions import attribute_errors_to, plain_name
+from sim.base.errors import InputError
+from sim.base.plugins import (
+    module_names,
+    require_count,
+    require_line,
+    require_names,
+    require_positive,
+    require_switch,
+)
+from sim.parameters.belt import BeltParameters
 from sim.parameters.choices import Choice, Option
 from sim.parameters.chute import ChuteParameters
+from sim.parameters.common import CHOICES
 from sim.parameters.conveyor import ConveyorParameters
 from sim.parameters.spheres import SMALL_OVERLAP
 
@@ -115,3 +127,150 @@ def law(
     option = description, make, parameters or {}, owns
     functions = force, energy, collision_time
     LAW.add(name, Law(*option, *functions, *numbers, dict(variants or {})))
+
+
+#: The choice of an engine.
+ENGINE = Choice.declared("engine", ChuteParameters, ConveyorParameters)
+
+
+@dataclass(frozen=True)
+class Engine(Option):
+    """An engine: see `flow_engine`."""
+
+    refuses: Callable[[Any], Iterable[tuple[str, str]]]
+    lacks: tuple[str, ...]
+    module: str
+    package: str
+    speed: float
+
+    argument_counts: ClassVar[Mapping[str, int]] = {"make": 3, "refuses": 1}
+
+
+def flow_engine(
+    name: str,
+    *,
+    description: str = "",
+    make: Callable[[Any, int, int], Any],
+    refuses: Callable[[Any], Iterable[tuple[str, str]]] = lambda p: (),
+    lacks: Iterable[str] = (),
+    module: str = "",
+    package: str = "",
+    speed: float = 1.0,
+    parameters: Mapping[str, Any] | None = None,
+    owns: tuple[str, ...] = (),
+) -> None:
+    """Declare a program that computes flows on a plane, an option of the parameter ``engine``.
+
+    Parameters
+    ----------
+    name : str
+        What points call it.
+    description : str
+        What it is, in a few words for the reference of parameters. An engine that ships has one.
+    make : callable
+        ``make(p, replicate, substeps)`` returns a replicate of a point in its initial state, a
+        `sim.engine.systems.replica.Replica`; every time step is divided into ``substeps``.
+    refuses : callable, optional
+        ``refuses(p)`` returns what the engine cannot do of a point: pairs of a parameter and of the
+        values that it may have, in words.
+    lacks : iterable of str
+        Names of the variables that its run files do not have, as it cannot tell them.
+    module, package : str
+        Module of Python without which it does not run, and what ``pip install`` needs for it.
+    speed : float
+        Its particle-steps per second over those of Talus, about.
+    parameters : mapping, optional
+        Parameters that it adds to those of the systems, made by `parameter`.
+    owns : tuple of str
+        Parameters of Talus that have an effect with this engine alone.
+    """
+    lacks = tuple(lacks)
+    require_names(f"engine {name}: lacks", lacks)
+    require_line(f"engine {name}: module", module, empty=True)
+    require_line(f"engine {name}: package", package, empty=not module)
+    require_positive(f"engine {name}: speed", speed)
+    option = description, make, parameters or {}, owns
+    ENGINE.add(name, Engine(*option, refuses, lacks, module, package, float(speed)))
+
+
+def engine_of(parameters: Any) -> Engine:
+    """Return the engine of a point.
+
+    Raises
+    ------
+    InputError
+        Where the engine needs a package that is not installed.
+    """
+    option, name = parameters.option(ENGINE.name), getattr(parameters, ENGINE.name, "")
+    if option.module and find_spec(option.module) is None:
+        raise InputError(
+            f"engine: {plain_name(name)}: needs a package that is not installed: "
+            f"pip install '{option.package}'"
+        )
+    return option
+
+
+def make_replica(parameters: Any, replicate: int, substeps: int) -> Any:
+    """Return a replicate of a point by its engine; an error of a plug-in names the plug-in."""
+    option = engine_of(parameters)
+    with attribute_errors_to(ENGINE.name, plain_name(getattr(parameters, ENGINE.name, "talus"))):
+        return option.make(parameters, replicate, substeps)
+
+
+#: The choice of a motion.
+MOTION = Choice(
+    "motion",
+    "motion of the base",
+    (BeltParameters, ConveyorParameters),
+    tuple(dict.fromkeys((CHOICES["motion"], *module_names("sim.laws.motions")))),
+    "physics",
+    kept=False,
+)
+
+
+@dataclass(frozen=True)
+class Motion(Option):
+    """A motion: see `motion`."""
+
+    state: Callable[..., Any] | None
+
+    argument_counts: ClassVar[Mapping[str, int]] = {"make": 1, "state": 2}
+
+    @property
+    def compiled_by_hand(self) -> tuple[str, ...]:
+        """The function ``state``, where it is missing."""
+        return () if self.state else ("state",)
+
+
+def motion(
+    name: str,
+    *,
+    description: str = "",
+    make: Callable[[Any], Any],
+    state: Callable[..., Any] | None,
+    parameters: Mapping[str, Any] | None = None,
+    owns: tuple[str, ...] = (),
+) -> None:
+    """Declare a motion of the belt and of the plane of the conveyor.
+
+    It is an option of their parameter ``motion``, which is ``harmonic``.
+
+    Parameters
+    ----------
+    name : str
+        What points call it.
+    description : str
+        What it is, in a few words for the reference of parameters. A motion that ships has one.
+    make : callable
+        ``make(p)`` returns a ``NamedTuple`` of numbers from the parameters of the point.
+    state : callable
+        ``state(motion, angle)``, compiled, returns how high the base is, in amplitudes A_z, and the
+        derivatives of x, in A_x, and of z after the ``angle`` (rad), with whose period 2π it
+        repeats: sin, cos, cos of the harmonic motion. The angle is ωt + φ of a belt and ωt of a
+        conveyor. Where the base is along x makes no difference.
+    parameters : mapping, optional
+        Parameters that it adds to those of belt and conveyor, made by `parameter`.
+    owns : tuple of str
+        Parameters of Talus that have an effect with it alone: under other motions they are refused.
+    """
+    MOTION.add(name, Motion(description, make, parameters or {}, owns, state))

@@ -7,7 +7,12 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any, TypeVar
 
 from sim.base.additions import add
-from sim.base.require import require_function, require_line, require_one_of, require_unit
+from sim.base.plugins import (
+    require_function,
+    require_line,
+    require_one_of,
+    require_unit,
+)
 from sim.parameters.points import SYSTEMS
 from sim.parameters.variables import (
     OBSERVABLE,

@@ -17,9 +17,8 @@ from pydantic import ValidationError
 
 from sim.base.additions import on_change
 from sim.base.errors import InputError
-from sim.base.messages import allowed_values, input_error, one_of
+from sim.base.messages import add_synonym, allowed_values, input_error, names_meant, one_of
 from sim.base.plugins import load_shipped
-from sim.base.synonyms import add_synonym, names_meant
 from sim.base.yaml import read_yaml
 from sim.parameters.belt import BeltParameters
 from sim.parameters.choices import extended
@@ -27,9 +26,7 @@ from sim.parameters.chute import ChuteParameters
 from sim.parameters.common import Parameters, canonical_number
 from sim.parameters.conveyor import ConveyorParameters
 from sim.parameters.density import DENSITY, doubts, with_mass
-from sim.parameters.engines import ENGINE
-from sim.parameters.laws import LAW
-from sim.parameters.motions import MOTION
+from sim.parameters.laws import ENGINE, LAW, MOTION
 from sim.parameters.roles import (
     Declaration,
     added_parameters,
@@ -38,7 +35,37 @@ from sim.parameters.roles import (
     id_parts,
     numerical_parameters,
 )
-from sim.parameters.synonyms import SYNONYMS
+
+#: Name in Talus -> words for it.
+SYNONYMS = {
+    "amplitude": "A",
+    "angle": "inclination slope tilt",
+    "average": "averaging_time duration length",
+    "beads": "n_beads n_particles number_of_particles particles",
+    "cell": "box domain periodic_length",
+    "colour": "c color hue value values z",
+    "curves": "by hue line lines plot",
+    "damping": "damping_coefficient viscosity",
+    "depth": "height layers",
+    "diameter": "d grain_size particle_size radius size",
+    "distribution": "hist histogram",
+    "friction": "coefficient_of_friction friction_coefficient",
+    "frequency": "freq hz omega",
+    "gravity": "acceleration_of_gravity",
+    "law": "contact contact_law contact_model force_law force_model",
+    "map": "contour heat_map heatmap phase_diagram",
+    "mass": "particle_mass",
+    "panels": "col facet facets row subplots",
+    "profiles": "profile",
+    "replicates": "repeats repetitions runs seeds",
+    "restitution": "coefficient_of_restitution cor elasticity",
+    "stiffness": "k kn spring spring_constant",
+    "time_series": "series timeseries",
+    "transient": "burn_in spin_up warm_up warmup",
+    "velocity": "flow_rate mean_velocity speed v",
+    "width": "belt_width",
+}
+
 
 SYSTEMS: dict[str, type[Parameters]] = {
     "chute": ChuteParameters,

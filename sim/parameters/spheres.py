@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from sim.base.additions import attribute_errors_to, plain_name
 from sim.base.plugins import module_names
-from sim.parameters import fields
+from sim.parameters import roles
 from sim.parameters.common import CHOICES, MAX_PARTICLES, Parameters, Real, broken_rule
 from sim.parameters.images import largest_diameter, usual_cell, wider_cell
 from sim.parameters.roles import declare, numerics, reading
@@ -138,9 +138,7 @@ class SphereParameters(Parameters):
         equation="Walton, Eq. 1",
         gt=0,
     )
-    shear_damping: Real = fields.shear_damping(
-        "shear friction coefficient of law: drag", added=True
-    )
+    shear_damping: Real = roles.shear_damping("shear friction coefficient of law: drag", added=True)
     attraction: Literal["kept", "clipped"] = declare(
         "kept",
         description="a dashpot that would pull at the end of a contact does so, or the normal "
@@ -222,7 +220,7 @@ class SphereParameters(Parameters):
         equation="Walton, Sec. 3: various degrees of roughness",
         added=True,
     )
-    gravity: Real = fields.gravity(9.8, "Walton, Sec. 3")
+    gravity: Real = roles.gravity(9.8, "Walton, Sec. 3")
     initial_packing: Real = numerics(
         0.32,
         symbol="φ0",
@@ -255,7 +253,7 @@ class SphereParameters(Parameters):
         equation="Walton, Figs. 1.1-1.6",
         ge=0.01,
     )
-    stress_profiles: bool = fields.extra(
+    stress_profiles: bool = roles.extra(
         "also keep profiles of stress, spin and slip, and how the profiles change with time",
         compiled=True,
     )

@@ -10,8 +10,8 @@ import numpy as np
 import xarray as xr
 
 from sim.base.seals import checked_read, parse_sealed_json
-from sim.claims.readings import combined_readings, is_regridded, reading_label
-from sim.dataset.caveats import UNSOUND_SHARE
+from sim.claims.evidence import combined_readings, is_regridded, reading_label
+from sim.dataset.replicates import UNSOUND_SHARE
 from sim.dataset.results import Results
 from sim.parameters import SYSTEMS
 from sim.parameters.roles import reading_parameters as parameters_of

@@ -9,9 +9,9 @@ import numpy as np
 import xarray as xr
 
 from sim.base.errors import InputError
+from sim.claims.evidence import reading_label, readings_of
 from sim.claims.judge import judge
 from sim.claims.judgement import Judgement
-from sim.claims.readings import reading_label, readings_of
 from sim.dataset.results import Results, load_current
 from sim.study.command import run_with_signals, snakemake_command
 from sim.study.extra_amounts import ExtraAmounts, read_extra_amounts, write_extra_amounts

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from statistics import median
 
-from sim.base.words import count_text
+from sim.base.errors import count_text
 from sim.parameters import Parameters
 from sim.study.model import Study
 

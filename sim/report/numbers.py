@@ -9,7 +9,7 @@ from typing import Any
 import jinja2
 from uncertainties import ufloat
 
-from sim.base.words import duration, percent
+from sim.base.errors import duration, percent
 
 #: Relative width of an interval below which it does not set the digits of its value.
 _EXACT = 1e-4

@@ -9,10 +9,9 @@ from typing import Any
 
 import psutil
 
-from sim.base.errors import InputError
+from sim.base.errors import InputError, count_text, duration
 from sim.base.files import require_writable
 from sim.base.program import program
-from sim.base.words import count_text, duration
 from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.run_file import require_start_files
 from sim.engine.shared_runs import SharedRun, describe, find_runs

@@ -12,19 +12,18 @@ import pandas as pd
 import xarray as xr
 from pydantic import ValidationError
 
-from sim.base.errors import Allowed, InputError
+from sim.base.errors import Allowed, InputError, count_text, printable
 from sim.base.messages import input_error, one_of
-from sim.base.words import count_text, printable
 from sim.dataset import results as datasets
 from sim.dataset.results import require_known_options
 from sim.figures.caption import first_clause
 from sim.parameters import NUMERICAL, SYSTEMS, Parameters, parse_point
 from sim.parameters.variables import mask_failed
 from sim.study.feed import plot_entry
-from sim.study.figure_spec import FigureSpec, written
 from sim.study.model import Point
 from sim.study.plot_contents import PlotContents
 from sim.study.plot_file import PlotFile
+from sim.study.plot_kinds import FigureSpec, written
 from sim.study.plottable import find_observable, numbers
 from sim.surrogates.caveats import answer_name, caveats_in, sentence
 from sim.surrogates.refusals import refusal_in

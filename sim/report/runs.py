@@ -8,10 +8,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from sim.dataset.caveats import UNSOUND_SHARE
-from sim.dataset.replicates import outcomes
+from sim.dataset.replicates import UNSOUND_SHARE, outcomes
 from sim.dataset.results import Results
-from sim.figures.quantity import label_with_unit
+from sim.figures.data import label_with_unit
 from sim.parameters import SYSTEMS, Parameters, default_of, field_info
 from sim.parameters.roles import amount_parameters
 from sim.parameters.variables import VARIABLES

@@ -15,20 +15,19 @@ import xarray as xr
 from scipy.stats import combine_pvalues
 
 from sim.base.additions import plain_name
-from sim.base.errors import InputError
+from sim.base.errors import InputError, count_text
 from sim.base.messages import one_of
 from sim.base.plugins import VARIABLE
 from sim.base.statistics import CONFIDENCE, student
-from sim.base.words import count_text
 from sim.dataset.compare import Mean, Pair, mean_of, read_side
 from sim.dataset.results import load_current
 from sim.parameters import Parameters, canonical_values, point_id
-from sim.parameters.engines import engine_of
+from sim.parameters.laws import engine_of
 from sim.report.numbers import value_with_interval
 from sim.report.points import align_table
+from sim.study.extra_amounts import OWN, other_engines, twins
 from sim.study.load import load_study
 from sim.study.model import Study
-from sim.study.twins import OWN, other_engines, twins
 
 #: What is compared, and the numbers of a replicate that its interval takes.
 QUANTITIES = ("velocity", "velocity_half_width", "independent_samples")

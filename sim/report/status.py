@@ -15,7 +15,7 @@ import psutil
 from sim.base.files import is_of_system
 from sim.base.seals import UNREADABLE
 from sim.dataset.adopted import AdoptedPoint, AdoptedPoints
-from sim.dataset.caveats import caveat_of_run
+from sim.dataset.replicates import caveat_of_run
 from sim.dataset.rounds import points_of_rounds, rounds_to_come
 from sim.dataset.run_file import summary_of
 from sim.engine.identity import NUMERICS, numerics_of
@@ -24,9 +24,14 @@ from sim.engine.shared_runs import SharedRun, find_runs
 from sim.engine.stored_run import has_enough
 from sim.parameters import Parameters, amounts, point_id
 from sim.study.cost import PROCESS_TIME, estimate
-from sim.study.extra_amounts import ExtraAmounts, read_extra_amounts, with_extra_amounts
+from sim.study.extra_amounts import (
+    ExtraAmounts,
+    other_engines,
+    read_extra_amounts,
+    twins,
+    with_extra_amounts,
+)
 from sim.study.load import Study
-from sim.study.twins import other_engines, twins
 from sim.surrogates.answers import summary_lines
 
 STATES = ("done", "failed", "adopted", "running", "interrupted", "waiting")

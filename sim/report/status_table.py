@@ -8,8 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from sim.base.errors import InputError
-from sim.base.words import count_text, duration, printable
+from sim.base.errors import InputError, count_text, duration, printable
 from sim.engine.shared_runs import describe
 from sim.report.points import align_table
 from sim.report.status import ENDED_STATES, PointStatus, StudyStatus, survey

@@ -11,9 +11,8 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from sim.base.errors import InputError
+from sim.base.errors import InputError, duration
 from sim.base.plugins import NOTICE
-from sim.base.words import duration
 from sim.report.status import survey
 from sim.report.status_table import as_text
 from sim.study.cost import estimate

@@ -5,11 +5,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from sim.study.calibration import CalibrationSpec
 from sim.study.catalogue import FIGURES
 from sim.study.file import StudyFile
 from sim.study.model import Study
 from sim.study.questions import Question, SurrogateQuestion
+from sim.study.surrogate import CalibrationSpec
 from sim.study.surrogate_questions import CalibrationQuestion, SensitivityQuestion
 
 #: Keys of study files, with the attribute of a study that holds their questions. Those of

@@ -14,17 +14,17 @@ from sim.base.yaml import read_yaml
 from sim.parameters import SYSTEMS
 from sim.parameters.common import broken_rule
 from sim.study.entries import Strict, Text
-from sim.study.figure_spec import (
+from sim.study.papers import Paper, papers
+from sim.study.plot_file import PlotFile
+from sim.study.plot_kinds import (
     CREEP,
     LARGEST_PORTION,
     SHARE,
     TALLEST,
     WIDEST_INTERVAL,
     FigureSpec,
+    kinds,
 )
-from sim.study.papers import Paper, papers
-from sim.study.plot_file import PlotFile
-from sim.study.plot_kinds import kinds
 from sim.study.plottable import find_observable, require_parameter
 
 #: Keys of the figures of all kinds.

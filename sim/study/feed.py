@@ -7,21 +7,18 @@ from typing import Any
 
 from sim.base.errors import InputError
 from sim.base.messages import one_of
-from sim.parameters import (
-    NUMERICAL,
-    SYSTEMS,
-    Parameters,
-    canonical_number,
-    field_info,
-    roles,
-)
+from sim.parameters import NUMERICAL, SYSTEMS, Parameters, canonical_number, field_info, roles
 from sim.study.catalogue import FIGURES
-from sim.study.figure_spec import FigureSpec, written
 from sim.study.file import StudyFile
 from sim.study.model import Point, Study
-from sim.study.plot_contents import PlotContents, same_plane, varying_parameters
-from sim.study.plot_kinds import plugin_code
-from sim.study.plot_texts import caption_lead, default_title
+from sim.study.plot_contents import (
+    PlotContents,
+    caption_lead,
+    default_title,
+    same_plane,
+    varying_parameters,
+)
+from sim.study.plot_kinds import FigureSpec, plugin_code, written
 
 
 def feed(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:

@@ -11,8 +11,7 @@ from typing import Any
 
 from sim.base.errors import Allowed, InputError
 from sim.base.files import open_regular
-from sim.base.messages import did_you_mean
-from sim.base.units import conversion
+from sim.base.messages import conversion, did_you_mean
 
 #: Pattern of the name of such a file, and what is allowed, for messages: it is published with the
 #: study, so it lies in the folder of the study file.

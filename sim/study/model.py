@@ -9,14 +9,11 @@ from typing import Any, NamedTuple
 
 from sim.base.additions import Plugin
 from sim.parameters import Parameters
-from sim.study.calibration import CalibrationSpec
 from sim.study.design import Axis, Design
 from sim.study.entries import DecideFile
-from sim.study.figure_spec import FigureSpec
-from sim.study.plot_kinds import Shown
+from sim.study.plot_kinds import FigureSpec, Shown
 from sim.study.refine import further_rounds
-from sim.study.sensitivity import SensitivitySpec
-from sim.study.surrogate import MOST_ROUNDS, SurrogateSpec
+from sim.study.surrogate import MOST_ROUNDS, CalibrationSpec, SensitivitySpec, SurrogateSpec
 
 
 class Need(NamedTuple):

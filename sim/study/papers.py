@@ -16,8 +16,7 @@ from pydantic import Field, ValidationError
 from sim.base.additions import add, additions, shipped
 from sim.base.errors import InputError
 from sim.base.messages import input_error
-from sim.base.plugins import module_names
-from sim.base.require import require_one_of
+from sim.base.plugins import module_names, require_one_of
 from sim.base.yaml import read_yaml
 from sim.parameters import SYSTEMS
 from sim.parameters.laws import LAW

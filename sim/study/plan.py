@@ -12,12 +12,10 @@ from typing import Any, Protocol
 from filelock import FileLock, Timeout
 
 from sim.base.errors import InputError
-from sim.base.files import atomic_write, lock_of, read_regular
-from sim.base.times import age
+from sim.base.files import age, atomic_write, lock_of, read_regular
 from sim.parameters import RUN_FILE, Parameters, canonical_json
-from sim.parameters.engines import engine_of
-from sim.study.batches import plan_batches
-from sim.study.cost import Estimate, estimate
+from sim.parameters.laws import engine_of
+from sim.study.cost import Estimate, estimate, plan_batches
 from sim.study.load import load_study
 from sim.study.model import Study
 

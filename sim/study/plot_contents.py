@@ -1,6 +1,6 @@
 """What a plot shows of a study: points, observables, parameters on its axes."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
@@ -9,12 +9,10 @@ from typing import Any
 from sim.base.errors import Allowed, InputError
 from sim.base.messages import near
 from sim.parameters import NUMERICAL, SYSTEMS, Parameters, field_info
-from sim.study.beside import DataSet, data_sets
-from sim.study.figure_spec import written
-from sim.study.measured import PURE
+from sim.study.measured import PURE, MeasuredTable, read_measured
 from sim.study.model import Point
-from sim.study.plot_file import PlotFile
-from sim.study.plot_kinds import REGIME
+from sim.study.plot_file import MAX_MAGNITUDE, BesideFile, PlotFile, allowed_on_logarithmic
+from sim.study.plot_kinds import REGIME, written
 from sim.study.plottable import (
     Observable,
     every_name,
@@ -22,6 +20,77 @@ from sim.study.plottable import (
     require_parameter,
     require_stored,
 )
+
+#: Label; points (x, y), or (x, y, error of y), in the units of the plot; whether a line joins them.
+DataSet = tuple[str, tuple[tuple[float, ...], ...], bool]
+
+
+def data_sets(plot: PlotFile, folder: Path, unit_on: Callable[[str], str]) -> tuple[DataSet, ...]:
+    """Return the data beside a plot.
+
+    Parameters
+    ----------
+    plot : PlotFile
+        The plot.
+    folder : Path
+        Folder of its files.
+    unit_on : callable
+        Function: axis, ``"x"`` or ``"y"`` → its unit as UDUNITS reads it; empty for a natural one.
+
+    Raises
+    ------
+    InputError
+        For a file that cannot be read, and for columns and numbers that cannot be drawn.
+    """
+    return tuple(
+        (data.name, _points(plot, data, folder, unit_on), data.line) for data in plot.beside or ()
+    )
+
+
+def _points(
+    plot: PlotFile, data: BesideFile, folder: Path, unit_on: Callable[[str], str]
+) -> tuple[tuple[float, ...], ...]:
+    """Return the points of one data set."""
+    if data.points:
+        return tuple(map(tuple, data.points))
+    table = read_measured(folder / data.file)
+    columns = [_column(plot, table, axis, getattr(data, axis), unit_on(axis)) for axis in "xy"]
+    if data.yerr:
+        columns.append(_errors(table, data.yerr, unit_on("y")))
+    if data.line and len(table.lines) < 2:
+        raise InputError.of_value(table.path, "", "1 row", "at least two rows for a line")
+    return tuple(zip(*columns, strict=True))
+
+
+def _column(
+    plot: PlotFile, table: MeasuredTable, axis: str, name: str, unit: str
+) -> tuple[float, ...]:
+    """Return the numbers of a column on an axis with a unit."""
+    table.require_column(name, f"for the axis {axis}")
+    _require_no_unit(table, name, unit)
+    allowed = (
+        allowed_on_logarithmic(axis)
+        if axis in plot.log
+        else f"a number of size up to {MAX_MAGNITUDE:g}"
+    )
+    low = plot.least(axis)
+    return table.numbers(name, unit or PURE, low=low, high=MAX_MAGNITUDE, allowed=allowed)
+
+
+def _errors(table: MeasuredTable, name: str, unit: str) -> tuple[float, ...]:
+    """Return the numbers of a column of errors."""
+    table.require_column(name, "the errors of y")
+    _require_no_unit(table, name, unit)
+    allowed = f"an error in [0, {MAX_MAGNITUDE:g}]"
+    return table.numbers(name, unit or PURE, low=0, high=MAX_MAGNITUDE, allowed=allowed)
+
+
+def _require_no_unit(table: MeasuredTable, name: str, unit: str) -> None:
+    """Raise ``InputError`` where a heading has a unit, but the axis a natural one."""
+    if table.units[name] and not unit:
+        allowed = "no unit, for a plot with units: natural"
+        raise InputError.of_value(table.path, f"unit of column {name}", table.units[name], allowed)
+
 
 #: Maximum number of panels of a plot.
 MAX_PANELS = 12
@@ -282,3 +351,62 @@ def in_words(names: Iterable[str]) -> str:
     """Return names as a list in words: ``a``, ``a and b``, ``a, b and c``."""
     *first, last = [*names] or [""]
     return f"{', '.join(first)} and {last}" if first else last
+
+
+#: Most parameters that a title names.
+_MOST_NAMED = 3
+
+
+def default_title(contents: PlotContents) -> str:
+    """Return the default title of a plot, such as ``Velocity against friction, by angle``."""
+    plot = contents.plot
+    vertical, horizontal = _y_then_x(contents)
+    what = plot.keys.what.format(name_in_words(vertical.name)) if vertical else "regimes"
+    names = [horizontal.name] if horizontal else contents.axes
+    if len(names) > _MOST_NAMED:
+        over = plot.keys.over.format(f"{len(names)} parameters")
+    else:
+        over = _over_phrase(plot, list(map(name_in_words, names)), horizontal)
+    colour = [] if plot.keys.observable == "colour" else [plot.colour]
+    groups = [name for name in (*(plot.curves or []), *colour, plot.panels) if name]
+    title = f"{what} {over}" + (f", by {in_words(map(name_in_words, groups))}" if groups else "")
+    return title[0].upper() + title[1:]
+
+
+def caption_lead(contents: PlotContents) -> str:
+    """Return the first sentence of the caption of a plot."""
+    plot, system = contents.plot, contents.system
+    vertical, horizontal = _y_then_x(contents)
+    what = (
+        f"{name_in_words(vertical.name).capitalize()}: {vertical.meaning}"
+        if vertical
+        else "Regimes"
+    )
+    against = (
+        [f"{name_in_words(horizontal.name)} ({horizontal.meaning})"]
+        if horizontal
+        else [parameter_phrase(system, name) for name in contents.axes]
+    )
+    parts = [f"{what}, {_over_phrase(plot, against, horizontal)}"]
+    if plot.curves:
+        parts.append("curves: " + ", ".join(parameter_phrase(system, name) for name in plot.curves))
+    if plot.colour and plot.keys.observable != "colour":
+        coloured = contents.coloured
+        colour = parameter_phrase(system, coloured) if coloured else name_in_words(plot.colour)
+        parts.append(f"colour: {colour}")
+    if plot.panels:
+        parts.append(f"panels: {parameter_phrase(system, plot.panels)}")
+    return "; ".join(parts) + "."
+
+
+def _y_then_x(contents: PlotContents) -> tuple[Observable | None, Observable | None]:
+    """Return both observables as (y, x)."""
+    observable, second = contents.observable, contents.second
+    is_turned = second and contents.plot.keys.second == "y"
+    return (second, observable) if is_turned else (observable, second)
+
+
+def _over_phrase(plot: PlotFile, names: list[str], horizontal: Observable | None) -> str:
+    """Return the part of a title that begins with "over" or "against"."""
+    pattern = plot.keys.over if horizontal is None else "against {}"
+    return pattern.format(in_words(names))

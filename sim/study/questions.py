@@ -10,10 +10,10 @@ from sim.base.errors import Allowed, InputError
 from sim.parameters import NUMERICAL
 from sim.parameters.forms import require_observables
 from sim.study.design import Axis, Design
-from sim.study.figure_spec import FigureSpec
 from sim.study.file import BoundaryFile, SeriesFile, StudyFile
 from sim.study.model import Point, Study
 from sim.study.plot_contents import name_in_words, parameter_phrase
+from sim.study.plot_kinds import FigureSpec
 from sim.study.plottable import Observable, find_observable, numbers, require_stored
 from sim.study.surrogate import MOST_POINTS, SurrogateFile, SurrogateSpec, fewest_points
 

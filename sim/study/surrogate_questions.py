@@ -4,21 +4,27 @@ from collections.abc import Iterator
 from typing import Any
 
 from sim.base.additions import plain_name
-from sim.base.errors import Allowed, InputError
+from sim.base.errors import Allowed, InputError, count_text
 from sim.base.messages import did_you_mean, one_of
-from sim.base.words import count_text
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.common import CHOICES
 from sim.parameters.density import DENSITY
-from sim.study.calibration import MOST_MEASUREMENTS, CalibrateFile, CalibrationSpec
 from sim.study.design import Axis, block_size
-from sim.study.figure_spec import FigureSpec
 from sim.study.measured import PURE, MeasuredTable, read_measured
 from sim.study.plot_contents import name_in_words
+from sim.study.plot_kinds import FigureSpec
 from sim.study.plottable import find_observable, numbers
 from sim.study.questions import Question
-from sim.study.sensitivity import FEWEST_BLOCKS, SensitivityFile, SensitivitySpec
-from sim.study.surrogate import COUNTED, SurrogateSpec
+from sim.study.surrogate import (
+    COUNTED,
+    FEWEST_BLOCKS,
+    MOST_MEASUREMENTS,
+    CalibrateFile,
+    CalibrationSpec,
+    SensitivityFile,
+    SensitivitySpec,
+    SurrogateSpec,
+)
 
 #: Least error and largest number of a measurement.
 _TINY, _HUGE = 1e-100, 1e100

@@ -14,7 +14,7 @@ from sim.base.messages import input_error
 from sim.parameters import AMOUNTS, SYSTEMS, Parameters, roles
 from sim.parameters.density import DENSITY
 from sim.study.catalogue import FIGURES
-from sim.study.design_file import DesignFile, Distribution, Over, read_values
+from sim.study.design import DesignFile, Distribution, Over, read_values
 from sim.study.entries import (
     Lists,
     Override,

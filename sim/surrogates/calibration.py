@@ -8,9 +8,9 @@ import netCDF4
 import numpy as np
 import xarray as xr
 
+from sim.base.errors import percent
 from sim.base.files import atomic_write
 from sim.base.seals import append_summary, checked_read, seal
-from sim.base.words import percent
 from sim.surrogates.caveats import KEY, caveats_of_posterior
 from sim.surrogates.posterior import (
     LEAST_PROBABILITY,

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from sim.base.errors import count_text, percent, printable
 from sim.base.seals import read_summary
-from sim.base.words import count_text, percent, printable
 from sim.study.surrogate import LARGE_ERROR, SLOWING
 
 if TYPE_CHECKING:

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from sim.base.errors import percent
 from sim.base.statistics import MANY, student
-from sim.base.words import percent
 from sim.surrogates.caveats import EVEN
 from sim.surrogates.fits import LENGTHS
 from sim.surrogates.index_table import require_spread, shares_of, tabulate, with_doubts

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from sim.base.errors import percent
 from sim.base.statistics import student
-from sim.base.words import percent
-from sim.study.sensitivity import FEWEST_BLOCKS
+from sim.study.surrogate import FEWEST_BLOCKS
 from sim.surrogates.index_table import require_spread, shares_of, tabulate, with_doubts
 from sim.surrogates.refusals import Refusal
 

@@ -7,15 +7,13 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from sim.base.words import percent
-from sim.dataset.observed import replicate_values
+from sim.base.errors import percent
+from sim.dataset.replicates import replicate_values
 from sim.dataset.results import Results
 from sim.parameters import point_id
-from sim.study.calibration import CalibrationSpec
 from sim.study.design import Design
 from sim.study.plottable import numbers
-from sim.study.sensitivity import SensitivitySpec
-from sim.study.surrogate import LARGE_ERROR, SurrogateSpec
+from sim.study.surrogate import LARGE_ERROR, CalibrationSpec, SensitivitySpec, SurrogateSpec
 from sim.surrogates import calibration, tables
 from sim.surrogates.caveats import caveats_of_indices, caveats_of_points, with_caveats
 from sim.surrogates.fitting import fit_surrogate

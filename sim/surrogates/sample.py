@@ -8,8 +8,7 @@ import numpy as np
 import xarray as xr
 
 from sim.base.errors import InputError
-from sim.dataset.observed import replicate_values
-from sim.dataset.replicates import SCALARS, answering_regime, outcomes
+from sim.dataset.replicates import SCALARS, answering_regime, outcomes, replicate_values
 from sim.dataset.results import Results
 from sim.parameters import NUMERICAL, SYSTEMS
 from sim.study.design import Axis

@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from sim.base.errors import InputError
+from sim.base.errors import InputError, percent
 from sim.base.files import atomic_write
 from sim.base.seals import append_summary, checked_read, seal
-from sim.base.words import percent
 from sim.parameters.forms import forms
 from sim.study.design import Axis
 from sim.surrogates.caveats import KEY

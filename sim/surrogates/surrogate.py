@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from sim.base.errors import InputError
+from sim.base.errors import InputError, percent
 from sim.base.messages import one_of
 from sim.base.statistics import MANY, student
-from sim.base.words import percent
 from sim.study.design import Axis
 from sim.surrogates.caveats import KEY, caveats_of_axes, caveats_of_mean, caveats_of_places, joined
 from sim.surrogates.predictor import counted_probability

@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from sim.base.times import (
+from sim.base.files import (
     YEAR_2000,
     age,
     correct_future_times,

@@ -4,7 +4,7 @@ from math import pi
 
 import pytest
 
-from sim.base.units import conversion
+from sim.base.messages import conversion
 
 
 @pytest.mark.parametrize(

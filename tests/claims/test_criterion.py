@@ -8,8 +8,7 @@ import pytest
 from pydantic import ValidationError
 
 from sim.base.statistics import CONFIDENCE
-from sim.claims.claim import Claim, claims
-from sim.claims.criterion import fill
+from sim.claims.claim import Claim, claims, fill
 from sim.measures import layers
 from sim.measures.belt import EARLY_CYCLES, FAR_DISTANCE
 from sim.measures.chute import MIN_BONDS

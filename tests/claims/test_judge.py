@@ -11,18 +11,18 @@ import pytest
 from sim.claims import judge
 from sim.claims.checks import above
 from sim.claims.claim import Number, claims
-from sim.claims.evidence import Evidence
-from sim.claims.judge import _variants
-from sim.claims.judgement import MODEL, Judgement, Variant
-from sim.claims.points import Points
-from sim.claims.readings import (
+from sim.claims.evidence import (
     DEFAULT,
     GRID,
+    Evidence,
     combined_readings,
     model_readings,
     reading_label,
     readings_of,
 )
+from sim.claims.judge import _variants
+from sim.claims.judgement import MODEL, Judgement, Variant
+from sim.claims.place import Points
 from sim.claims.verdict import (
     INCONCLUSIVE,
     NOT_REPRODUCED,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.claims.trends import mean_of_others, smallest_mean
+from sim.claims.inference import mean_of_others, smallest_mean
 from tests.made.results import spread
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from sim.base.additions import shipped
 from sim.base.errors import InputError
-from sim.claims.contacts import contact_path
+from sim.claims.experiments import contact_path
 from sim.engine.contact import Partners, law_of
 from sim.engine.contact.friction import memory_size
 from sim.engine.contact.functions import PartnerLaw

@@ -6,7 +6,7 @@
 import numpy as np
 import pytest
 
-from sim.claims.contacts import contact_path
+from sim.claims.experiments import contact_path
 from sim.engine.contact import Partners, law_of
 from sim.engine.contact.functions import PartnerLaw
 from tests.conformance.test_laws import FRICTION, point_of, with_property

@@ -11,7 +11,7 @@ from sim.engine.states import pack, unpack
 from sim.engine.systems import build
 from sim.engine.systems.start import vibration as belt_vibration
 from sim.parameters import Parameters, parse_point, require_compatible_source
-from sim.parameters.motions import MOTION
+from sim.parameters.laws import MOTION
 from tests.conformance import names_of
 from tests.engine_motion.helpers import belt_states
 from tests.engine_motion.points import energy_residual, series_of

@@ -8,8 +8,7 @@ import pytest
 import xarray as xr
 
 from sim.base.errors import InputError
-from sim.dataset.build import build
-from sim.dataset.combine import profiles
+from sim.dataset.build import build, profiles
 from sim.dataset.gather import column_means, read_run
 from sim.dataset.results import load_results
 from sim.dataset.rows import OF_PROFILES, STATE_VARIABLES, Rows, align_rows

@@ -6,9 +6,16 @@ import pytest
 import xarray as xr
 
 from sim.base.statistics import student_half_width
-from sim.dataset.caveats import UNSOUND_SHARE, caveat, caveat_of_run, layer_orders
 from sim.dataset.gather import measures, read_run
-from sim.dataset.replicates import mean_interval, outcome, pooled_half_width
+from sim.dataset.replicates import (
+    UNSOUND_SHARE,
+    caveat,
+    caveat_of_run,
+    layer_orders,
+    mean_interval,
+    outcome,
+    pooled_half_width,
+)
 from sim.dataset.run_file import RunFile, summary_of
 from sim.parameters import BeltParameters, ChuteParameters, ConveyorParameters, amounts
 from sim.report.info import describe

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from sim.figures.several import draw_figures
+from sim.figures.render import draw_figures
 from sim.report import page, run_page
 from sim.study.load import load_study
 from tests.made.figures import make_figures

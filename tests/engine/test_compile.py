@@ -11,8 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from sim.engine.calls import address_of, call, call_directly, kind_of
-from sim.engine.compile import exact, kernel, numba
+from sim.engine.compile import address_of, call, call_directly, exact, kernel, kind_of, numba
 from sim.engine.identity import COMPILED_PARTS, ENGINE_PARTS, PACKAGE, source_files, source_hash
 from sim.engine.systems import build
 from tests.engine_motion.helpers import appended, gathered_sums
@@ -28,7 +27,7 @@ system.sample(1, profiles=True)
 
 CONTACT = """
 import numpy as np
-from sim.claims.contacts import contact_path
+from sim.claims.experiments import contact_path
 from sim.engine.contact.walton_braun import walton_braun
 contact_path(walton_braun(100.0, 0.8, 0.4), np.ones(1), np.ones((1, 3)), np.ones((1, 3)))
 """

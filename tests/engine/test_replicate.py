@@ -9,7 +9,7 @@ import xarray as xr
 
 from sim.__main__ import main
 from sim.base.errors import InputError
-from sim.engine.dynamics.status import BlowUp
+from sim.engine.dynamics.cells import BlowUp
 from sim.engine.replicate import Replicate
 from sim.engine.run import BLOW_UP_CODE, run_point
 from sim.engine.states import States, pack, unpack

@@ -11,7 +11,7 @@ import pytest
 
 from sim.__main__ import main
 from sim.engine.identity import NUMERICS, source_hash
-from sim.engine.observe import estimate
+from sim.engine.observe import regime
 from sim.engine.run import BLOW_UP_CODE, run_point
 from sim.parameters import as_yaml, canonical_values, field_info, parse_point, point_id
 from sim.parameters.variables import recorded_by
@@ -103,7 +103,7 @@ def test_scalars_are_the_averages_of_the_series(ran):
     assert file["velocity"][:] == pytest.approx(velocity.mean(axis=1), rel=1e-12)
     assert file["max_overlap"][:] == pytest.approx(file["largest_overlap"][:].max(axis=1))
     period = point.samples_per_cycle if point.system == "belt" else 1
-    interval = estimate.mean(estimate.cycle_means(velocity[0], period))
+    interval = regime.mean(regime.cycle_means(velocity[0], period))
     for scalar in ("error", "half_width"):
         found = file[f"velocity_{scalar}"][0]
         assert found == pytest.approx(getattr(interval, scalar), rel=1e-9, nan_ok=True)

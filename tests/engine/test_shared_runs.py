@@ -7,9 +7,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from sim.base.files import file_lock
+from sim.base.files import YEAR_2000, age, file_lock
 from sim.base.seals import append_summary, seal
-from sim.base.times import YEAR_2000, age
 from sim.engine import stored_run
 from sim.engine.identity import NUMERICS
 from sim.engine.shared_runs import describe, find_runs, take_runs

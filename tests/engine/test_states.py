@@ -21,7 +21,7 @@ from sim.engine.command import warm
 from sim.engine.replicate import Replicate, stored_replicate
 from sim.engine.run import run_point
 from sim.engine.states import SHARE, States, checkpoint_interval, pack, unpack
-from sim.engine.systems import settled
+from sim.engine.systems import start
 from sim.parameters import Parameters, canonical_values
 from tests.engine_motion.points import belt_point, chute_point, pause_within_samples
 from tests.golden import contents, digest
@@ -160,7 +160,7 @@ class SamplingKeeper:
 def test_a_bed_that_has_not_settled_yet_goes_on_where_it_was(monkeypatch):
     point = POINTS["belt shaken before"]
     pause_within_samples(monkeypatch, point)
-    settled.beds.clear()
+    start.beds.clear()
     keeper = SamplingKeeper()
     whole = Replicate(point, 0).run(lambda steps: None, keeper)
     assert {state["told.stage"] for state in keeper.states} == {"falling", "shaken before"}

@@ -3,7 +3,7 @@
 import numpy as np
 
 from sim.engine.boundary.belt import Belt, Obstacle
-from sim.engine.calls import address_of
+from sim.engine.compile import address_of
 from sim.engine.contact.damping import SpringDamping
 from sim.engine.dynamics.cells import make_box
 from sim.engine.dynamics.disks import Gear, make_disks

@@ -11,12 +11,10 @@ import numpy as np
 from sim.engine.boundary.belt import belt_state
 from sim.engine.compile import FASTMATH, append_negative, assume_no_alias, kernel
 from sim.engine.contact.damping import SpringDamping, disk_force, spring_damping
-from sim.engine.contact.friction import blank_memory, contact_force
-from sim.engine.contact.roots import cube_root, inverse_square_root
+from sim.engine.contact.friction import blank_memory, contact_force, cube_root, inverse_square_root
 from sim.engine.contact.walton_braun import WaltonBraun, walton_braun
-from sim.engine.dynamics.cells import nearest_image
+from sim.engine.dynamics.cells import LIST_FULL, OK, nearest_image
 from sim.engine.dynamics.disks import CORRECTORS, Gear, correct, flush, predict
-from sim.engine.dynamics.status import LIST_FULL, OK
 from sim.engine.dynamics.team import barrier
 
 #: The chute's spheres and the belt's mean bead, SI.

@@ -3,9 +3,8 @@
 import numpy as np
 
 from sim.engine.dynamics import neighbors
-from sim.engine.dynamics.cells import make_box
+from sim.engine.dynamics.cells import OK, make_box
 from sim.engine.dynamics.neighbors import empty_pair_list
-from sim.engine.dynamics.status import OK
 from tests.engine_motion.helpers import all_pairs, compiled, listed_pairs, pair_names
 
 refresh = compiled(neighbors.refresh)

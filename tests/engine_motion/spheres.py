@@ -6,7 +6,7 @@ import numpy as np
 
 from sim.engine.boundary.drive import Gravity
 from sim.engine.boundary.plane import make_plane
-from sim.engine.calls import address_of, kind_of
+from sim.engine.compile import address_of, kind_of
 from sim.engine.contact.friction import enlarge_memory, make_memory
 from sim.engine.dynamics.cells import make_box
 from sim.engine.dynamics.neighbors import double_room, empty_pair_list

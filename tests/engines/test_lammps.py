@@ -13,13 +13,12 @@ import pytest
 import yaml
 
 from sim.base.errors import InputError
-from sim.engine.dynamics.status import BlowUp
-from sim.engine.flatten import flatten, refill
+from sim.engine.dynamics.cells import BlowUp
 from sim.engine.run import run_point
-from sim.engine.states import pack, unpack
+from sim.engine.states import flatten, pack, refill, unpack
 from sim.engine.systems import build
 from sim.parameters import canonical_values, parse_point, point_id
-from sim.parameters.engines import ENGINE, engine_of
+from sim.parameters.laws import ENGINE, engine_of
 from sim.parameters.variables import recorded_by
 from tests.engines.impact import LAMMPS, TALUS, impact
 from tests.made.processes import ROOT, wait_until
@@ -300,7 +299,7 @@ def test_ids_of_before_stay_and_those_of_the_engine_say_it():
 
 
 def test_a_missing_package_is_one_line_with_the_remedy(monkeypatch):
-    monkeypatch.setattr("sim.parameters.engines.find_spec", lambda name: None)
+    monkeypatch.setattr("sim.parameters.laws.find_spec", lambda name: None)
     with pytest.raises(InputError, match=r"pip install 'lammps\[mpi\]'"):
         build(point(), 0)
 

@@ -5,8 +5,8 @@ import pytest
 from matplotlib.lines import Line2D
 
 from sim.base.errors import InputError
-from sim.figures.foreign_data import _MARKERS
 from sim.figures.map import MARKS
+from sim.figures.plot import _MARKERS
 from sim.figures.style import COLOURS, MARKERS
 from sim.study.plot_kinds import find_kind
 from tests.figures.made_plots import drawn

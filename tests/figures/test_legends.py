@@ -3,9 +3,9 @@
 import matplotlib as mpl
 import pytest
 
-from sim.figures.looks import MOST_ENTRIES
 from sim.figures.render import settle
 from sim.figures.style import COLOURS, DASHES, SETTINGS, cycle_style
+from sim.figures.variables import MOST_ENTRIES
 from tests.figures.made_plots import drawn
 from tests.made.results import made_point
 

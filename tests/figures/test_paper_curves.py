@@ -12,9 +12,9 @@ from matplotlib.markers import CARETDOWN, CARETUP
 from sim.base.errors import InputError
 from sim.base.statistics import student_half_width
 from sim.figures.caption import parted
+from sim.figures.data import quantities
 from sim.figures.family import MOST_BARS
 from sim.figures.paper_curves import shown_quantities
-from sim.figures.quantity import quantities
 from sim.figures.style import LONG_DASH, RING, RING_MEANS
 from sim.study.catalogue import FIGURES
 from tests.figures.drawing import dashes, data_of_figure, draw, drawn, picture, table, texts

@@ -10,7 +10,7 @@ import pytest
 from sim.base.errors import InputError
 from sim.base.statistics import student_half_width
 from sim.dataset.results import load_results
-from sim.figures.quantity import scale_of, unit_of
+from sim.figures.data import scale_of, unit_of
 from sim.figures.render import derive_texts, render
 from sim.study.load import load_study
 from sim.study.plot_kinds import find_kind

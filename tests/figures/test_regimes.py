@@ -8,8 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from sim.figures.boundaries import BOUNDARIES, boundary_sentences
-from sim.figures.map import MARKS, _lanes, creeping
+from sim.figures.map import BOUNDARIES, MARKS, _lanes, boundary_sentences, creeping
 from sim.study.catalogue import FIGURES
 from tests.figures import drawing
 from tests.figures.drawing import data_of_figure, picture, texts

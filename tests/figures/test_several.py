@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 
 from sim.base.errors import InputError
-from sim.figures import several
+from sim.figures import render
 from sim.figures.figure_records import RECORD_FILE
-from sim.figures.several import draw_figures
+from sim.figures.render import draw_figures
 from sim.study.catalogue import FIGURES
 
 NAMES = ("gallas_2b", "gallas_6")
@@ -24,7 +24,7 @@ def write_files(spec, dataset_path, folder):
 @pytest.fixture(autouse=True)
 def quick(monkeypatch):
     """Replace the drawing in the processes, which are forks of this one."""
-    monkeypatch.setattr(several, "render", write_files)
+    monkeypatch.setattr(render, "render", write_files)
 
 
 @pytest.fixture

@@ -13,8 +13,8 @@ from sim.figures.data import figure_data
 from sim.figures.figure_records import current_record
 from sim.figures.render import find_spec, render
 from sim.report.results import load
-from sim.study.figure_spec import FigureSpec
 from sim.study.load import load_study
+from sim.study.plot_kinds import FigureSpec
 from sim.study.surrogate import COUNTED
 from sim.surrogates import answers
 from tests.made.results import made_point, made_results

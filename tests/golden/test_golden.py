@@ -10,7 +10,7 @@ from typing import Any, Literal, get_args, get_origin
 import pytest
 
 from sim.engine.states import TERMINATION_CODE, States
-from sim.engine.systems.settled import beds
+from sim.engine.systems.start import beds
 from sim.parameters import SYSTEMS, complete_values
 from tests.engine_motion.points import pause_within_samples
 from tests.golden import (

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from sim.figures.data import FigureData
-from sim.study.figure_spec import FigureSpec
+from sim.study.plot_kinds import FigureSpec
 from sim.surrogates import calibration
 from sim.surrogates.index_table import tabulate
 from sim.surrogates.indices import sobol_indices

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from sim.dataset.build import build
-from sim.figures.several import draw_figures
+from sim.figures.render import draw_figures
 from sim.study.load import load_study
 from tests.made.once import once
 from tests.made.runs import make_regimes, make_study

@@ -15,11 +15,10 @@ from sim.claims.verdict import Check
 from sim.claims.verdict_files import write
 from sim.dataset.results import load_results
 from sim.report.claims import read_claims
-from sim.report.gallery import data_uri
-from sim.report.page import render
+from sim.report.page import data_uri, render
 from sim.study.catalogue import FIGURES
-from sim.study.figure_spec import FigureSpec
 from sim.study.load import load_study
+from sim.study.plot_kinds import FigureSpec
 from sim.study.surrogate import SurrogateSpec
 from sim.surrogates.storage import save
 from tests.made.figures import make_figures

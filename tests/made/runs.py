@@ -11,7 +11,7 @@ import xarray as xr
 
 from sim.base.seals import append_summary, seal
 from sim.dataset.boundaries import added_points
-from sim.dataset.groups import Values
+from sim.dataset.grids import Values
 from sim.engine.identity import NUMERICS
 from sim.engine.observe.force_balance import base_forces
 from sim.parameters import Parameters, amounts, canonical_values, field_info, point_id

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from sim.measures.balance import missing_energy
+from sim.measures.layers import missing_energy
 
 
 def flow(**scalars) -> xr.Dataset:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from sim.measures.plug import STATES, plug_states, spell_statistics
+from sim.measures.layers import STATES, plug_states, spell_statistics
 
 SIZE, GRAVITY = 1e-3, 10.0
 UNIT = np.sqrt(SIZE / GRAVITY)

@@ -10,7 +10,7 @@ from sim.claims.verdict import (
     Untestable,
     combined_verdict,
 )
-from sim.dataset.caveats import CLOSED_SHARE
+from sim.dataset.replicates import CLOSED_SHARE
 from sim.papers.walton.judges.flows import w5, w9, w24, w26
 from tests.made.chute_flows import SLOPE, SPEEDS, base_flows, flow
 from tests.made.judging import checks_of, failed_quantities, headline_bounds, verdict_of

@@ -5,8 +5,8 @@ from functools import partial
 import numpy as np
 import pytest
 
-from sim.claims.contacts import contact_path
-from sim.claims.readings import readings_of
+from sim.claims.evidence import readings_of
+from sim.claims.experiments import contact_path
 from sim.claims.verdict import NOT_REPRODUCED, REPRODUCED, combined_verdict
 from sim.engine.boundary.drive import Gravity
 from sim.engine.contact.walton_braun import walton_braun

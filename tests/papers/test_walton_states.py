@@ -6,7 +6,7 @@ import pytest
 from sim.claims.checks import above
 from sim.claims.evidence import Evidence
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED
-from sim.measures.plug import spell_statistics
+from sim.measures.layers import spell_statistics
 from sim.papers.walton.judges.states import majority_if_mixed, state_lifetime
 from tests.made.chute_flows import PACKING, SIZE, flow, kinked_profile
 from tests.made.results import made_results

@@ -3,10 +3,9 @@
 import pytest
 
 from sim.base.errors import InputError
-from sim.base.messages import MOST_NAMES, near
-from sim.base.synonyms import names_meant
+from sim.base.messages import MOST_NAMES, names_meant, near
 from sim.parameters import SYSTEMS, field_info, parse_point
-from sim.parameters.synonyms import SYNONYMS
+from sim.parameters.points import SYNONYMS
 from sim.study.plot_file import PlotFile
 from sim.study.plot_kinds import study_kinds
 from sim.study.plottable import every_name

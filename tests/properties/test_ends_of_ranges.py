@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from sim.base.errors import InputError
-from sim.engine.dynamics.status import BlowUp
+from sim.engine.dynamics.cells import BlowUp
 from sim.engine.systems import build
 from sim.parameters import SYSTEMS, Parameters, parse_point
 from sim.parameters.roles import declarations

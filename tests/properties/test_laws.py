@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim.claims.contacts import contact_path
+from sim.claims.experiments import contact_path
 from sim.engine.contact.damping import spring_damping
 from sim.engine.contact.walton_braun import walton_braun
 from tests.engine_motion.helpers import (

@@ -8,7 +8,7 @@ import yaml
 
 from sim.base.errors import InputError
 from sim.report import publish
-from sim.report.crate import read_citation, write_crate
+from sim.report.publish import read_citation, write_crate
 from tests.made.processes import ROOT, refusal
 
 ORIGIN = {

@@ -9,7 +9,7 @@ import pytest
 
 from sim.claims.verdict_files import write
 from sim.dataset.build import build as build_dataset
-from sim.figures.several import draw_figures
+from sim.figures.render import draw_figures
 from sim.parameters import ChuteParameters, amounts
 from sim.report.page import build
 from sim.report.publish import publish

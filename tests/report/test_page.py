@@ -14,16 +14,17 @@ from sim.base.seals import DamagedError, parse_sealed_json, to_sealed_json
 from sim.dataset.build import build as build_dataset
 from sim.dataset.results import load_results
 from sim.figures.caption import parted
-from sim.figures.several import draw_figures
+from sim.figures.render import draw_figures
 from sim.report.claims import read_claims
-from sim.report.gallery import (
+from sim.report.page import (
+    build,
     data_uri,
     describe_ranges,
     figure_entry,
     headline_figures,
     relative_link,
+    render,
 )
-from sim.report.page import build, render
 from sim.study.catalogue import FIGURES
 from sim.study.load import load_study
 from tests.made.figures import make_built_regimes, make_figures

@@ -14,8 +14,8 @@ from sim.parameters import parse_point, point_id
 from sim.report.page import build as build_report
 from sim.report.second_opinion import Opinion, ask
 from sim.report.status import survey
+from sim.study.extra_amounts import twin_of, twins
 from sim.study.load import load_study
-from sim.study.twins import twin_of, twins
 from tests.made.processes import ROOT
 
 SHARED = {"law": "spring_dashpot", "depth": 1, "cell": 5, "transient": 2, "average": 4}

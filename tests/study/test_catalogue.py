@@ -14,8 +14,8 @@ from sim.figures.style import NAMED, PATTERNS
 from sim.parameters import SYSTEMS
 from sim.study import catalogue
 from sim.study.catalogue import FIGURES, read_figures
-from sim.study.figure_spec import LARGEST_PORTION, FigureSpec
 from sim.study.papers import Paper
+from sim.study.plot_kinds import LARGEST_PORTION, FigureSpec
 from tests.made.processes import ROOT
 
 

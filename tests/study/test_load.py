@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim.base.errors import InputError
-from sim.base.words import duration
+from sim.base.errors import InputError, duration
 from sim.parameters import BeltParameters, ChuteParameters, parse_point, point_id
 from sim.report.points import as_json, as_table, warnings
 from sim.study.catalogue import FIGURES

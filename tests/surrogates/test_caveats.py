@@ -11,9 +11,9 @@ import pytest
 import sim
 from sim.claims.verdict_files import write as write_claims
 from sim.dataset.build import build as build_dataset
-from sim.figures import render as rendering
+from sim.figures import render
 from sim.figures.plot import message_figure
-from sim.figures.several import draw_figures
+from sim.figures.render import draw_figures
 from sim.report import page
 from sim.report.explorer import explorer_data
 from sim.report.predict import predict
@@ -154,9 +154,9 @@ def test_a_new_kind_of_picture_tells_it_without_knowing(folder, monkeypatch, tmp
     new = PlotKind(
         Keys(), lambda data: message_figure("new"), lambda data: table, lambda data: ["New."]
     )
-    monkeypatch.setattr(rendering, "find_kind", lambda name: new)
-    spec = rendering.find_spec("speed-agreement", _study(folder).plots)
-    rendering.render(replace(spec, name="new"), folder / "dataset.nc", tmp_path)
+    monkeypatch.setattr(render, "find_kind", lambda name: new)
+    spec = render.find_spec("speed-agreement", _study(folder).plots)
+    render.render(replace(spec, name="new"), folder / "dataset.nc", tmp_path)
     for suffix in ("svg", "csv", "caption.txt"):
         assert DOUBT in (tmp_path / f"new.{suffix}").read_text()
 

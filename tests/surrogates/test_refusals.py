@@ -13,7 +13,7 @@ from sim.base.errors import InputError
 from sim.base.seals import DamagedError
 from sim.dataset.build import build
 from sim.dataset.rounds import read_round
-from sim.figures.several import draw_figures
+from sim.figures.render import draw_figures
 from sim.report.predict import predict
 from sim.report.results import load
 from sim.report.status import survey

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from sim.base.rooms import room_hash
+from sim.base.program import room_hash
 from sim.study.catalogue import FIGURES
 from sim.study.load import load_study
 from tests.made.project import copy_tree, planned_jobs, snakemake

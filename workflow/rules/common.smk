@@ -12,8 +12,8 @@ sys.path.insert(0, str(ROOT))
 
 from sim.base.additions import additions, codes
 from sim.base.errors import InputError
-from sim.base.times import correct_future_times, write_start
-from sim.base.rooms import files_hash, room_hash
+from sim.base.files import correct_future_times, write_start
+from sim.base.program import files_hash, room_hash
 from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.rounds import read_round
 from sim.dataset.run_file import require_start_files

@@ -15,7 +15,7 @@ from sim.engine.compile import (
     require_numbers,
 )
 from sim.parameters import Parameters
-from sim.parameters.motions import MOTION
+from sim.parameters.laws import MOTION
 
 #: Parts of a cycle in which the velocity along x of a plug-in's motion is integrated, each by the
 #: rule of Gauss and Legendre with these nodes.
@@ -89,7 +89,7 @@ def _require_sound(motion: NamedTuple) -> None:
 
 
 def shape_of(motion, angle):
-    """Return the result of a motion's function ``state``, see `sim.parameters.motions.motion`."""
+    """Return the result of a motion's function ``state``, see `sim.parameters.laws.motion`."""
     raise NotImplementedError
 
 

@@ -18,14 +18,15 @@ from sim.engine.compile import (
     typing_error,
 )
 from sim.engine.contact.friction import (
+    SMALLEST,
     blank_memory,
     contact_force,
     declare_memory,
     friction_direction,
+    inverse_square_root,
     stored_energy,
     work_against,
 )
-from sim.engine.contact.roots import SMALLEST, inverse_square_root
 
 #: Types of the laws that are plain functions.
 _functional: set[type] = set()

@@ -10,13 +10,14 @@ from typing import NamedTuple
 
 from sim.engine.compile import by_type, implements
 from sim.engine.contact.friction import (
+    SMALLEST,
     contact_force,
     declare_memory,
     friction_direction,
+    inverse_square_root,
     stored_energy,
     work_against,
 )
-from sim.engine.contact.roots import SMALLEST, inverse_square_root
 from sim.parameters.dashpot import damping_fraction
 
 

@@ -8,13 +8,15 @@ from typing import NamedTuple
 
 from sim.engine.compile import by_type, implements, inlined
 from sim.engine.contact.friction import (
+    SMALLEST,
     contact_force,
+    cube_root,
     declare_memory,
     friction_direction,
+    inverse_square_root,
     stored_energy,
     work_against,
 )
-from sim.engine.contact.roots import SMALLEST, cube_root, inverse_square_root
 
 #: A friction this close to its limit, relative, is at it. Without the margin a friction just cut to
 #: the limit would keep a stiffness made of its rounding error, which the cube root turns into 5e-6.

@@ -5,11 +5,11 @@ within it, by cell, so the neighbors of a cell are a few contiguous ranges. The 
 three dimensions: the length of the tuples in ``Box`` fixes the dimension of a compiled kernel.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from sim.engine.compile import LANES, append_negative, assume_no_alias, inlined, kernel
+from sim.engine.compile import LANES, append_negative, assume_no_alias, exact, inlined, kernel
 
 
 class Box(NamedTuple):
@@ -242,3 +242,42 @@ def find_pairs(particles, grid, skin, part, next_list):
             slot += near
             next_list.stop[i] = slot
     return slot - part.base
+
+
+OK = 0
+LIST_FULL = 1
+NOT_FINITE = 2
+OVERLAP = 3
+
+
+REASONS = {
+    NOT_FINITE: "a position is not finite",
+    OVERLAP: "an overlap exceeds overlap_limit",
+}
+
+
+class BlowUp(RuntimeError):
+    """The motion has become unphysical; the message is the reason.
+
+    ``samples`` are those that the same call took before that, if any.
+    """
+
+    def __init__(self, reason: str, samples: Any = None):
+        super().__init__(reason)
+        self.samples = samples
+
+
+def failure_reason(status: int, position: np.ndarray) -> str:
+    """Return the reason for a failure after steps with this status, or an empty text."""
+    if status == OK and not is_finite(position):
+        status = NOT_FINITE
+    return REASONS.get(status, "")
+
+
+@exact
+def is_finite(position):
+    """True where all positions are finite."""
+    bad_values = 0
+    for value in position.flat:
+        bad_values += not np.isfinite(value)
+    return bad_values == 0

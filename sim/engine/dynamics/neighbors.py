@@ -12,6 +12,9 @@ import numpy as np
 from sim.engine.compile import LANES, append_negative, assume_no_alias, inlined
 from sim.engine.contact.friction import VECTOR
 from sim.engine.dynamics.cells import (
+    LIST_FULL,
+    NOT_FINITE,
+    OK,
     Box,
     Grid,
     Part,
@@ -23,7 +26,6 @@ from sim.engine.dynamics.cells import (
     wrap,
 )
 from sim.engine.dynamics.mean_flow import AGE
-from sim.engine.dynamics.status import LIST_FULL, NOT_FINITE, OK
 from sim.engine.dynamics.team import Share
 
 #: Number of pairs or particles that are examined together.

@@ -15,11 +15,11 @@ from sim.engine.compile import LANES, assume_no_alias, inlined, kernel
 from sim.engine.contact.friction import (
     blank_memory,
     contact_force,
+    inverse_square_root,
     recall,
     stored_energy,
 )
 from sim.engine.contact.functions import law_between
-from sim.engine.contact.roots import inverse_square_root
 from sim.engine.dynamics.cells import nearest_image, round_up
 from sim.engine.dynamics.neighbors import BLOCK, Search, find_touching, make_search
 

@@ -3,12 +3,14 @@
 A particle has an exact share in each slice that it crosses; velocities have moments.
 """
 
-from math import acos, log10, pi, sqrt
+from math import acos, ceil, cos, log10, pi, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
+from numba import types
+from numba.extending import intrinsic
 
-from sim.engine.compile import inlined, kernel
+from sim.engine.compile import exact, inlined, kernel
 from sim.engine.dynamics.spheres import nearest_separation
 
 # The share of a particle in a slice: of its volume, of its area, or all of it by its centre.
@@ -136,3 +138,266 @@ def count_overlaps(counts, spheres, pairs):
         if spheres.inverse_mass[i] > 0.0:
             gap = spheres.position[2, i] - spheres.radius[i]
             _count(counts, -0.5 * gap / spheres.radius[i])
+
+
+#: Number of levels of squares, one mean diameter each, from below the belt's lowest position.
+LEVELS = 60
+
+#: Number of the longest density waves along the belt whose power is added.
+WAVES = 5
+
+
+class Field(NamedTuple):
+    """Sums over samples in squares of the laboratory.
+
+    ``samples`` (1,); ``count`` (X, Z) beads; ``moved`` (X, Z) sum of their velocities along x.
+    """
+
+    samples: np.ndarray
+    # This field hides the method of tuples with the same name, which is never called.
+    count: np.ndarray  # type: ignore[assignment]
+    moved: np.ndarray
+
+
+class Squares(NamedTuple):
+    """The squares: ``columns`` of ``width`` (m) along the belt, levels of ``height`` (m).
+
+    ``lowest`` (m) is the lower edge of the first level.
+    """
+
+    columns: int
+    width: float
+    height: float
+    lowest: float
+
+    def coordinates(self) -> dict[str, tuple[str, str, np.ndarray]]:
+        """Return the centres of columns and levels: name -> (unit, long name, values)."""
+        column = (np.arange(self.columns) + 0.5) * self.width
+        level = self.lowest + (np.arange(LEVELS) + 0.5) * self.height
+        return {
+            "column": ("m", "centre of the column along the belt", column),
+            "level": ("m", "height of the level above the mean belt position", level),
+        }
+
+    def empty(self) -> Field:
+        """Return sums of zero."""
+        shape = (self.columns, LEVELS)
+        return Field(np.zeros(1), np.zeros(shape), np.zeros(shape))
+
+    def tables(self, field: Field) -> dict[str, np.ndarray]:
+        """Return mean velocity along x (m/s), not-a-number without beads, and density (m⁻²)."""
+        with np.errstate(invalid="ignore", divide="ignore"):
+            velocity = np.where(field.count > 0, field.moved / field.count, np.nan)
+            density = field.count / (field.samples[0] * self.width * self.height)
+        return {"field_velocity": velocity, "field_density": density}
+
+
+def squares(width: float, diameter: float, amplitude: float) -> Squares:
+    """Return squares of about a mean diameter (m) for a belt of a width (m).
+
+    ``amplitude`` is the amplitude of the vertical vibration in mean diameters.
+    """
+    columns = max(1, round(width / diameter))
+    return Squares(columns, width / columns, diameter, -ceil(amplitude) * diameter)
+
+
+@exact
+def count_beads(field, squares, taylor, time_step):
+    """Add one state of the beads, see ``Disks``; beads outside the levels are omitted."""
+    field.samples[0] += 1.0
+    for i in range(taylor.shape[2]):
+        level = int(np.floor((taylor[0, 1, i] - squares.lowest) / squares.height))
+        if 0 <= level < LEVELS:
+            column = int(np.floor(taylor[0, 0, i] / squares.width)) % squares.columns
+            field.count[column, level] += 1.0
+            field.moved[column, level] += taylor[1, 0, i] / time_step
+
+
+@exact
+def waves(x, width, sums):
+    """Set ``sums`` (5, 2) to the real and imaginary parts of Σ exp(2πikx/L) over all beads.
+
+    The wave number k goes from 1 to 5; L is the width of the belt (m).
+    """
+    parts = np.empty((WAVES, 2, x.size))
+    for i in range(x.size):
+        angle = 2.0 * pi / width * x[i]
+        wave = cos(angle), sin(angle)
+        second = product(wave, wave)
+        fourth = product(second, second)
+        powers = wave, square(wave), product(wave, second), fourth, product(wave, fourth)
+        for k in range(WAVES):
+            parts[k, 0, i], parts[k, 1, i] = powers[k]
+    for k in range(WAVES):
+        for part in range(2):
+            sums[k, part] = total(parts[k, part], COMPLEX)
+
+
+def wave_power(sums: np.ndarray, beads: int) -> np.ndarray:
+    """Return the power of the longest density waves along the belt; 1 for random beads.
+
+    ``sums`` (K, 5, 2) are those of ``waves`` in K states.
+    """
+    # The square of Python's numbers, which is not always the product.
+    size = np.hypot(sums[..., 0], sums[..., 1]).tolist()
+    power = [a**2 + b**2 + c**2 + d**2 + e**2 for a, b, c, d, e in size]
+    return np.array(power) / (WAVES * beads)
+
+
+# Sums that round like numpy's, so that compiled code keeps the bits of arrays; energies of all.
+#
+# numpy adds several partial sums in parallel and halves arrays longer than a block. It rounds the
+# squares of an array of complex numbers once less than other powers.
+
+
+#: Number of parallel partial sums for real numbers, and for real or imaginary parts.
+REAL, COMPLEX = 8, 4
+
+#: Longest part, in numbers per partial sum, that is not halved; largest number of halvings.
+LENGTH, DEEPEST = 16, 48
+
+
+@exact
+def total(values, lanes):
+    """Return the sum of values (N,) as ``np.sum`` adds them in ``lanes`` partial sums."""
+    # The path from the whole to a part: a set bit for each turn to the right, and for each of them
+    # the sum of the left half.
+    turns, depth, left_sums = 0, 0, np.empty(DEEPEST)
+    while True:
+        first, size, level = 0, values.size, 0
+        while level < depth or size > LENGTH * lanes:
+            half = size // (2 * lanes) * lanes
+            if level < depth and turns >> (depth - level - 1) & 1:
+                first, size = first + half, size - half
+            else:
+                size = half
+            level += 1
+        turns, depth = turns << (level - depth), level
+        if lanes == REAL:
+            part = _sum_eight_lanes(values, first, size)
+        else:
+            part = _sum_four_lanes(values, first, size)
+        while turns & 1:
+            part = left_sums[depth] + part
+            turns, depth = turns >> 1, depth - 1
+        if depth == 0:
+            return part
+        left_sums[depth], turns = part, turns + 1
+
+
+@exact
+def _sum_eight_lanes(values, first, size):
+    if size < REAL:
+        return _add_in_order(-0.0, values, first, first + size)
+    a, b, c, d = values[first], values[first + 1], values[first + 2], values[first + 3]
+    e, f, g, h = values[first + 4], values[first + 5], values[first + 6], values[first + 7]
+    whole = first + size - size % REAL
+    for k in range(first + REAL, whole, REAL):
+        a, b, c, d = a + values[k], b + values[k + 1], c + values[k + 2], d + values[k + 3]
+        e, f, g, h = e + values[k + 4], f + values[k + 5], g + values[k + 6], h + values[k + 7]
+    part = ((a + b) + (c + d)) + ((e + f) + (g + h))
+    return _add_in_order(part, values, whole, first + size)
+
+
+@exact
+def _sum_four_lanes(values, first, size):
+    if size < COMPLEX:
+        return _add_in_order(-0.0, values, first, first + size)
+    a, b, c, d = values[first], values[first + 1], values[first + 2], values[first + 3]
+    whole = first + size - size % COMPLEX
+    for k in range(first + COMPLEX, whole, COMPLEX):
+        a, b, c, d = a + values[k], b + values[k + 1], c + values[k + 2], d + values[k + 3]
+    return _add_in_order((a + b) + (c + d), values, whole, first + size)
+
+
+@exact
+def _add_in_order(part, values, first, last):
+    for k in range(first, last):
+        part += values[k]
+    return part
+
+
+@intrinsic
+def fused_multiply_add(typingctx, a, b, c):
+    """Return a · b + c, rounded once."""
+
+    def codegen(context, builder, signature, args):
+        return builder.fma(*args)
+
+    return types.float64(types.float64, types.float64, types.float64), codegen
+
+
+@exact
+def square(number):
+    """Return the square of a complex number, a pair, as numpy rounds it in arrays."""
+    real, imaginary = number
+    return fused_multiply_add(real, real, -(imaginary * imaginary)), fused_multiply_add(
+        real, imaginary, imaginary * real
+    )
+
+
+@exact
+def product(a, b):
+    """Return the product of two complex numbers; all three are pairs."""
+    return a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]
+
+
+@exact
+def bed_energies(taylor, mass, time_step, amplitude):
+    """Return kinetic energy, height and share near the belt of all beads at one moment.
+
+    Parameters
+    ----------
+    taylor : (6, 2, N) array
+        Taylor terms of the positions, see ``Disks``.
+    mass : (N,) array
+        Masses of the beads (kg).
+    time_step : float
+        Time step of the Taylor terms (s).
+    amplitude : float
+        Vertical amplitude of the belt (m).
+
+    Returns
+    -------
+    tuple of 3 floats
+        Kinetic energy (J), height of the centre of mass (m), share of beads whose centres are
+        within an amplitude of the mean belt position.
+    """
+    near, terms, sums = 0, np.empty((3, mass.size)), np.empty(3)
+    for i in range(mass.size):
+        vx, vz, z = taylor[1, 0, i] / time_step, taylor[1, 1, i] / time_step, taylor[0, 1, i]
+        terms[0, i], terms[1, i] = mass[i] * (vx * vx + vz * vz), z * mass[i]
+        terms[2, i] = mass[i]
+        near += abs(z) < amplitude
+    for k in range(3):
+        sums[k] = total(terms[k], REAL)
+    return 0.5 * sums[0], sums[1] / sums[2], near / mass.size
+
+
+@exact
+def flow_energies(position, velocity, rim, mass):
+    """Return kinetic energies and height of all spheres at one moment.
+
+    Parameters
+    ----------
+    position, velocity, rim : (3, N) arrays
+        See ``Spheres`` (m, m/s).
+    mass : (N,) array
+        Masses of the spheres (kg).
+
+    Returns
+    -------
+    tuple of 3 floats
+        Twice the kinetic energy of translation (J), the sum of mass times the square of ``rim``
+        (J), height of the centre of mass (m).
+    """
+    terms, sums = np.empty((4, mass.size)), np.empty(4)
+    for i in range(mass.size):
+        vx, vy, vz = velocity[0, i], velocity[1, i], velocity[2, i]
+        wx, wy, wz = rim[0, i], rim[1, i], rim[2, i]
+        terms[0, i] = mass[i] * (vx * vx + vy * vy + vz * vz)
+        terms[1, i] = mass[i] * (wx * wx + wy * wy + wz * wz)
+        terms[2, i], terms[3, i] = position[2, i] * mass[i], mass[i]
+    for k in range(4):
+        sums[k] = total(terms[k], REAL)
+    return sums[0], sums[1], sums[2] / sums[3]

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from sim.engine.compile import exact, inlined
-from sim.engine.flatten import refill
+from sim.engine.states import refill
 
 #: Several sums of different types, over one sample or more.
 Sums = tuple[NamedTuple, ...]

@@ -4,7 +4,7 @@ from importlib import import_module
 
 from sim.engine.systems.replica import Replica
 from sim.parameters import Parameters
-from sim.parameters.engines import make_replica
+from sim.parameters.laws import make_replica
 
 #: Module and class of each system, imported only when needed with the kernels it compiles.
 SYSTEMS = {

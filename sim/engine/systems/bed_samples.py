@@ -7,16 +7,25 @@ import numpy as np
 from numba import types
 
 from sim.engine.boundary.belt import belt_height, belt_state, stored_in_belt, stored_in_obstacle
-from sim.engine.calls import address_of, call, kind_of
-from sim.engine.compile import exact, inlined, kernel
+from sim.engine.compile import address_of, call, exact, inlined, kernel, kind_of
 from sim.engine.contact.damping import disk_force
-from sim.engine.dynamics.cells import nearest_image
+from sim.engine.dynamics.cells import NOT_FINITE, OK, is_finite, nearest_image
 from sim.engine.dynamics.disks import stored_in_disks
-from sim.engine.dynamics.status import NOT_FINITE, OK, is_finite
-from sim.engine.observe.field import LEVELS, WAVES, Field, Squares, count_beads, waves
-from sim.engine.observe.profiles import AREA, CENTRE, Profile, add_sample, empty_profile
+from sim.engine.observe.profiles import (
+    AREA,
+    CENTRE,
+    LEVELS,
+    WAVES,
+    Field,
+    Profile,
+    Squares,
+    add_sample,
+    bed_energies,
+    count_beads,
+    empty_profile,
+    waves,
+)
 from sim.engine.observe.samples import append_contact, first_samples, zero_samples
-from sim.engine.observe.totals import bed_energies
 from sim.engine.systems import shaking
 
 

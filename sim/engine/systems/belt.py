@@ -6,19 +6,17 @@ from typing import Any
 import numpy as np
 
 from sim.engine.boundary.belt import Obstacle
-from sim.engine.calls import address_of, kind_of
+from sim.engine.compile import address_of, kind_of
 from sim.engine.contact.damping import spring_damping
-from sim.engine.dynamics.cells import make_box
+from sim.engine.dynamics.cells import BlowUp, make_box
 from sim.engine.dynamics.disks import make_disks, rescale_terms
 from sim.engine.dynamics.neighbors import empty_pair_list, make_search
-from sim.engine.dynamics.status import BlowUp
-from sim.engine.observe.field import wave_power
+from sim.engine.observe.profiles import wave_power
 from sim.engine.observe.regime import Scales
 from sim.engine.observe.samples import ContactList, Sums, make_ledger
 from sim.engine.systems import bed_samples, shaking
 from sim.engine.systems.bed_samples import list_bed_contacts
 from sim.engine.systems.replica import PATH_INTERVALS, Outcome, Replica
-from sim.engine.systems.settled import settle_once
 from sim.engine.systems.slices import bed_profiles
 from sim.engine.systems.start import (
     FALLING,
@@ -26,6 +24,7 @@ from sim.engine.systems.start import (
     SHAKING,
     initial_bed,
     make_stages,
+    settle_once,
 )
 from sim.parameters import BeltParameters
 from sim.parameters.belt import LEAST_TRANSPORT

@@ -14,10 +14,10 @@ import numpy as np
 
 from sim.engine.boundary.drive import Gravity
 from sim.engine.boundary.plane import make_plane, stored_in_plane
-from sim.engine.calls import address_of, kind_of
+from sim.engine.compile import address_of, kind_of
 from sim.engine.contact import Partners, law_of
 from sim.engine.contact.friction import enlarge_memory, make_memory, memory_after
-from sim.engine.dynamics.cells import make_box
+from sim.engine.dynamics.cells import BlowUp, make_box
 from sim.engine.dynamics.neighbors import empty_pair_list
 from sim.engine.dynamics.spheres import (
     SOLID,
@@ -25,13 +25,18 @@ from sim.engine.dynamics.spheres import (
     make_spheres,
     stored_in_spheres,
 )
-from sim.engine.dynamics.status import BlowUp
 from sim.engine.dynamics.team import Team
 from sim.engine.observe.contacts import ContactSums, Sampling, add_contacts, list_contacts
-from sim.engine.observe.profiles import AREA, EDGES, VOLUME, add_sample, count_overlaps
+from sim.engine.observe.profiles import (
+    AREA,
+    EDGES,
+    VOLUME,
+    add_sample,
+    count_overlaps,
+    flow_energies,
+)
 from sim.engine.observe.regime import Scales
 from sim.engine.observe.samples import ContactList, first_samples, make_ledger, zero_samples
-from sim.engine.observe.totals import flow_energies
 from sim.engine.systems import leap_frog
 from sim.engine.systems.replica import PATH_INTERVALS, Outcome, Replica
 from sim.engine.systems.sharing import Thread, refresh_together

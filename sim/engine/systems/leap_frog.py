@@ -14,12 +14,11 @@ import numpy as np
 
 from sim.engine.boundary.drive import acceleration, note_work
 from sim.engine.boundary.plane import Plane, plane_forces
-from sim.engine.calls import call
-from sim.engine.compile import assume_no_alias, inlined, loop_kernel, prefer_wide_vectors
+from sim.engine.compile import assume_no_alias, call, inlined, loop_kernel, prefer_wide_vectors
+from sim.engine.dynamics.cells import OK, OVERLAP
 from sim.engine.dynamics.mean_flow import AGE, allowed_stray
 from sim.engine.dynamics.neighbors import PairList
 from sim.engine.dynamics.spheres import Contacts, rotate, sphere_forces
-from sim.engine.dynamics.status import OK, OVERLAP
 from sim.engine.dynamics.team import Share, barrier
 from sim.engine.systems.sharing import (
     Sharing,

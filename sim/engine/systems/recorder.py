@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.engine.dynamics.status import BlowUp
-from sim.engine.flatten import FlatState, flatten, subtree
+from sim.engine.dynamics.cells import BlowUp
 from sim.engine.observe.force_balance import base_forces
 from sim.engine.observe.regime import (
     ARRESTED,
@@ -21,6 +20,7 @@ from sim.engine.observe.regime import (
     window_start,
 )
 from sim.engine.observe.samples import MAX_BLOCKS, ProfileBlocks, Samples
+from sim.engine.states import FlatState, flatten, subtree
 from sim.engine.systems.replica import Replica
 from sim.parameters.variables import HISTORY, INSTANTANEOUS, variables_of
 

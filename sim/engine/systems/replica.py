@@ -6,11 +6,9 @@ from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
-from sim.engine.calls import call_directly
-from sim.engine.compile import working_time
-from sim.engine.dynamics.cells import Box
+from sim.engine.compile import call_directly, working_time
+from sim.engine.dynamics.cells import LIST_FULL, BlowUp, Box, failure_reason
 from sim.engine.dynamics.neighbors import PairList, double_room
-from sim.engine.dynamics.status import LIST_FULL, BlowUp, failure_reason
 from sim.engine.observe.regime import Scales
 from sim.engine.observe.samples import ContactList, Ledger, Samples, Sums, no_contacts
 from sim.parameters import Parameters

@@ -5,19 +5,18 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.engine.boundary.belt import Belt, Obstacle, belt_forces, obstacle_forces
-from sim.engine.calls import call
 from sim.engine.compile import (
     assume_no_alias,
+    call,
     inlined,
     kernel,
     loop_kernel,
     prefer_wide_vectors,
 )
-from sim.engine.dynamics.cells import reorder
+from sim.engine.dynamics.cells import OK, OVERLAP, reorder
 from sim.engine.dynamics.disks import TERMS, correct, disk_forces, flush, predict
 from sim.engine.dynamics.mean_flow import allowed_stray
 from sim.engine.dynamics.neighbors import PairList, Search, refresh
-from sim.engine.dynamics.status import OK, OVERLAP
 
 # Columns of ``Shaking.sums``: sums over the steps since they were last cleared, but for the largest
 # overlap.

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.engine.compile import assume_no_alias, inlined, kernel, prefer_wide_vectors
-from sim.engine.dynamics.cells import reorder
+from sim.engine.dynamics.cells import LIST_FULL, OK, reorder
 from sim.engine.dynamics.mean_flow import set_stream
 from sim.engine.dynamics.neighbors import (
     adopt_part,
@@ -15,7 +15,6 @@ from sim.engine.dynamics.neighbors import (
     wrap_particles,
 )
 from sim.engine.dynamics.spheres import Scratch
-from sim.engine.dynamics.status import LIST_FULL, OK
 from sim.engine.dynamics.team import Share, barrier
 
 #: Particles whose forces are cleared and collected together when several threads add to them.

@@ -6,9 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sim.engine.observe.contacts import XX, XZ, YY, ZZ, Slip, Stress, no_slip, no_stress
-from sim.engine.observe.field import Squares, squares
 from sim.engine.observe.force_balance import inertial_number, shear_rate, stress_ratio
-from sim.engine.observe.profiles import Profile, empty_profile, no_overlaps
+from sim.engine.observe.profiles import Profile, Squares, empty_profile, no_overlaps, squares
 from sim.engine.observe.samples import Sums, mask_samples
 from sim.parameters import BeltParameters
 from sim.parameters.spheres import SphereParameters

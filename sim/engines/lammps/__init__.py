@@ -7,7 +7,7 @@ of our own.
 from collections.abc import Iterator
 from typing import Any
 
-from sim.parameters.engines import flow_engine
+from sim.parameters.laws import flow_engine
 
 #: Laws that it has: `deck` says how.
 LAWS = ("spring_dashpot", "hertz", "drag")

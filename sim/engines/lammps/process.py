@@ -19,7 +19,7 @@ import psutil
 
 from sim.base.errors import InputError
 from sim.base.files import part_folder
-from sim.engine.dynamics.status import BlowUp
+from sim.engine.dynamics.cells import BlowUp
 
 #: Environment variable with the command that starts processes under MPI, to which ``-n RANKS`` is
 #: added (default: mpiexec of the package mpich).

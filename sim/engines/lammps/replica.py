@@ -12,8 +12,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from sim.engine.boundary.drive import plane_velocity
+from sim.engine.dynamics.cells import OK, OVERLAP, REASONS, BlowUp
 from sim.engine.dynamics.spheres import unrotated_orientations
-from sim.engine.dynamics.status import OK, OVERLAP, REASONS, BlowUp
 from sim.engine.systems import leap_frog
 from sim.engine.systems.chute import Chute, PlaneFlow
 from sim.engine.systems.conveyor import Conveyor

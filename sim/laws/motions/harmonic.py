@@ -3,7 +3,7 @@
 from math import radians
 from typing import Any, NamedTuple
 
-from sim.parameters.motions import motion
+from sim.parameters.laws import motion
 
 
 def make(p: Any) -> NamedTuple:

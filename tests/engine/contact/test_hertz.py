@@ -5,7 +5,7 @@ from math import sqrt
 import numpy as np
 import pytest
 
-from sim.claims.contacts import contact_path
+from sim.claims.experiments import contact_path
 from sim.engine.contact import Partners, law_of
 from sim.engine.contact.functions import PartnerLaw
 from sim.laws.hertz import effective_modulus, force

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.engine.contact.roots import SMALLEST
+from sim.engine.contact.friction import SMALLEST
 from tests.engine_motion.helpers import cube_roots, inverse_square_roots
 
 LARGE = 1e290

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from sim.claims.contacts import contact_path, random_curve, vector_spring
+from sim.claims.experiments import contact_path, random_curve, vector_spring
 from tests.engine.reference.walton_braun import Contact, ContactLaw, update
 from tests.engine_motion.helpers import (
     CAPS,

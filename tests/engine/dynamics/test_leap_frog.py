@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.engine.dynamics.status import NOT_FINITE, OK, OVERLAP
+from sim.engine.dynamics.cells import NOT_FINITE, OK, OVERLAP
 from sim.engine.systems import leap_frog
 from tests.engine_motion.helpers import (
     GRAVITY,

@@ -6,14 +6,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sim.engine.contact.friction import VECTOR
-from sim.engine.dynamics import cells as engine
-from sim.engine.dynamics.cells import make_box, reorder, sort_by_cell
+from sim.engine.dynamics import cells
+from sim.engine.dynamics.cells import LIST_FULL, NOT_FINITE, OK, make_box, reorder, sort_by_cell
 from sim.engine.dynamics.neighbors import double_room
-from sim.engine.dynamics.status import LIST_FULL, NOT_FINITE, OK
 from tests.engine_motion.helpers import compiled, nearest_images, wrapped
 from tests.engine_motion.lists import UNIT, Gas, random_gas
 
-wrap, assign_cells = compiled(engine.wrap), compiled(engine.assign_cells)
+wrap, assign_cells = compiled(cells.wrap), compiled(cells.assign_cells)
 
 
 @pytest.mark.parametrize("length", [(3e-3, 0.0), (3e-3, 4e-3, 0.0)])

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from sim.engine.boundary.belt import Belt
+from sim.engine.dynamics.cells import NOT_FINITE, OK, OVERLAP
 from sim.engine.dynamics.disks import Gear, Verlet
-from sim.engine.dynamics.status import NOT_FINITE, OK, OVERLAP
 from sim.engine.systems import shaking
 from tests.engine_motion.disks import DiskMotion
 from tests.engine_motion.helpers import (

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.engine.observe.estimate import (
+from sim.engine.observe.regime import (
     BATCHES,
     FEWEST_SAMPLES,
     TRIALS,

@@ -3,8 +3,15 @@
 import numpy as np
 import pytest
 
-from sim.engine.observe.field import squares
-from sim.engine.observe.profiles import AREA, CENTRE, VOLUME, Profile, add_sample, empty_profile
+from sim.engine.observe.profiles import (
+    AREA,
+    CENTRE,
+    VOLUME,
+    Profile,
+    add_sample,
+    empty_profile,
+    squares,
+)
 from sim.engine.observe.samples import add_samples, add_sums, zero_samples
 from sim.engine.systems.slices import BedProfiles, bed_profiles
 from tests.engine_motion.points import belt_point

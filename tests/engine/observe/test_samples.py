@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from sim.engine.observe.profiles import empty_profile
+from sim.engine.observe.profiles import COMPLEX, REAL, empty_profile, product, square, total
 from sim.engine.observe.samples import MAX_BLOCKS, ProfileBlocks, zero_samples
-from sim.engine.observe.totals import COMPLEX, REAL, product, square, total
 
 
 def make_blocks(samples: int, at_once: int = 7) -> ProfileBlocks:

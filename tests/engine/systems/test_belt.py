@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.engine.dynamics.status import BlowUp
+from sim.engine.dynamics.cells import BlowUp
 from sim.engine.observe.samples import add_sums
 from sim.engine.systems import build
 from sim.parameters.belt import SETTLING_TIME

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.engine.dynamics.status import BlowUp
+from sim.engine.dynamics.cells import BlowUp
 from sim.engine.systems import build
 from tests.engine_motion.helpers import wrapped
 from tests.engine_motion.points import chute_point, sums_of

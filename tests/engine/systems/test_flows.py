@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.engine.observe.estimate import batch_means
-from sim.engine.observe.regime import analyse
+from sim.engine.observe.regime import analyse, batch_means
 from sim.engine.systems import build
 from sim.engine.systems.belt import Belt
 from sim.engine.systems.chute import Chute

@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from sim.engine.dynamics.status import BlowUp
-from sim.engine.observe.field import LEVELS, WAVES, wave_power, waves
-from sim.engine.observe.profiles import EDGES
-from sim.engine.observe.totals import bed_energies
+from sim.engine.dynamics.cells import BlowUp
+from sim.engine.observe.profiles import EDGES, LEVELS, WAVES, bed_energies, wave_power, waves
 from sim.engine.systems import build, replica
 from tests.engine_motion.points import belt_point, chute_point, sums_of
 

@@ -5,9 +5,9 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from sim.engine.dynamics.status import BlowUp
-from sim.engine.flatten import flatten
-from sim.engine.systems import belt, build, settled
+from sim.engine.dynamics.cells import BlowUp
+from sim.engine.states import flatten
+from sim.engine.systems import belt, build, start
 from sim.parameters import BeltParameters
 from tests.engine_motion.points import belt_point
 
@@ -33,7 +33,7 @@ NAMES = [name for name in BeltParameters.model_fields if name not in ("system", 
 
 @pytest.fixture(autouse=True)
 def _no_beds():
-    settled.beds.clear()
+    start.beds.clear()
 
 
 def other_value(name):
@@ -59,21 +59,21 @@ def test_a_bed_is_shared_where_it_would_be_the_same_to_the_bit(name):
     beside = BESIDE.get(name, {})
     changed = beside | {name: other_value(name)}
     anew = settled_state(**changed)
-    settled.beds.clear()
+    start.beds.clear()
     first = settled_state(**beside)
     for values, expected in ((changed, anew), (beside, first)):
         state = settled_state(**values)
         assert state.keys() == expected.keys()
         for path, value in state.items():
             assert np.array_equal(value, expected[path], equal_nan=True), path
-    assert len(settled.beds) == (1 if name in SHAKING else 2)
+    assert len(start.beds) == (1 if name in SHAKING else 2)
 
 
 def test_beds_of_replicates_and_time_steps_are_their_own():
     beds = [build(belt_point(**SMALL), *which) for which in ((0,), (1,), (0, 2))]
     for bed in beds:
         bed.settle()
-    assert len(settled.beds) == 3
+    assert len(start.beds) == 3
 
 
 def test_a_shared_bed_moves_alone():
@@ -86,12 +86,12 @@ def test_a_shared_bed_moves_alone():
 
 def test_memory_is_bounded_and_the_oldest_bed_goes(monkeypatch):
     settled_state(seed=1)
-    monkeypatch.setattr(settled, "ROOM", int(2.5 * settled._size(*settled.beds.values())))
+    monkeypatch.setattr(start, "ROOM", int(2.5 * start._size(*start.beds.values())))
     settled_state(seed=2)
-    kept = set(settled.beds)
+    kept = set(start.beds)
     settled_state(seed=1)
     settled_state(seed=3)
-    assert len(settled.beds) == 2 and len(kept & set(settled.beds)) == 1
+    assert len(start.beds) == 2 and len(kept & set(start.beds)) == 1
 
 
 def test_a_bed_that_fails_is_not_kept(monkeypatch):
@@ -99,4 +99,4 @@ def test_a_bed_that_fails_is_not_kept(monkeypatch):
     for _ in range(2):
         with pytest.raises(BlowUp, match="the bed is not at rest"):
             settled_state()
-    assert not settled.beds
+    assert not start.beds

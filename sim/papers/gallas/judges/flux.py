@@ -6,7 +6,7 @@ import numpy as np
 from uncertainties import UFloat
 
 from sim.claims.checks import above, remove_votes, reported, withhold, within
-from sim.claims.criterion import fill
+from sim.claims.claim import fill
 from sim.claims.evidence import Evidence
 from sim.claims.inference import reported_likelihood, single_rise
 from sim.claims.place import Place, quotient

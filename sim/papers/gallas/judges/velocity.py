@@ -10,9 +10,8 @@ from uncertainties import UFloat
 
 from sim.claims.checks import above, below, judge_parts, remove_votes, within
 from sim.claims.evidence import Evidence
-from sim.claims.inference import reported_order, trend
+from sim.claims.inference import mean_of_others, reported_order, trend
 from sim.claims.place import Place, replicate_mean
-from sim.claims.trends import mean_of_others
 from sim.claims.verdict import Check, Untestable
 from sim.measures.belt import EARLY_CYCLES
 from sim.papers.gallas.judges.bed import beads_between, mean_between

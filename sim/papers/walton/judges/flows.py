@@ -7,9 +7,8 @@ import numpy as np
 
 from sim.claims.checks import below, remove_votes, reported, within
 from sim.claims.evidence import ANY, Evidence
-from sim.claims.inference import trend
+from sim.claims.inference import pooled_checks, trend
 from sim.claims.place import Place, replicate_mean
-from sim.claims.trends import pooled_checks
 from sim.claims.verdict import Check, Untestable
 from sim.papers.walton.judges.chute import (
     WIDTHS,

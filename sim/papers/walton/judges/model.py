@@ -8,7 +8,7 @@ import numpy as np
 from uncertainties import ufloat
 
 from sim.claims.checks import above, below, within
-from sim.claims.contacts import contact_path, random_curve, vector_spring
+from sim.claims.experiments import contact_path, random_curve, vector_spring
 from sim.claims.verdict import Check
 from sim.engine.boundary.drive import Gravity
 from sim.engine.contact import Partners, law_of
@@ -81,8 +81,8 @@ def w2(
 ) -> list[Check]:
     """Friction of one contact under a fixed normal force: first slip to sliding, then loops.
 
-    ``path`` follows a contact along a path as `sim.claims.contacts.contact_path` does. Loops reach
-    ``peak`` (μF_N) either way, and ``max_jump`` is the largest jump of K_T/K0 within them.
+    ``path`` follows a contact along a path as `sim.claims.experiments.contact_path` does. Loops
+    reach ``peak`` (μF_N) either way, and ``max_jump`` is the largest jump of K_T/K0 within them.
     """
     checks = []
     for exponent in EXPONENTS:

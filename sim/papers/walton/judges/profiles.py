@@ -7,11 +7,17 @@ from math import inf
 import numpy as np
 
 from sim.claims.checks import above, below, remove_votes, reported, withhold
-from sim.claims.criterion import fill
+from sim.claims.claim import fill
 from sim.claims.evidence import Evidence
-from sim.claims.inference import LIKELIHOOD, reported_share, share_above, trend
+from sim.claims.inference import (
+    LIKELIHOOD,
+    mean_of_others,
+    reported_share,
+    share_above,
+    smallest_mean,
+    trend,
+)
 from sim.claims.place import Place, replicate_mean
-from sim.claims.trends import mean_of_others, smallest_mean
 from sim.claims.verdict import Check, Untestable
 from sim.measures import layers
 from sim.papers.walton.judges.chute import (

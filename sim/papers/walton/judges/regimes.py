@@ -11,7 +11,7 @@ from uncertainties import UFloat
 
 from sim.base.statistics import MANY, student
 from sim.claims.checks import above, below, judge_parts, remove_votes, reported, withhold, within
-from sim.claims.criterion import fill
+from sim.claims.claim import fill
 from sim.claims.evidence import ANY, Evidence
 from sim.claims.inference import at_least, reported_share, same_by_rank, share_above
 from sim.claims.place import Place, quotient, replicate_mean, with_interval

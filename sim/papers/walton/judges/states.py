@@ -16,7 +16,7 @@ from sim.claims.checks import reported
 from sim.claims.inference import reported_share, share_above
 from sim.claims.place import Place, replicate_mean
 from sim.claims.verdict import Check, Untestable
-from sim.measures import layers, plug
+from sim.measures import layers
 
 PROFILES = ("velocity_profile", "packing_profile")
 
@@ -71,7 +71,7 @@ def _report_lifetimes(quantity: str, places: Sequence[Place]) -> list[Check]:
         times, endings = (
             {
                 state: np.concatenate([place.values(f"{state}_{name}") for place in places])
-                for state in plug.STATES
+                for state in layers.STATES
             }
             for name in ("time", "endings")
         )
