@@ -21,8 +21,9 @@ import xarray as xr
 from sim.base.errors import InputError
 from sim.base.files import atomic_write, require_writable
 from sim.base.seals import seal
-from sim.dataset.adopted import AdoptedPoints, keep_dataset, reader_hash, stored_names
+from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.boundaries import add_rounds, find_sides, tabulate
+from sim.dataset.earlier import keep_dataset
 from sim.dataset.grids import Values
 from sim.dataset.replicates import caveat, outcomes
 from sim.dataset.results import COLUMNS, GROUP, Results, with_all_parameters
@@ -36,7 +37,9 @@ from sim.dataset.rows import (
     SCALAR_DIGITS,
     Rows,
     align_rows,
+    reader_hash,
     row_scalars,
+    stored_names,
 )
 from sim.dataset.sources import gather_rows
 from sim.engine.stored_run import current_status

@@ -16,7 +16,8 @@ from typing import Any, NamedTuple
 
 from sim.base.errors import InputError
 from sim.base.plugins import load, places
-from sim.dataset.adopted import AdoptedPoints, earlier_rows
+from sim.dataset.adopted import AdoptedPoints
+from sim.dataset.earlier import earlier_rows
 from sim.dataset.gather import read_run
 from sim.dataset.rows import (
     Rows,
