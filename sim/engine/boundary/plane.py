@@ -5,7 +5,13 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.engine.compile import LANES, append_negative, assume_no_alias, inlined, kernel
-from sim.engine.contact.friction import blank_memory, make_memory, recall, stored_energy
+from sim.engine.contact.friction import (
+    blank_memory,
+    make_memory,
+    recall,
+    recall_in_loop,
+    stored_energy,
+)
 from sim.engine.contact.functions import law_on_plane
 from sim.engine.dynamics.neighbors import BLOCK
 from sim.engine.dynamics.spheres import (
@@ -57,7 +63,8 @@ def _evaluate(spheres, contacts, scratch, number, base, time_step):
     for k in range(number):
         i = np.uint64(touching[k])
         law = law_on_plane(contacts.law, spheres, i)
-        memory = apply_law(law, rows, k, recall(new, contacts.before, slot[0, i]))
+        memory = recall_in_loop(contacts.law, new, contacts.before, slot[0, i])
+        memory = apply_law(law, rows, k, memory)
         for m in range(len(new)):
             contacts.after[m, np.uint64(base + k)] = memory[m]
 

@@ -21,9 +21,19 @@ VECTOR = 3
 _own_numbers: dict[type, int] = {}
 
 
-def declare_memory(kind: type, numbers: int) -> None:
-    """Declare how many numbers besides the tangential force a law of this type remembers."""
+#: Laws whose memory loops over contacts read whether a contact touched before or not.
+_always_read: set[type] = set()
+
+
+def declare_memory(kind: type, numbers: int, always_read: bool = False) -> None:
+    """Declare how many numbers besides the tangential force a law of this type remembers.
+
+    Loads upon a condition keep a loop over contacts from being a vector loop on processors without
+    a fast gather. Laws that are ``always_read`` have none; the others would round differently.
+    """
     _own_numbers[kind] = numbers
+    if always_read:
+        _always_read.add(kind)
 
 
 def memory_size(kind: type) -> int:
@@ -67,14 +77,21 @@ def _blank_memory(law):
     return lambda law: zeros
 
 
-#: Source of the function that reads a contact's memory: the length of a compiled tuple is that of
+#: Source of the functions that read a contact's memory: the length of a compiled tuple is that of
 #: its text.
 _RECALL_SOURCE = """
-def recall_numbers(new, memory, slot):
+def recall_numbers({arguments}):
     touched = slot >= 0
     s = np.uint64(max(slot, 0))
+    {loads}
     return ({numbers},)
 """
+
+
+def _recall_function(arguments, loads, numbers):
+    namespace = {"np": np}
+    exec(_RECALL_SOURCE.format(arguments=arguments, loads=loads, numbers=numbers), namespace)
+    return namespace["recall_numbers"]
 
 
 @by_type
@@ -84,9 +101,18 @@ def recall(new, memory, slot):
     ``new`` is the memory of a new contact, ``memory`` (M, C) that of all contacts.
     """
     numbers = ", ".join(f"memory[{m}, s] if touched else 0.0" for m in range(len(new)))
-    namespace = {"np": np}
-    exec(_RECALL_SOURCE.format(numbers=numbers), namespace)
-    return namespace["recall_numbers"]
+    return _recall_function("new, memory, slot", "", numbers)
+
+
+@by_type
+def recall_in_loop(law, new, memory, slot):
+    """Return the same as ``recall`` in a loop over contacts that obey a law."""
+    if law.instance_class not in _always_read:
+        return lambda law, new, memory, slot: recall(new, memory, slot)
+    every = range(len(new))
+    loads = "; ".join(f"old_{m} = memory[{m}, s]" for m in every)
+    numbers = ", ".join(f"old_{m} if touched else 0.0" for m in every)
+    return _recall_function("law, new, memory, slot", loads, numbers)
 
 
 def contact_force(law, overlap, approach, normal, slip, memory):

@@ -108,7 +108,7 @@ class WaltonBraun(NamedTuple):
 
 
 #: Magnitude of the friction, its turning point, whether it falls, and the largest overlap.
-declare_memory(WaltonBraun, 4)
+declare_memory(WaltonBraun, 4, always_read=True)
 
 
 def walton_braun(

@@ -17,6 +17,7 @@ from sim.engine.contact.friction import (
     contact_force,
     inverse_square_root,
     recall,
+    recall_in_loop,
     stored_energy,
 )
 from sim.engine.contact.functions import law_between
@@ -198,7 +199,8 @@ def _evaluate(spheres, contacts, block, time_step):
         write_approach(rows, k, Meeting(separation, velocity, rim, pairs.reach[p]), time_step)
     for k in range(number):
         c = np.uint64(block.base + k)
-        memory = recall(new, contacts.before, pairs.slot[pairs.touching[c]])
+        slot = pairs.slot[pairs.touching[c]]
+        memory = recall_in_loop(contacts.law, new, contacts.before, slot)
         law = law_between(contacts.law, spheres, pairs, pairs.touching[c])
         memory = apply_law(law, rows, k, memory)
         for m in range(len(new)):
