@@ -12,7 +12,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from sim.base.statistics import MANY, student
-from sim.surrogates.fits import fit
+from sim.surrogates.process import fit
 from tests.coverage.surrogates import Function, eight, ishigami, product
 
 #: Scrambles of each design, points of each, and places where it is compared.

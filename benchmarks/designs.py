@@ -18,9 +18,8 @@ from sim.base.statistics import MANY, student
 from sim.dataset.results import Results, load_current
 from sim.study.load import Study, load_study
 from sim.study.surrogate import SurrogateSpec
-from sim.surrogates.fitting import fit_surrogate
 from sim.surrogates.sample import points_of_mean, sample_points
-from sim.surrogates.surrogate import Surrogate
+from sim.surrogates.surrogate import Surrogate, fit_surrogate
 
 SYSTEMS = ("belt", "chute")
 

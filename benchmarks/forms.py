@@ -12,8 +12,8 @@ import pandas as pd
 from sim.base.statistics import MANY, student
 from sim.parameters.forms import forms
 from sim.study.design import Axis
-from sim.surrogates.fits import fit
-from sim.surrogates.frames import Frame
+from sim.surrogates.predictor import Frame
+from sim.surrogates.process import fit
 from sim.surrogates.sample import unit_cube
 
 AXES = (Axis("frequency", 15, 100), Axis("amplitude", 0.5, 1.5), Axis("vibration_angle", 30, 60))

@@ -1,4 +1,4 @@
-"""Answers to questions, from surrogates and runs to files."""
+"""Answer the questions of a study from its dataset, and write the answers."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -9,30 +9,64 @@ import xarray as xr
 
 from sim.base.errors import percent
 from sim.dataset.replicates import replicate_values
-from sim.dataset.results import Results
+from sim.dataset.results import Results, load_results
 from sim.parameters import point_id
 from sim.study.design import Design
+from sim.study.load import load_study
 from sim.study.plottable import numbers
 from sim.study.surrogate import LARGE_ERROR, CalibrationSpec, SensitivitySpec, SurrogateSpec
-from sim.surrogates import calibration, tables
-from sim.surrogates.caveats import caveats_of_indices, caveats_of_points, with_caveats
-from sim.surrogates.fitting import fit_surrogate
-from sim.surrogates.indices import indices_of_surrogate
-from sim.surrogates.indices_of_runs import (
+from sim.surrogates import answers, storage
+from sim.surrogates.answers import (
+    Refusal,
+    caveats_of_indices,
+    caveats_of_points,
+    save_refusal,
+    summary_lines,
+    with_caveats,
+)
+from sim.surrogates.indices import (
     DesignRuns,
+    indices_of_surrogate,
     morris_indices_of_runs,
     sobol_indices_of_runs,
 )
 from sim.surrogates.likelihood import Calibration
 from sim.surrogates.posterior import calibrate
 from sim.surrogates.predictor import unscaled
-from sim.surrogates.refusals import Refusal
 from sim.surrogates.sample import points_of_mean, sample_points
-from sim.surrogates.storage import load, save
-from sim.surrogates.surrogate import Surrogate
+from sim.surrogates.storage import load_surrogate, save_surrogate
+from sim.surrogates.surrogate import Surrogate, fit_surrogate
 
 #: Most draws of a posterior that are compared with the places of runs.
 _MOST_DRAWS = 200
+
+
+def build(study_path: str | Path, results: str | Path = "results") -> list[str]:
+    """Write the file of each question of a study, in ``results/<study>/``.
+
+    ``surrogates/<name>.nc``, ``sensitivity/<name>.csv``, ``calibration/<name>.nc``. Where the runs
+    cannot answer a question, its file says why.
+
+    Returns
+    -------
+    list of str
+        Lines with the answers in short.
+
+    Raises
+    ------
+    InputError
+        When the dataset is missing or damaged.
+    """
+
+    study = load_study(study_path, results)
+    folder = Path(results) / study.name
+    dataset = load_results(folder / "dataset.nc")
+    for question in study.questions:
+        try:
+            answer(question, dataset, folder)
+        except Refusal as refusal:
+            save_refusal(refusal, folder / question.file)
+    return summary_lines(study, folder)
 
 
 def answer(
@@ -49,7 +83,7 @@ def answer(
     """
     match spec:
         case SurrogateSpec():
-            save(fit_surrogate(spec, sample_points(dataset, spec)), folder / spec.file)
+            save_surrogate(fit_surrogate(spec, sample_points(dataset, spec)), folder / spec.file)
         case SensitivitySpec():
             _answer_sensitivity(spec, dataset, folder)
         case CalibrationSpec():
@@ -59,7 +93,7 @@ def answer(
 def _surrogate_of(spec: SensitivitySpec | CalibrationSpec, lack: str, folder: Path) -> Surrogate:
     """Return the surrogate that a question is asked of; a refusal says what the question lacks."""
     try:
-        surrogate = load(folder / spec.of.file)
+        surrogate = load_surrogate(folder / spec.of.file)
     except Refusal as refusal:
         raise Refusal(f"{lack} without its surrogate; {refusal}") from None
     require_small_error(surrogate, spec.surrogate_error, lack)
@@ -79,7 +113,7 @@ def _answer_sensitivity(spec: SensitivitySpec, dataset: Results, folder: Path) -
             caveats_of_points(sample.isel(point=is_used)),
         )
     caveats = *caveats, *caveats_of_indices(table)
-    tables.save(with_caveats(table, caveats), folder / spec.file)
+    answers.save_table(with_caveats(table, caveats), folder / spec.file)
 
 
 def _indices_of_runs(
@@ -142,7 +176,7 @@ def _answer_calibration(spec: CalibrationSpec, folder: Path) -> None:
         "surrogate_points": len(surrogate.process.y),
         "points": surrogate.sample.sizes["point"],
     }
-    calibration.save(spec.name, groups, surrogate.caveats, folder / spec.file)
+    storage.save_posterior(spec.name, groups, surrogate.caveats, folder / spec.file)
 
 
 def _far_share(

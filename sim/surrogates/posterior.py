@@ -8,10 +8,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from sim.surrogates.caveats import EVEN
+from sim.surrogates.answers import EVEN
 from sim.surrogates.likelihood import Calibration, Predicted, distances
-from sim.surrogates.predictor import scaled, unscaled
-from sim.surrogates.threads import on_one_thread
+from sim.surrogates.predictor import on_one_thread, scaled, unscaled
 
 #: Name of the size of the discrepancy among the parameters of a posterior.
 DISCREPANCY = "discrepancy"

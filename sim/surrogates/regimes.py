@@ -6,8 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from sim.study.surrogate import SLOWING
-from sim.surrogates.fits import fit_lengths
-from sim.surrogates.process import Process
+from sim.surrogates.process import Process, fit_lengths
 
 #: Regimes that say nothing of the flow: the run was too short, or gave no value, or the flow still
 #: slows down.

@@ -90,9 +90,9 @@ def further_points(
     """
     # Imported here, as rounds of boundaries need none of it.
     from sim.dataset.build import gather_results
-    from sim.surrogates.fitting import fit_surrogate
-    from sim.surrogates.refusals import Refusal
+    from sim.surrogates.answers import Refusal
     from sim.surrogates.sample import sample_points
+    from sim.surrogates.surrogate import fit_surrogate
 
     first = {key: so_far[key] for key in study.series[spec.series]}
     added = spec.added_points(so_far)

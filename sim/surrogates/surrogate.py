@@ -11,11 +11,21 @@ import xarray as xr
 from sim.base.errors import InputError, percent
 from sim.base.messages import one_of
 from sim.base.statistics import MANY, student
+from sim.parameters.forms import forms
 from sim.study.design import Axis
-from sim.surrogates.caveats import KEY, caveats_of_axes, caveats_of_mean, caveats_of_places, joined
-from sim.surrogates.predictor import counted_probability
-from sim.surrogates.process import Process, deviations
-from sim.surrogates.regimes import Regimes
+from sim.study.plottable import numbers
+from sim.study.surrogate import SurrogateSpec, fewest_points
+from sim.surrogates.answers import (
+    KEY,
+    Refusal,
+    caveats_of_axes,
+    caveats_of_mean,
+    caveats_of_places,
+    joined,
+)
+from sim.surrogates.predictor import Frame, counted_probability
+from sim.surrogates.process import Process, deviations, fit
+from sim.surrogates.regimes import Regimes, fit_regimes
 from sim.surrogates.sample import left_out, points_of_mean, unit_cube
 
 #: Share of a range by which a value may be outside it: sums of steps need not end on it.
@@ -338,3 +348,49 @@ class Surrogate:
         """How many points of which regime, or without a value, the mean leaves out, in words."""
         counts = left_out(self.sample, self.mean_regimes).items()
         return ", ".join(f"{count} {name}" for name, count in counts)
+
+
+def fit_surrogate(spec: SurrogateSpec, sample: xr.Dataset) -> Surrogate:
+    """Return the surrogate through some points.
+
+    Raises
+    ------
+    Refusal
+        When fewer than `fewest_points` have a mean and a regime that counts.
+    """
+    chosen = points_of_mean(sample, spec.regimes)
+    fewest = fewest_points(len(spec.axes))
+    if chosen.sum() < fewest:
+        others = left_out(sample, spec.regimes).items()
+        counts = "".join(f" {count} {name}," for name, count in others)
+        raise Refusal(
+            f"surrogate {spec.name}: no mean, as {chosen.sum()} of {len(chosen)} points of series "
+            f"{spec.series} count ({' or '.join(spec.regimes)}) and {fewest} are needed; "
+            f"left out are{counts.rstrip(',') or ' none'}; more points, other ranges or the key "
+            "regimes may give others"
+        )
+    x = unit_cube(spec.axes, {axis.name: sample[axis.name].values for axis in spec.axes})
+    process = fit(
+        x[chosen],
+        sample["mean"].values[chosen],
+        sample["standard_error"].values[chosen] ** 2,
+        bool(sample.attrs["scatter"]),
+        [
+            Frame(one, spec.axes, sample.attrs["fixed"])
+            for one in forms(spec.system, spec.observable).values()
+        ],
+    )
+    observable = numbers(spec.system)[spec.observable]
+    return Surrogate(
+        name=spec.name,
+        observable=spec.observable,
+        unit=observable.unit,
+        meaning=observable.meaning,
+        system=spec.system,
+        axes=spec.axes,
+        fixed=sample.attrs["fixed"],
+        mean_regimes=spec.regimes,
+        sample=sample,
+        process=process,
+        regimes=fit_regimes(x, sample["regime"].values, spec.regimes),
+    )

@@ -15,7 +15,6 @@ from scipy.stats import qmc
 
 from sim.study.design import Axis
 from sim.study.surrogate import LARGE_ERROR, SurrogateSpec
-from sim.surrogates.fitting import fit_surrogate
 from sim.surrogates.likelihood import Calibration
 from sim.surrogates.posterior import (
     INTERVAL,
@@ -25,10 +24,9 @@ from sim.surrogates.posterior import (
     check_draws,
     summarize,
 )
-from sim.surrogates.predictor import scaled
+from sim.surrogates.predictor import on_one_thread, scaled
 from sim.surrogates.sample import standard_errors
-from sim.surrogates.surrogate import Surrogate
-from sim.surrogates.threads import on_one_thread
+from sim.surrogates.surrogate import Surrogate, fit_surrogate
 from tests.made.surrogates import made_sample
 
 #: Designs of a row, and of one with chains.

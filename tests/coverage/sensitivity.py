@@ -13,13 +13,17 @@ import pandas as pd
 
 from sim.study.design import Axis
 from sim.study.surrogate import SurrogateSpec
-from sim.surrogates.fitting import fit_surrogate
-from sim.surrogates.indices import indices_of_surrogate, sobol_indices
-from sim.surrogates.indices_of_runs import morris_indices_of_runs, sobol_indices_of_runs
+from sim.surrogates.answers import Refusal
+from sim.surrogates.indices import (
+    indices_of_surrogate,
+    morris_indices_of_runs,
+    sobol_indices,
+    sobol_indices_of_runs,
+)
 from sim.surrogates.inquiries import require_small_error
 from sim.surrogates.predictor import scaled
-from sim.surrogates.refusals import Refusal
 from sim.surrogates.sample import standard_errors
+from sim.surrogates.surrogate import fit_surrogate
 from tests.made.indices import Function, made_runs
 from tests.made.surrogates import design, made_sample, smooth
 from tests.surrogates.predictors import ISHIGAMI, MadePredictor, g_function

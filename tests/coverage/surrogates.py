@@ -14,10 +14,9 @@ from scipy.stats import qmc
 from sim.base.statistics import MANY, student
 from sim.study.design import Axis
 from sim.study.surrogate import SurrogateSpec
-from sim.surrogates.fitting import fit_surrogate
-from sim.surrogates.refusals import Refusal
+from sim.surrogates.answers import Refusal
 from sim.surrogates.sample import standard_errors
-from sim.surrogates.surrogate import Surrogate
+from sim.surrogates.surrogate import Surrogate, fit_surrogate
 from tests.made.surrogates import kinked, made_sample, smooth
 from tests.surrogates.predictors import ISHIGAMI, g_function
 

@@ -8,8 +8,7 @@ from scipy.stats import qmc
 
 from sim.study.design import Axis
 from sim.study.surrogate import SurrogateSpec
-from sim.surrogates.fitting import fit_surrogate
-from sim.surrogates.surrogate import Surrogate
+from sim.surrogates.surrogate import Surrogate, fit_surrogate
 
 #: Parameters of a made-up chute.
 AXES = (Axis("friction", 0.2, 0.8), Axis("depth", 2.0, 10.0), Axis("stiffness", 1e2, 1e4, "log"))

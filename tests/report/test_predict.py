@@ -9,8 +9,8 @@ from sim.base.errors import InputError
 from sim.report.predict import predict
 from sim.study.design import Axis
 from sim.study.surrogate import SurrogateSpec
-from sim.surrogates.fitting import fit_surrogate
-from sim.surrogates.storage import save
+from sim.surrogates.storage import save_surrogate
+from sim.surrogates.surrogate import fit_surrogate
 from tests.made.processes import refusal
 from tests.made.surrogates import AXES, design, made_sample, smooth
 
@@ -24,7 +24,7 @@ def folder(tmp_path_factory):
     words = np.where(x[:, 0] < 0.3, "arrested", "steady")
     spec = SurrogateSpec("speed", "wide", "velocity", "chute", (*AXES[:2], law))
     surrogate = fit_surrogate(spec, made_sample(x, smooth(x), spec.axes, regime=words))
-    save(surrogate, folder / "surrogates" / "speed.nc")
+    save_surrogate(surrogate, folder / "surrogates" / "speed.nc")
     return folder
 
 

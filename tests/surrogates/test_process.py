@@ -7,8 +7,7 @@ import pytest
 from scipy.special import ndtr
 from sklearn.base import clone
 
-from sim.surrogates.fits import fit, fit_lengths
-from sim.surrogates.process import Process, deviations
+from sim.surrogates.process import Process, deviations, fit, fit_lengths
 from tests.made.surrogates import design, kinked, smooth
 
 

@@ -11,9 +11,8 @@ from sim.base.seals import read_summary
 from sim.study.design import Axis
 from sim.study.load import load_study
 from sim.study.surrogate import SurrogateSpec
-from sim.surrogates.fitting import fit_surrogate
-from sim.surrogates.results import find_surrogate
-from sim.surrogates.storage import load, save
+from sim.surrogates.storage import find_surrogate, load_surrogate, save_surrogate
+from sim.surrogates.surrogate import fit_surrogate
 from tests.made.netcdf import edit_file
 from tests.made.plugins import restore_plugins
 from tests.made.surrogates import AXES, design, made_sample, made_surrogate, smooth
@@ -177,9 +176,9 @@ def test_a_form_that_fits_is_found_told_and_kept(tmp_path):
     surrogate = fit_surrogate(SurrogateSpec("speed", "wide", "velocity", "belt", axes), sample)
     assert surrogate.process.frame.form.name == "efficiency_of_shaking"
     assert "as a share of the belt's velocity" in surrogate.basis
-    save(surrogate, tmp_path / "speed.nc")
+    save_surrogate(surrogate, tmp_path / "speed.nc")
     fresh = np.column_stack([np.linspace(15, 100, 9), np.linspace(1.5, 0.5, 9)])
-    loaded = load(tmp_path / "speed.nc")
+    loaded = load_surrogate(tmp_path / "speed.nc")
     for one, other in zip(surrogate.predict(fresh), loaded.predict(fresh), strict=True):
         assert one == pytest.approx(other, rel=1e-9)
     truth = 1e-3 * fresh[:, 1] * 2 * np.pi * fresh[:, 0]
@@ -215,11 +214,13 @@ def test_a_form_of_a_plugin_is_found_and_needed_again(tmp_path):
         values = (1 + x[:, 1]) * (1 + np.abs(8 * x[:, 0] - 3))
         surrogate = fit_surrogate(spec, made_sample(x, values, spec.axes))
         assert surrogate.basis.endswith(", with a kink at a depth of 5")
-        save(surrogate, tmp_path / "speed.nc")
+        save_surrogate(surrogate, tmp_path / "speed.nc")
         fresh = np.array([[0.5, 4.0]])
-        assert load(tmp_path / "speed.nc").predict(fresh)[0] == surrogate.predict(fresh)[0]
+        assert (
+            load_surrogate(tmp_path / "speed.nc").predict(fresh)[0] == surrogate.predict(fresh)[0]
+        )
     with pytest.raises(InputError, match="no plug-in that is loaded declares its form kinked"):
-        load(tmp_path / "speed.nc")
+        load_surrogate(tmp_path / "speed.nc")
 
 
 @pytest.mark.parametrize("wrong", ["velocty", "transport_efficiency"])
@@ -239,8 +240,8 @@ def test_the_observable_of_a_form_may_be_declared_after_it(tmp_path):
 
 def test_a_file_gives_the_same_predictions(mixed, tmp_path):
     path = tmp_path / "surrogates" / "speed.nc"
-    save(mixed, path)
-    again = load(path)
+    save_surrogate(mixed, path)
+    again = load_surrogate(path)
     x = np.random.default_rng(1).random((50, 2)) * [0.6, 8] + [0.2, 2]
     first, second = (one.at(law="hertz") for one in (mixed, again))
     for ours, theirs in zip(first.predict(x), second.predict(x), strict=True):
@@ -256,27 +257,27 @@ def test_a_file_gives_the_same_predictions(mixed, tmp_path):
 def test_damaged_and_foreign_files_are_refused(surrogate, tmp_path):
     path = tmp_path / "speed.nc"
     with pytest.raises(InputError, match="no such surrogate"):
-        load(path)
-    save(surrogate, path)
+        load_surrogate(path)
+    save_surrogate(surrogate, path)
     whole = path.read_bytes()
     path.write_bytes(whole[:-700] + bytes([whole[-700] ^ 1]) + whole[-699:])
     with pytest.raises(InputError, match=r"damaged or not a surrogate \(its checksum"):
-        load(path)
+        load_surrogate(path)
     path.write_bytes(whole)
     with edit_file(path) as file:
         file.format = "another"
     with pytest.raises(InputError, match="damaged or not a surrogate"):
-        load(path)
+        load_surrogate(path)
     path.write_text("a text")
     with pytest.raises(InputError, match="damaged or not a surrogate") as error:
-        load(path)
+        load_surrogate(path)
     assert "\n" not in str(error.value) and path.exists()
 
 
 def test_an_unknown_surrogate_is_refused(tmp_path, surrogate):
     with pytest.raises(InputError, match="allowed: a study with surrogates that has run"):
         find_surrogate(tmp_path)
-    save(surrogate, tmp_path / "surrogates" / "speed.nc")
+    save_surrogate(surrogate, tmp_path / "surrogates" / "speed.nc")
     with pytest.raises(InputError, match="surrogate: got 'packing'; allowed: one of speed"):
         find_surrogate(tmp_path, "packing")
 
