@@ -12,7 +12,7 @@ from sim.base.errors import InputError
 from sim.dataset.results import Results, load_current
 from sim.report.points import align_table
 from sim.study.load import load_study
-from sim.study.surrogate import SurrogateSpec
+from sim.study.surrogate import SurrogateFile
 from sim.surrogates.answers import KEY, parted, refusal_in, sentence
 from sim.surrogates.sample import sample_points
 from sim.surrogates.storage import find_surrogate, load_surrogate
@@ -84,9 +84,9 @@ def _current_folder(source: Path, of: str | None, results: Path) -> Path:
     return folder
 
 
-def _is_of(spec: SurrogateSpec, surrogate: Surrogate, dataset: Results) -> bool:
+def _is_of(spec: SurrogateFile, surrogate: Surrogate, dataset: Results) -> bool:
     """Return whether a surrogate is what a study's entry asks for, of the runs in the dataset."""
-    entry = spec.observable, spec.axes, spec.regimes
+    entry = spec.observable, spec.axes, spec.mean_regimes
     if entry != (surrogate.observable, surrogate.axes, surrogate.mean_regimes):
         return False
     now, then = sample_points(dataset, spec), surrogate.sample

@@ -11,10 +11,12 @@ from sim.base.errors import percent
 from sim.dataset.replicates import replicate_values
 from sim.dataset.results import Results, load_results
 from sim.parameters import point_id
+from sim.study.calibration import CalibrateFile
 from sim.study.design import Design
 from sim.study.load import load_study
 from sim.study.plottable import numbers
-from sim.study.surrogate import LARGE_ERROR, CalibrationSpec, SensitivitySpec, SurrogateSpec
+from sim.study.sensitivity import SensitivityFile
+from sim.study.surrogate import LARGE_ERROR, SurrogateFile
 from sim.surrogates import answers, storage
 from sim.surrogates.answers import (
     Refusal,
@@ -70,7 +72,7 @@ def build(study_path: str | Path, results: str | Path = "results") -> list[str]:
 
 
 def answer(
-    spec: SurrogateSpec | SensitivitySpec | CalibrationSpec, dataset: Results, folder: Path
+    spec: SurrogateFile | SensitivityFile | CalibrateFile, dataset: Results, folder: Path
 ) -> None:
     """Write the answer to a question into a folder of results.
 
@@ -82,15 +84,15 @@ def answer(
         When the runs cannot answer it.
     """
     match spec:
-        case SurrogateSpec():
+        case SurrogateFile():
             save_surrogate(fit_surrogate(spec, sample_points(dataset, spec)), folder / spec.file)
-        case SensitivitySpec():
+        case SensitivityFile():
             _answer_sensitivity(spec, dataset, folder)
-        case CalibrationSpec():
+        case CalibrateFile():
             _answer_calibration(spec, folder)
 
 
-def _surrogate_of(spec: SensitivitySpec | CalibrationSpec, lack: str, folder: Path) -> Surrogate:
+def _surrogate_of(spec: SensitivityFile | CalibrateFile, lack: str, folder: Path) -> Surrogate:
     """Return the surrogate that a question is asked of; a refusal says what the question lacks."""
     try:
         surrogate = load_surrogate(folder / spec.of.file)
@@ -100,14 +102,14 @@ def _surrogate_of(spec: SensitivitySpec | CalibrationSpec, lack: str, folder: Pa
     return surrogate
 
 
-def _answer_sensitivity(spec: SensitivitySpec, dataset: Results, folder: Path) -> None:
+def _answer_sensitivity(spec: SensitivityFile, dataset: Results, folder: Path) -> None:
     if spec.design is None:
         source = f"sensitivity {spec.name}"
         surrogate = _surrogate_of(spec, f"{source}: no indices", folder)
         table, caveats = indices_of_surrogate(surrogate, source), surrogate.caveats
     else:
         sample = sample_points(dataset, spec.of)
-        is_used = points_of_mean(sample, spec.of.regimes)
+        is_used = points_of_mean(sample, spec.of.mean_regimes)
         table, caveats = (
             _indices_of_runs(spec, dataset, sample, is_used),
             caveats_of_points(sample.isel(point=is_used)),
@@ -117,7 +119,7 @@ def _answer_sensitivity(spec: SensitivitySpec, dataset: Results, folder: Path) -
 
 
 def _indices_of_runs(
-    spec: SensitivitySpec, dataset: Results, sample: xr.Dataset, is_used: np.ndarray
+    spec: SensitivityFile, dataset: Results, sample: xr.Dataset, is_used: np.ndarray
 ) -> pd.DataFrame:
     """Return the indices of the runs of a design, taken in the order of the design."""
     assert spec.design, "a surrogate has none"
@@ -157,7 +159,7 @@ def places_of(design: Design) -> np.ndarray:
     return unscaled(np.column_stack(columns), bounds, [axis.scale for axis in design.axes])
 
 
-def _answer_calibration(spec: CalibrationSpec, folder: Path) -> None:
+def _answer_calibration(spec: CalibrateFile, folder: Path) -> None:
     lack = f"calibration {spec.name}: no posterior"
     surrogate = _surrogate_of(spec, lack, folder)
     question = Calibration(
@@ -167,7 +169,7 @@ def _answer_calibration(spec: CalibrationSpec, folder: Path) -> None:
         values=np.array(spec.values),
         errors=np.array(spec.errors),
         observable=spec.of.observable,
-        has_discrepancy=spec.has_discrepancy,
+        has_discrepancy=spec.discrepancy,
     )
     groups = calibrate(question)
     groups["observed_data"].attrs |= {

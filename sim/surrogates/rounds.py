@@ -14,7 +14,7 @@ from sim.dataset.rounds import read_round
 from sim.parameters import Parameters, canonical_values
 from sim.study.cost import estimate
 from sim.study.load import Study, load_study
-from sim.study.surrogate import SurrogateSpec
+from sim.study.surrogate import SurrogateFile
 
 
 def write_round(study_path: str | Path, number: int, results: str | Path = "results") -> Path:
@@ -73,7 +73,7 @@ def round_points(study: Study, number: int, folder: Path) -> dict[str, Parameter
 
 
 def further_points(
-    study: Study, spec: SurrogateSpec, so_far: Mapping[str, Parameters], folder: Path
+    study: Study, spec: SurrogateFile, so_far: Mapping[str, Parameters], folder: Path
 ) -> dict[str, Parameters]:
     """Return the next points of a surrogate's design, none where its error or budget is reached.
 
@@ -81,7 +81,7 @@ def further_points(
     ----------
     study : Study
         The study.
-    spec : SurrogateSpec
+    spec : SurrogateFile
         The surrogate.
     so_far : mapping
         All points so far, by id; their runs must be there.

@@ -14,7 +14,7 @@ from sim.base.statistics import MANY, student
 from sim.parameters.forms import forms
 from sim.study.design import Axis
 from sim.study.plottable import numbers
-from sim.study.surrogate import SurrogateSpec, fewest_points
+from sim.study.surrogate import SurrogateFile, fewest_points
 from sim.surrogates.answers import (
     KEY,
     Refusal,
@@ -350,7 +350,7 @@ class Surrogate:
         return ", ".join(f"{count} {name}" for name, count in counts)
 
 
-def fit_surrogate(spec: SurrogateSpec, sample: xr.Dataset) -> Surrogate:
+def fit_surrogate(spec: SurrogateFile, sample: xr.Dataset) -> Surrogate:
     """Return the surrogate through some points.
 
     Raises
@@ -358,14 +358,14 @@ def fit_surrogate(spec: SurrogateSpec, sample: xr.Dataset) -> Surrogate:
     Refusal
         When fewer than `fewest_points` have a mean and a regime that counts.
     """
-    chosen = points_of_mean(sample, spec.regimes)
+    chosen = points_of_mean(sample, spec.mean_regimes)
     fewest = fewest_points(len(spec.axes))
     if chosen.sum() < fewest:
-        others = left_out(sample, spec.regimes).items()
+        others = left_out(sample, spec.mean_regimes).items()
         counts = "".join(f" {count} {name}," for name, count in others)
         raise Refusal(
             f"surrogate {spec.name}: no mean, as {chosen.sum()} of {len(chosen)} points of series "
-            f"{spec.series} count ({' or '.join(spec.regimes)}) and {fewest} are needed; "
+            f"{spec.series} count ({' or '.join(spec.mean_regimes)}) and {fewest} are needed; "
             f"left out are{counts.rstrip(',') or ' none'}; more points, other ranges or the key "
             "regimes may give others"
         )
@@ -389,8 +389,8 @@ def fit_surrogate(spec: SurrogateSpec, sample: xr.Dataset) -> Surrogate:
         system=spec.system,
         axes=spec.axes,
         fixed=sample.attrs["fixed"],
-        mean_regimes=spec.regimes,
+        mean_regimes=spec.mean_regimes,
         sample=sample,
         process=process,
-        regimes=fit_regimes(x, sample["regime"].values, spec.regimes),
+        regimes=fit_regimes(x, sample["regime"].values, spec.mean_regimes),
     )

@@ -12,7 +12,6 @@ import numpy as np
 import pandas as pd
 
 from sim.study.design import Axis
-from sim.study.surrogate import SurrogateSpec
 from sim.surrogates.answers import Refusal
 from sim.surrogates.indices import (
     indices_of_surrogate,
@@ -25,7 +24,7 @@ from sim.surrogates.predictor import scaled
 from sim.surrogates.sample import standard_errors
 from sim.surrogates.surrogate import fit_surrogate
 from tests.made.indices import Function, made_runs
-from tests.made.surrogates import design, made_sample, smooth
+from tests.made.surrogates import asked, design, made_sample, smooth
 from tests.surrogates.predictors import ISHIGAMI, MadePredictor, g_function
 
 #: Designs of a case; blocks of a surrogate, and of a truth.
@@ -108,7 +107,7 @@ def of_surrogate(case: tuple, seed: int) -> pd.DataFrame:
     errors, _ = standard_errors(list(beds), np.zeros(count), x)
     regime = np.where(x[:, 0] < edge, "arrested", "steady")
     axes = tuple(Axis(f"x{number}", 0.0, 1.0) for number in range(dimensions))
-    spec = SurrogateSpec("made", "wide", "velocity", "chute", axes)
+    spec = asked(axes)
     sample = made_sample(x, beds.mean(axis=1), axes, errors, regime)
     surrogate = fit_surrogate(spec, sample)
     require_small_error(surrogate, None, "made")

@@ -10,12 +10,11 @@ from sim.base.errors import InputError
 from sim.base.seals import read_summary
 from sim.study.design import Axis
 from sim.study.load import load_study
-from sim.study.surrogate import SurrogateSpec
 from sim.surrogates.storage import find_surrogate, load_surrogate, save_surrogate
 from sim.surrogates.surrogate import fit_surrogate
 from tests.made.netcdf import edit_file
 from tests.made.plugins import restore_plugins
-from tests.made.surrogates import AXES, design, made_sample, made_surrogate, smooth
+from tests.made.surrogates import AXES, asked, design, made_sample, made_surrogate, smooth
 
 LAW = Axis("law", 0, 1, choices=("walton_braun", "hertz"))
 
@@ -31,7 +30,7 @@ def mixed():
     x = design(40, 3)
     words = np.where(x[:, 0] < 0.3, "arrested", "steady").astype(object)
     words[:3], mean = "undetermined", smooth(x) + (x[:, 2] >= 0.5)
-    spec = SurrogateSpec("speed", "wide", "velocity", "chute", (*AXES[:2], LAW), ("steady",))
+    spec = asked((*AXES[:2], LAW), regimes=["steady"])
     return fit_surrogate(spec, made_sample(x, mean, spec.axes, error=0.01, regime=words))
 
 
@@ -123,7 +122,7 @@ def test_a_large_error_is_called_too_large_to_rely_on(mixed):
     assert re.fullmatch(r"mean of 25 of 40 points, error [0-9.]+ %", mixed.basis)
     x = design(8, 2)
     scattered = np.random.default_rng(1).choice([0.1, 10.0], 8)
-    spec = SurrogateSpec("speed", "wide", "velocity", "chute", AXES[:2])
+    spec = asked()
     weak = fit_surrogate(spec, made_sample(x, scattered))
     assert re.fullmatch(r"mean of 8 of 8 points, error \d+ %", weak.basis)
     assert re.fullmatch(r"its error of \d+ % is too large to rely on", weak.caveats[0])
@@ -149,7 +148,7 @@ def test_the_error_is_that_of_points_left_out(surrogate):
 def test_too_few_points_are_refused():
     x = design(16, 2)
     words = ["arrested"] * 14 + ["steady"] * 2
-    spec = SurrogateSpec("speed", "wide", "velocity", "chute", AXES[:2])
+    spec = asked()
     with pytest.raises(InputError, match=r"as 2 of 16 .* 6 are needed; left out are 14 a"):
         fit_surrogate(spec, made_sample(x, smooth(x), regime=words))
 
@@ -157,7 +156,7 @@ def test_too_few_points_are_refused():
 @pytest.mark.parametrize(("parameters", "fewest"), [(1, 4), (2, 6), (3, 9), (8, 24)])
 def test_the_fewest_points_grow_with_the_parameters(parameters, fewest):
     axes = tuple(Axis(f"x{number}", 0.0, 1.0) for number in range(parameters))
-    spec, x = SurrogateSpec("speed", "wide", "velocity", "chute", axes), design(fewest, parameters)
+    spec, x = asked(axes), design(fewest, parameters)
     values = 1 + x[:, 0]
     assert len(fit_surrogate(spec, made_sample(x, values, axes)).process.y) == fewest
     with pytest.raises(InputError, match=f"and {fewest} are needed"):
@@ -173,7 +172,7 @@ def test_a_form_that_fits_is_found_told_and_kept(tmp_path):
     values = speed * (1 - 1 / np.maximum(strength / 10, 1))
     sample = made_sample(x, values, axes, 1e-4)
     sample.attrs["fixed"] = {"diameter": 1e-3, "gravity": 10.0, "vibration_angle": 45.0}
-    surrogate = fit_surrogate(SurrogateSpec("speed", "wide", "velocity", "belt", axes), sample)
+    surrogate = fit_surrogate(asked(axes, "belt"), sample)
     assert surrogate.process.frame.form.name == "efficiency_of_shaking"
     assert "as a share of the belt's velocity" in surrogate.basis
     save_surrogate(surrogate, tmp_path / "speed.nc")
@@ -285,7 +284,7 @@ def test_an_unknown_surrogate_is_refused(tmp_path, surrogate):
 def test_places_without_a_run_near_them_are_told():
     """Points on a diagonal: a process knows nothing of the corners beside it, and does not know."""
     line = np.linspace(0, 1, 16)
-    spec = SurrogateSpec("speed", "wide", "velocity", "chute", AXES[:2])
+    spec = asked()
     surrogate = fit_surrogate(spec, made_sample(np.column_stack([line, line]), 1 + line))
     assert not surrogate(friction=0.5, depth=6.0).attrs["caveats"]
     told = surrogate(friction=[0.2, 0.5], depth=10.0).attrs["caveats"]
@@ -297,7 +296,7 @@ def test_points_that_do_not_tell_of_each_other_are_told():
     """The error is small beside the mean size, not beside what varies."""
     x = design(32, 2)
     values = 5 + 0.2 * np.sin(40 * x[:, 0]) * np.cos(37 * x[:, 1])
-    spec = SurrogateSpec("speed", "wide", "velocity", "chute", AXES[:2])
+    spec = asked()
     surrogate = fit_surrogate(spec, made_sample(x, values))
     assert surrogate.error < 0.1 and surrogate.unexplained > 0.5
     assert "of the variance of each other" in surrogate.caveats[0]
@@ -306,6 +305,6 @@ def test_points_that_do_not_tell_of_each_other_are_told():
 def test_a_word_with_few_points_is_told():
     x = design(16, 3)
     x[:, 2] = 0.9 * (np.arange(16) == 15)
-    spec = SurrogateSpec("speed", "wide", "velocity", "chute", (*AXES[:2], LAW))
+    spec = asked((*AXES[:2], LAW))
     surrogate = fit_surrogate(spec, made_sample(x, smooth(x), spec.axes))
     assert "law = hertz has 1 point" in surrogate.caveats
