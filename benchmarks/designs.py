@@ -19,7 +19,7 @@ from sim.dataset.results import Results, load_current
 from sim.study.load import Study, load_study
 from sim.study.surrogate import SurrogateFile
 from sim.surrogates.sample import points_of_mean, sample_points
-from sim.surrogates.surrogate import Surrogate, fit_surrogate
+from sim.surrogates.surrogate import Surrogate
 
 SYSTEMS = ("belt", "chute")
 
@@ -83,14 +83,14 @@ def rows_of(results: Results, study: Study, system: str) -> list[dict[str, objec
     design, grid = (spec_of(study, system, f"{system}-{kind}") for kind in ("design", "grid"))
     sample = sample_points(results, design)
     for count in range(16, sample.sizes["point"] + 1, 16):
-        surrogate = fit_surrogate(design, sample.isel(point=slice(count)))
+        surrogate = Surrogate.fit(design, sample.isel(point=slice(count)))
         coverage = coverage_of(surrogate, fresh, x)
         rows.append(
             _row(system, "design, surrogate", count, surrogate.predict(x)[0], fresh, coverage)
         )
     sample = sample_points(results, grid)
     count = sample.sizes["point"]
-    surrogate = fit_surrogate(grid, sample)
+    surrogate = Surrogate.fit(grid, sample)
     coverage = coverage_of(surrogate, fresh, x)
     rows.append(_row(system, "grid, surrogate", count, surrogate.predict(x)[0], fresh, coverage))
     rows.append(_row(system, "grid, linear", count, interpolation(sample, grid, x), fresh, None))

@@ -37,7 +37,7 @@ from sim.surrogates.posterior import calibrate
 from sim.surrogates.predictor import unscaled
 from sim.surrogates.sample import points_of_mean, sample_points
 from sim.surrogates.storage import load_surrogate, save_surrogate
-from sim.surrogates.surrogate import Surrogate, fit_surrogate
+from sim.surrogates.surrogate import Surrogate
 
 #: Most draws of a posterior that are compared with the places of runs.
 _MOST_DRAWS = 200
@@ -85,7 +85,7 @@ def answer(
     """
     match spec:
         case SurrogateFile():
-            save_surrogate(fit_surrogate(spec, sample_points(dataset, spec)), folder / spec.file)
+            save_surrogate(Surrogate.fit(spec, sample_points(dataset, spec)), folder / spec.file)
         case SensitivityFile():
             _answer_sensitivity(spec, dataset, folder)
         case CalibrateFile():

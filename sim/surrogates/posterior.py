@@ -69,6 +69,12 @@ class Check:
 def calibrate(calibration: Calibration) -> dict[str, xr.Dataset]:
     """Return the posterior and what follows from it, as groups that ArviZ reads.
 
+    1. Draw points of the prior, and start the walkers at likely ones.
+    2. Let the chains grow until they are `LONG_ENOUGH`, or `MOST_STEPS` long.
+    3. Repeat the measurements for each draw: where these all but always lie nearer to the model
+       than those made, or no regime that they allow is likely, nothing fits.
+    4. Otherwise tell the parameters, and which further measurement would narrow them most.
+
     Returns
     -------
     dict of xarray.Dataset

@@ -73,6 +73,34 @@ class Process:
     frame: Frame | None = None
     is_local: bool = False
 
+    @classmethod
+    def fit(
+        cls,
+        x: np.ndarray,
+        y: np.ndarray,
+        variance: np.ndarray,
+        has_scatter: bool,
+        frames: Sequence[Frame] = (),
+    ) -> "Process":
+        """Return the process through values (n,) at points (n, d) of the unit cube.
+
+        It goes through them or their logarithms, with an exponent of 5/2 or 3/2, as such or in one
+        of some ``frames``: the most probable of all (evidence, with the prior of lengths). Of
+        several maxima of a form, the one whose left-out points are most probable is taken. Its
+        errors are widened by what points that are left out say of them.
+        """
+        usable = [None, *(frame for frame in frames if frame.is_usable(x))]
+        forms = (False, True) if (y > 0).all() else (False,)
+        fitted = [
+            _fitted(cls(x, y, variance, is_log, has_scatter, exponent=exponent, frame=frame))
+            for frame, is_log, exponent in product(usable, forms, _EXPONENTS)
+        ]
+        return _widened(max(fitted, key=lambda one: one[1])[0])
+
+    def fit_lengths(self) -> "Process":
+        """Return the process with the most probable amplitude, lengths and scatter."""
+        return _fitted(self)[0]
+
     @on_one_thread
     def predict(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return means and their standard deviations (m,) at points (m, d)."""
@@ -302,34 +330,6 @@ _EXPONENTS = (2.5, 1.5)
 _UNLEARNED, _PLACES = 0.03, 500
 
 Objective = Callable[[np.ndarray], tuple[float, np.ndarray]]
-
-
-def fit(
-    x: np.ndarray,
-    y: np.ndarray,
-    variance: np.ndarray,
-    has_scatter: bool,
-    frames: Sequence[Frame] = (),
-) -> Process:
-    """Return the process through values (n,) at points (n, d) of the unit cube.
-
-    It goes through them or their logarithms, with an exponent of 5/2 or 3/2, as such or in one of
-    some ``frames``: the most probable of all (evidence, with the prior of lengths). Of several
-    maxima of a form, the one whose left-out points are most probable is taken. Its errors are
-    widened by `_widened`.
-    """
-    usable = [None, *(frame for frame in frames if frame.is_usable(x))]
-    forms = (False, True) if (y > 0).all() else (False,)
-    fitted = [
-        _fitted(Process(x, y, variance, is_log, has_scatter, exponent=exponent, frame=frame))
-        for frame, is_log, exponent in product(usable, forms, _EXPONENTS)
-    ]
-    return _widened(max(fitted, key=lambda one: one[1])[0])
-
-
-def fit_lengths(process: Process) -> Process:
-    """Return a process with the most probable amplitude, lengths and scatter."""
-    return _fitted(process)[0]
 
 
 @on_one_thread

@@ -92,7 +92,7 @@ def further_points(
     from sim.dataset.build import gather_results
     from sim.surrogates.answers import Refusal
     from sim.surrogates.sample import sample_points
-    from sim.surrogates.surrogate import fit_surrogate
+    from sim.surrogates.surrogate import Surrogate
 
     first = {key: so_far[key] for key in study.series[spec.series]}
     added = spec.added_points(so_far)
@@ -100,7 +100,7 @@ def further_points(
     sample = sample_points(gather_results(study, folder, spec.series, members), spec)
     # Further points may be those that a mean lacks.
     with suppress(Refusal):
-        if fit_surrogate(spec, sample).error <= spec.error:
+        if Surrogate.fit(spec, sample).error <= spec.error:
             return {}
     hours = sample["core_hours"].to_series()
     # The median, as the first run of all may have compiled the engine.

@@ -149,7 +149,7 @@ def _frame(about: dict[str, Any], axes: tuple[Axis, ...]) -> Frame | None:
 def _require_numbers(surrogate: Surrogate) -> None:
     """Raise an error of a library, or ``ValueError``, where a surrogate cannot predict."""
     place = surrogate.process.x[:1]
-    answers = *surrogate.process.predict(place), surrogate.regimes.probability(place)
+    answers = *surrogate.process.predict(place), surrogate.regimes.predict(place)
     about = surrogate.error, surrogate.hours, surrogate.coverage, *surrogate.bounds.ravel()
     if not all(np.isfinite(one).all() for one in (*answers, about)):
         raise ValueError("its numbers give no prediction")

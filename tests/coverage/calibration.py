@@ -26,7 +26,7 @@ from sim.surrogates.posterior import (
 )
 from sim.surrogates.predictor import on_one_thread, scaled
 from sim.surrogates.sample import standard_errors
-from sim.surrogates.surrogate import Surrogate, fit_surrogate
+from sim.surrogates.surrogate import Surrogate
 from tests.made.surrogates import asked, made_sample
 
 #: Designs of a row, and of one with chains.
@@ -141,7 +141,7 @@ def surrogate_of(
     regime = np.where(is_flow, "steady", "arrested")
     sample = made_sample(x, values.mean(axis=1), AXES, errors, regime, is_unknown)
     spec = asked(AXES)
-    return fit_surrogate(spec, sample)
+    return Surrogate.fit(spec, sample)
 
 
 def question(case: Case, seed: int) -> tuple[dict[str, float], Calibration]:

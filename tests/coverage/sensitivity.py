@@ -22,7 +22,7 @@ from sim.surrogates.indices import (
 from sim.surrogates.inquiries import require_small_error
 from sim.surrogates.predictor import scaled
 from sim.surrogates.sample import standard_errors
-from sim.surrogates.surrogate import fit_surrogate
+from sim.surrogates.surrogate import Surrogate
 from tests.made.indices import Function, made_runs
 from tests.made.surrogates import asked, design, made_sample, smooth
 from tests.surrogates.predictors import ISHIGAMI, MadePredictor, g_function
@@ -109,7 +109,7 @@ def of_surrogate(case: tuple, seed: int) -> pd.DataFrame:
     axes = tuple(Axis(f"x{number}", 0.0, 1.0) for number in range(dimensions))
     spec = asked(axes)
     sample = made_sample(x, beds.mean(axis=1), axes, errors, regime)
-    surrogate = fit_surrogate(spec, sample)
+    surrogate = Surrogate.fit(spec, sample)
     require_small_error(surrogate, None, "made")
     return indices_of_surrogate(surrogate, "made", blocks=BLOCKS)
 

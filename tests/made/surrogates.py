@@ -8,7 +8,7 @@ from scipy.stats import qmc
 
 from sim.study.design import Axis
 from sim.study.surrogate import SurrogateFile
-from sim.surrogates.surrogate import Surrogate, fit_surrogate
+from sim.surrogates.surrogate import Surrogate
 
 #: Parameters of a made-up chute.
 AXES = (Axis("friction", 0.2, 0.8), Axis("depth", 2.0, 10.0), Axis("stiffness", 1e2, 1e4, "log"))
@@ -79,4 +79,4 @@ def made_surrogate(
     """Return the surrogate of a function of the unit cube, exact at its points."""
     x = design(count, len(axes))
     spec = asked(axes)
-    return fit_surrogate(spec, made_sample(x, function(x), axes, **options))
+    return Surrogate.fit(spec, made_sample(x, function(x), axes, **options))

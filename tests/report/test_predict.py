@@ -9,7 +9,7 @@ from sim.base.errors import InputError
 from sim.report.predict import predict
 from sim.study.design import Axis
 from sim.surrogates.storage import save_surrogate
-from sim.surrogates.surrogate import fit_surrogate
+from sim.surrogates.surrogate import Surrogate
 from tests.made.processes import refusal
 from tests.made.surrogates import AXES, asked, design, made_sample, smooth
 
@@ -22,7 +22,7 @@ def folder(tmp_path_factory):
     x = design(24, 3)
     words = np.where(x[:, 0] < 0.3, "arrested", "steady")
     spec = asked((*AXES[:2], law))
-    surrogate = fit_surrogate(spec, made_sample(x, smooth(x), spec.axes, regime=words))
+    surrogate = Surrogate.fit(spec, made_sample(x, smooth(x), spec.axes, regime=words))
     save_surrogate(surrogate, folder / "surrogates" / "speed.nc")
     return folder
 

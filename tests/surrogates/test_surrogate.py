@@ -11,7 +11,7 @@ from sim.base.seals import read_summary
 from sim.study.design import Axis
 from sim.study.load import load_study
 from sim.surrogates.storage import find_surrogate, load_surrogate, save_surrogate
-from sim.surrogates.surrogate import fit_surrogate
+from sim.surrogates.surrogate import Surrogate
 from tests.made.netcdf import edit_file
 from tests.made.plugins import restore_plugins
 from tests.made.surrogates import AXES, asked, design, made_sample, made_surrogate, smooth
@@ -31,7 +31,7 @@ def mixed():
     words = np.where(x[:, 0] < 0.3, "arrested", "steady").astype(object)
     words[:3], mean = "undetermined", smooth(x) + (x[:, 2] >= 0.5)
     spec = asked((*AXES[:2], LAW), regimes=["steady"])
-    return fit_surrogate(spec, made_sample(x, mean, spec.axes, error=0.01, regime=words))
+    return Surrogate.fit(spec, made_sample(x, mean, spec.axes, error=0.01, regime=words))
 
 
 def test_a_call_gives_mean_half_width_and_probabilities(surrogate):
@@ -123,7 +123,7 @@ def test_a_large_error_is_called_too_large_to_rely_on(mixed):
     x = design(8, 2)
     scattered = np.random.default_rng(1).choice([0.1, 10.0], 8)
     spec = asked()
-    weak = fit_surrogate(spec, made_sample(x, scattered))
+    weak = Surrogate.fit(spec, made_sample(x, scattered))
     assert re.fullmatch(r"mean of 8 of 8 points, error \d+ %", weak.basis)
     assert re.fullmatch(r"its error of \d+ % is too large to rely on", weak.caveats[0])
 
@@ -150,7 +150,7 @@ def test_too_few_points_are_refused():
     words = ["arrested"] * 14 + ["steady"] * 2
     spec = asked()
     with pytest.raises(InputError, match=r"as 2 of 16 .* 6 are needed; left out are 14 a"):
-        fit_surrogate(spec, made_sample(x, smooth(x), regime=words))
+        Surrogate.fit(spec, made_sample(x, smooth(x), regime=words))
 
 
 @pytest.mark.parametrize(("parameters", "fewest"), [(1, 4), (2, 6), (3, 9), (8, 24)])
@@ -158,9 +158,9 @@ def test_the_fewest_points_grow_with_the_parameters(parameters, fewest):
     axes = tuple(Axis(f"x{number}", 0.0, 1.0) for number in range(parameters))
     spec, x = asked(axes), design(fewest, parameters)
     values = 1 + x[:, 0]
-    assert len(fit_surrogate(spec, made_sample(x, values, axes)).process.y) == fewest
+    assert len(Surrogate.fit(spec, made_sample(x, values, axes)).process.y) == fewest
     with pytest.raises(InputError, match=f"and {fewest} are needed"):
-        fit_surrogate(spec, made_sample(x[1:], values[1:], axes))
+        Surrogate.fit(spec, made_sample(x[1:], values[1:], axes))
 
 
 def test_a_form_that_fits_is_found_told_and_kept(tmp_path):
@@ -172,7 +172,7 @@ def test_a_form_that_fits_is_found_told_and_kept(tmp_path):
     values = speed * (1 - 1 / np.maximum(strength / 10, 1))
     sample = made_sample(x, values, axes, 1e-4)
     sample.attrs["fixed"] = {"diameter": 1e-3, "gravity": 10.0, "vibration_angle": 45.0}
-    surrogate = fit_surrogate(asked(axes, "belt"), sample)
+    surrogate = Surrogate.fit(asked(axes, "belt"), sample)
     assert surrogate.process.frame.form.name == "efficiency_of_shaking"
     assert "as a share of the belt's velocity" in surrogate.basis
     save_surrogate(surrogate, tmp_path / "speed.nc")
@@ -211,7 +211,7 @@ def test_a_form_of_a_plugin_is_found_and_needed_again(tmp_path):
         (spec,) = load_study(form_study(tmp_path), None).surrogates
         x = design(16, 2)
         values = (1 + x[:, 1]) * (1 + np.abs(8 * x[:, 0] - 3))
-        surrogate = fit_surrogate(spec, made_sample(x, values, spec.axes))
+        surrogate = Surrogate.fit(spec, made_sample(x, values, spec.axes))
         assert surrogate.basis.endswith(", with a kink at a depth of 5")
         save_surrogate(surrogate, tmp_path / "speed.nc")
         fresh = np.array([[0.5, 4.0]])
@@ -285,7 +285,7 @@ def test_places_without_a_run_near_them_are_told():
     """Points on a diagonal: a process knows nothing of the corners beside it, and does not know."""
     line = np.linspace(0, 1, 16)
     spec = asked()
-    surrogate = fit_surrogate(spec, made_sample(np.column_stack([line, line]), 1 + line))
+    surrogate = Surrogate.fit(spec, made_sample(np.column_stack([line, line]), 1 + line))
     assert not surrogate(friction=0.5, depth=6.0).attrs["caveats"]
     told = surrogate(friction=[0.2, 0.5], depth=10.0).attrs["caveats"]
     assert told.startswith("at 2 of 2 places no run is near")
@@ -297,7 +297,7 @@ def test_points_that_do_not_tell_of_each_other_are_told():
     x = design(32, 2)
     values = 5 + 0.2 * np.sin(40 * x[:, 0]) * np.cos(37 * x[:, 1])
     spec = asked()
-    surrogate = fit_surrogate(spec, made_sample(x, values))
+    surrogate = Surrogate.fit(spec, made_sample(x, values))
     assert surrogate.error < 0.1 and surrogate.unexplained > 0.5
     assert "of the variance of each other" in surrogate.caveats[0]
 
@@ -306,5 +306,5 @@ def test_a_word_with_few_points_is_told():
     x = design(16, 3)
     x[:, 2] = 0.9 * (np.arange(16) == 15)
     spec = asked((*AXES[:2], LAW))
-    surrogate = fit_surrogate(spec, made_sample(x, smooth(x), spec.axes))
+    surrogate = Surrogate.fit(spec, made_sample(x, smooth(x), spec.axes))
     assert "law = hertz has 1 point" in surrogate.caveats
