@@ -21,8 +21,8 @@ import numpy as np
 from scipy.stats import chisquare
 
 from sim.report.results import load
-from sim.surrogates.calibration import load as load_calibration
 from sim.surrogates.posterior import calibrate, summarize
+from sim.surrogates.storage import load_posterior
 from tests.surrogates.made_calibration import RANGES, made_measurements
 
 #: Materials, seed of the first, and bins of the ranks.
@@ -110,7 +110,7 @@ def from_runs(folder: Path) -> None:
     folder.mkdir(parents=True)
     measure(folder)
     processor, elapsed = run_study(folder, "beads", STUDY)
-    groups = load_calibration(folder / "results" / "beads" / "calibration" / "material.nc")
+    groups = load_posterior(folder / "results" / "beads" / "calibration" / "material.nc")
     print(f"processor time {processor:.0f} s, time {elapsed:.0f} s")
     if "posterior" not in groups:
         print("no parameters in the ranges fit")

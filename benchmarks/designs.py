@@ -17,8 +17,7 @@ from scipy.interpolate import RegularGridInterpolator
 from sim.base.statistics import MANY, student
 from sim.dataset.results import Results, load_current
 from sim.study.load import Study, load_study
-from sim.study.surrogate import SurrogateSpec
-from sim.surrogates.fitting import fit_surrogate
+from sim.study.surrogate import SurrogateFile
 from sim.surrogates.sample import points_of_mean, sample_points
 from sim.surrogates.surrogate import Surrogate
 
@@ -28,11 +27,11 @@ SYSTEMS = ("belt", "chute")
 RESAMPLES = 2000
 
 
-def spec_of(study: Study, system: str, series: str) -> SurrogateSpec:
+def spec_of(study: Study, system: str, series: str) -> SurrogateFile:
     """Return the surrogate of the velocity over a series, with the ranges of the design."""
     axes = study.axes[f"{system}-design"]
     (asked,) = (one for one in study.surrogates if one.system == system)
-    return SurrogateSpec(series, series, "velocity", system, axes, asked.regimes)
+    return SurrogateFile(name=series, series=series, regimes=asked.regimes).about(system, axes)
 
 
 def fresh_points(results: Results, study: Study, system: str) -> tuple[xr.Dataset, np.ndarray]:
@@ -63,7 +62,7 @@ def coverage_of(surrogate: Surrogate, fresh: xr.Dataset, x: np.ndarray) -> float
     return float(np.mean(np.abs(mean - fresh["mean"].values) <= width))
 
 
-def interpolation(sample: xr.Dataset, spec: SurrogateSpec, x: np.ndarray) -> np.ndarray:
+def interpolation(sample: xr.Dataset, spec: SurrogateFile, x: np.ndarray) -> np.ndarray:
     """Return linear interpolations of a full grid, along the logarithm where an axis has it."""
     names = [axis.name for axis in spec.axes]
     table = sample["mean"].to_series().to_frame().assign(**{n: sample[n].values for n in names})
@@ -84,14 +83,14 @@ def rows_of(results: Results, study: Study, system: str) -> list[dict[str, objec
     design, grid = (spec_of(study, system, f"{system}-{kind}") for kind in ("design", "grid"))
     sample = sample_points(results, design)
     for count in range(16, sample.sizes["point"] + 1, 16):
-        surrogate = fit_surrogate(design, sample.isel(point=slice(count)))
+        surrogate = Surrogate.fit(design, sample.isel(point=slice(count)))
         coverage = coverage_of(surrogate, fresh, x)
         rows.append(
             _row(system, "design, surrogate", count, surrogate.predict(x)[0], fresh, coverage)
         )
     sample = sample_points(results, grid)
     count = sample.sizes["point"]
-    surrogate = fit_surrogate(grid, sample)
+    surrogate = Surrogate.fit(grid, sample)
     coverage = coverage_of(surrogate, fresh, x)
     rows.append(_row(system, "grid, surrogate", count, surrogate.predict(x)[0], fresh, coverage))
     rows.append(_row(system, "grid, linear", count, interpolation(sample, grid, x), fresh, None))

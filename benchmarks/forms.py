@@ -12,8 +12,8 @@ import pandas as pd
 from sim.base.statistics import MANY, student
 from sim.parameters.forms import forms
 from sim.study.design import Axis
-from sim.surrogates.fits import fit
-from sim.surrogates.frames import Frame
+from sim.surrogates.predictor import Frame
+from sim.surrogates.process import Process
 from sim.surrogates.sample import unit_cube
 
 AXES = (Axis("frequency", 15, 100), Axis("amplitude", 0.5, 1.5), Axis("vibration_angle", 30, 60))
@@ -43,7 +43,9 @@ def main() -> None:
             for frames in ([], suggested)
         ):
             variance = runs["velocity_error"].to_numpy() ** 2
-            process = fit(_places(runs), runs["velocity"].to_numpy(), variance, True, frames)
+            process = Process.fit(
+                _places(runs), runs["velocity"].to_numpy(), variance, True, frames
+            )
             mean, error = process.predict(places)
             apart = np.abs(mean - truth.to_numpy())
             held = np.mean(apart < student(MANY) * np.hypot(error, scatter))

@@ -42,7 +42,7 @@ COMMANDS = {
     "dataset": ("sim.dataset.build:build", "combine the runs of a study in one dataset"),
     "boundaries": ("sim.dataset.boundaries:build", "write the boundaries found as CSV"),
     "questions": (
-        "sim.surrogates.answers:build",
+        "sim.surrogates.inquiries:build",
         "answer the questions of a study from its dataset",
     ),
     "predict": ("sim.report.predict:predict", "predict between the points of a study"),

@@ -25,8 +25,8 @@ from sim.figures.style import COLOURS, legend_above, move_aside
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import setting
 from sim.study.plot_contents import name_in_words
-from sim.surrogates.calibration import load, outcome_sentences
 from sim.surrogates.posterior import DISCREPANCY, INTERVAL, ranges, summarize
+from sim.surrogates.storage import load_posterior, outcome_sentences
 
 #: Size of a picture of one parameter, and of each of several, inches.
 _SINGLE, _PANEL = (4.4, 3.2), 2.1
@@ -248,7 +248,7 @@ def _groups(data: FigureData) -> Mapping[str, xr.Dataset]:
 
 @lru_cache(maxsize=4)
 def _load(path: Path, version: tuple[int, ...]) -> Mapping[str, xr.Dataset]:
-    return load(path)
+    return load_posterior(path)
 
 
 def _about(groups: Mapping[str, xr.Dataset]) -> dict[str, Any]:

@@ -33,8 +33,7 @@ from sim.figures.style import DOUBTFUL, SETTINGS, escape_label
 from sim.study.catalogue import FIGURES
 from sim.study.load import load_study
 from sim.study.plot_kinds import FigureSpec, PlotKind, find_kind
-from sim.surrogates.caveats import caveats_in, sentence, with_caveats
-from sim.surrogates.refusals import Refusal, require_answer
+from sim.surrogates.answers import Refusal, caveats_in, require_answer, sentence, with_caveats
 
 #: Resolution of the first picture of an animation, dots per inch.
 POSTER = 150

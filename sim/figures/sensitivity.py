@@ -16,9 +16,8 @@ from sim.figures.data import FigureData, label_with_unit, unit_of
 from sim.figures.plot import SINGLE_SIZE, wrap_label
 from sim.figures.style import COLOURS, LEVEL, cycle_style, escape_label, legend_above
 from sim.study.plot_contents import parameter_phrase
-from sim.surrogates.caveats import MANY_BLOCKS
-from sim.surrogates.index_table import NEGLIGIBLE
-from sim.surrogates.tables import load
+from sim.surrogates.answers import MANY_BLOCKS, load_table
+from sim.surrogates.indices import NEGLIGIBLE
 
 #: Height of the room of a parameter, and of a picture without any, inches.
 _ROW, _FRAME = 0.42, 1.3
@@ -158,7 +157,7 @@ def screening_notes(data: FigureData) -> list[str]:
 
 
 def _table(data: FigureData) -> pd.DataFrame:
-    return load(data.answer)
+    return load_table(data.answer)
 
 
 def _of(table: pd.DataFrame, index: str) -> pd.DataFrame:

@@ -21,7 +21,7 @@ from sim.parameters.words import setting
 from sim.study.design import Axis
 from sim.surrogates.predictor import counted_probability
 from sim.surrogates.sample import unit_cube
-from sim.surrogates.storage import load
+from sim.surrogates.storage import load_surrogate
 from sim.surrogates.surrogate import Surrogate
 
 #: Values along a section, and along each side of a map.
@@ -41,7 +41,7 @@ def find_surrogate(data: FigureData) -> Surrogate:
 
 @lru_cache(maxsize=4)
 def _load(path: Path, version: tuple[int, ...]) -> Surrogate:
-    return load(path)
+    return load_surrogate(path)
 
 
 def find_axis(data: FigureData, option: str) -> Axis:

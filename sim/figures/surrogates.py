@@ -30,7 +30,7 @@ from sim.figures.surrogate_rows import (
     surface_rows,
     with_units,
 )
-from sim.surrogates.caveats import EVEN
+from sim.surrogates.answers import EVEN
 from sim.surrogates.surrogate import Surrogate
 
 #: Looks of error bars in sections, of error bars of predictions, and of the line of a regime.

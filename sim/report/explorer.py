@@ -27,7 +27,7 @@ from sim.figures.surrogate_rows import (
     shown_settings,
 )
 from sim.study.plottable import numbers
-from sim.surrogates.caveats import EVEN, sentence
+from sim.surrogates.answers import EVEN, sentence
 from sim.surrogates.surrogate import Surrogate
 
 #: Significant digits of the numbers.

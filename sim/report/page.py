@@ -45,9 +45,8 @@ from sim.study.load import Study, load_study
 from sim.study.paper_values import paper_values
 from sim.study.papers import papers
 from sim.study.plot_kinds import FigureSpec
-from sim.surrogates.caveats import answer_name, caveats_in, sentence
-from sim.surrogates.refusals import refusal_in
-from sim.surrogates.storage import load as load_surrogate
+from sim.surrogates.answers import answer_name, caveats_in, refusal_in, sentence
+from sim.surrogates.storage import load_surrogate
 
 _MEDIA = {
     ".svg": "image/svg+xml",

@@ -12,12 +12,10 @@ from sim.base.errors import InputError
 from sim.dataset.results import Results, load_current
 from sim.report.points import align_table
 from sim.study.load import load_study
-from sim.study.surrogate import SurrogateSpec
-from sim.surrogates.caveats import KEY, parted, sentence
-from sim.surrogates.refusals import refusal_in
-from sim.surrogates.results import find_surrogate
+from sim.study.surrogate import SurrogateFile
+from sim.surrogates.answers import KEY, parted, refusal_in, sentence
 from sim.surrogates.sample import sample_points
-from sim.surrogates.storage import load
+from sim.surrogates.storage import find_surrogate, load_surrogate
 from sim.surrogates.surrogate import Surrogate
 
 
@@ -78,15 +76,17 @@ def _current_folder(source: Path, of: str | None, results: Path) -> Path:
     named = [spec for spec in study.surrogates if spec.name == of]
     for spec in named or [spec for spec in study.surrogates if of in (None, spec.observable)]:
         path = folder / spec.file
-        if not path.is_file() or not (refusal_in(path) or _is_of(spec, load(path), dataset)):
+        if not path.is_file() or not (
+            refusal_in(path) or _is_of(spec, load_surrogate(path), dataset)
+        ):
             message = f"{source}: surrogate {spec.name}: not as in {folder}; run the study again"
             raise InputError(message)
     return folder
 
 
-def _is_of(spec: SurrogateSpec, surrogate: Surrogate, dataset: Results) -> bool:
+def _is_of(spec: SurrogateFile, surrogate: Surrogate, dataset: Results) -> bool:
     """Return whether a surrogate is what a study's entry asks for, of the runs in the dataset."""
-    entry = spec.observable, spec.axes, spec.regimes
+    entry = spec.observable, spec.axes, spec.mean_regimes
     if entry != (surrogate.observable, surrogate.axes, surrogate.mean_regimes):
         return False
     now, then = sample_points(dataset, spec), surrogate.sample

@@ -25,9 +25,8 @@ from sim.study.plot_contents import PlotContents
 from sim.study.plot_file import PlotFile
 from sim.study.plot_kinds import FigureSpec, written
 from sim.study.plottable import find_observable, numbers
-from sim.surrogates.caveats import answer_name, caveats_in, sentence
-from sim.surrogates.refusals import refusal_in
-from sim.surrogates.results import answer_files, find_surrogate
+from sim.surrogates.answers import answer_name, caveats_in, refusal_in, sentence
+from sim.surrogates.storage import answer_files, find_surrogate
 from sim.surrogates.surrogate import Surrogate
 
 if TYPE_CHECKING:

@@ -13,6 +13,7 @@ from sim.base.plugins import ALLOWED, PATTERN
 from sim.parameters import AMOUNTS, SYSTEMS, Parameters
 from sim.parameters.common import TWO_NUMBERS, Real, broken_rule, sphere_volume
 from sim.parameters.density import DENSITY
+from sim.study.calibration import CalibrateFile
 from sim.study.design import Axis, DesignFile, axis_of
 from sim.study.entries import (
     ALLOWED_NAME,
@@ -30,7 +31,8 @@ from sim.study.papers import papers
 from sim.study.plot_file import PlotFile
 from sim.study.read import PART_NAME
 from sim.study.refine import MAX_ROUNDS, PARTS, further_rounds
-from sim.study.surrogate import CalibrateFile, SensitivityFile, SurrogateFile
+from sim.study.sensitivity import SensitivityFile
+from sim.study.surrogate import SurrogateFile
 
 #: Maximum number of points of a study.
 MAX_POINTS = 100_000

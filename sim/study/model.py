@@ -9,11 +9,13 @@ from typing import Any, NamedTuple
 
 from sim.base.additions import Plugin
 from sim.parameters import Parameters
+from sim.study.calibration import CalibrateFile
 from sim.study.design import Axis, Design
 from sim.study.entries import DecideFile
 from sim.study.plot_kinds import FigureSpec, Shown
 from sim.study.refine import further_rounds
-from sim.study.surrogate import MOST_ROUNDS, CalibrationSpec, SensitivitySpec, SurrogateSpec
+from sim.study.sensitivity import SensitivityFile
+from sim.study.surrogate import MOST_ROUNDS, SurrogateFile
 
 
 class Need(NamedTuple):
@@ -111,11 +113,11 @@ class Study:
         The plug-ins that it and its parts name.
     data : tuple of Path
         CSV files of data from elsewhere that it names.
-    surrogates : tuple of SurrogateSpec
+    surrogates : tuple of SurrogateFile
         Its surrogates.
-    sensitivities : tuple of SensitivitySpec
+    sensitivities : tuple of SensitivityFile
         What it asks on how much parameters matter.
-    calibrations : tuple of CalibrationSpec
+    calibrations : tuple of CalibrateFile
         What it asks on which parameters measurements allow.
     """
 
@@ -133,9 +135,9 @@ class Study:
     pages: bool = False
     plugins: tuple[Plugin, ...] = ()
     data: tuple[Path, ...] = ()
-    surrogates: tuple[SurrogateSpec, ...] = ()
-    sensitivities: tuple[SensitivitySpec, ...] = ()
-    calibrations: tuple[CalibrationSpec, ...] = ()
+    surrogates: tuple[SurrogateFile, ...] = ()
+    sensitivities: tuple[SensitivityFile, ...] = ()
+    calibrations: tuple[CalibrateFile, ...] = ()
 
     @cached_property
     def figures(self) -> dict[str, tuple[str, ...]]:
@@ -166,7 +168,7 @@ class Study:
         return self.files[0]
 
     @property
-    def questions(self) -> tuple[SurrogateSpec | SensitivitySpec | CalibrationSpec, ...]:
+    def questions(self) -> tuple[SurrogateFile | SensitivityFile | CalibrateFile, ...]:
         """What is answered from the dataset, in this order."""
         return *self.surrogates, *self.sensitivities, *self.calibrations
 

@@ -2,16 +2,13 @@
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from sim.base.errors import Allowed
 from sim.base.messages import MOST_NAMES, did_you_mean, near, one_of
 from sim.parameters import SYSTEMS
 from sim.parameters.variables import Variable, observable_variables, plotted_name, variables_of
 from sim.study.plot_kinds import find_kind, study_kinds
-
-if TYPE_CHECKING:
-    from sim.study.model import Point
 
 
 @dataclass(frozen=True)
@@ -86,7 +83,7 @@ def every_name() -> list[str]:
 
 
 def require_stored(
-    observable: Observable, points: Sequence["Point"], error: Callable[[str], Exception]
+    observable: Observable, points: Sequence[Any], error: Callable[[str], Exception]
 ) -> None:
     """Raise what ``error`` makes of the allowed points, unless all will have the observable.
 

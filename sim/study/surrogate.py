@@ -1,18 +1,21 @@
-"""Entries under ``surrogate`` of a study file, and what a study knows of its surrogates."""
+"""Questions of a study: what all have in common, and entries under ``surrogate`` of its file."""
 
 from collections.abc import Container, Iterator, Mapping
-from dataclasses import dataclass
+from functools import partial
 from itertools import islice, takewhile
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
-from sim.parameters import Parameters, point_id
-from sim.parameters.common import TWO_NUMBERS, Real, broken_rule
+from sim.base.errors import Allowed, InputError
+from sim.base.messages import did_you_mean
+from sim.parameters import NUMERICAL, Parameters, point_id
+from sim.parameters.common import Real, broken_rule
+from sim.parameters.forms import require_observables
 from sim.study.design import Axis, Design
 from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional
-from sim.study.measured import ALLOWED_FILE, FILE
+from sim.study.plottable import find_observable, numbers, require_stored
 
 #: Fewest points of which a mean can be, and fewest for each parameter.
 _FEWEST_POINTS, _POINTS_PER_PARAMETER = 4, 3
@@ -43,21 +46,90 @@ SLOWING: Regime = "slowing"
 #: Regimes whose points count unless an entry names others: all but what surely changes or rests.
 COUNTED: tuple[Regime, ...] = ("steady", "mixed", "undetermined")
 
+#: Kinds of design that can go on point by point.
+_ENDLESS = ("sobol", "random")
+
 
 def fewest_points(parameters: int) -> int:
     """Return the fewest points of which a mean over some parameters can be."""
     return max(_FEWEST_POINTS, _POINTS_PER_PARAMETER * parameters)
 
 
-class SurrogateFile(Strict):
-    """A surrogate: an observable anywhere between the points of a series, with its error."""
+class Place(NamedTuple):
+    """Where a question stands: a study file, a key of it, and the series and boundaries there."""
 
-    name: str = Field(
+    path: Path
+    key: str
+    families: Mapping[str, Any]
+
+    def error(self, key: str, value: Any, allowed: str | Allowed) -> InputError:
+        """Return the error of a key of the question."""
+        return InputError.of_value(self.path, f"{self.key}.{key}", value, allowed)
+
+
+class Question(Strict):
+    """A question to the runs of a study, as its file has it; `resolve` adds what follows from that.
+
+    Attributes
+    ----------
+    name : str
+        Its name, and that of the file of its answer.
+    of : SurrogateFile
+        The surrogate that it is asked of, or what one of its series would be.
+    series : str
+        Series whose runs answer it.
+    """
+
+    name: str
+
+    #: Folder of its answer in the results of a study, and ending of the file.
+    folder: ClassVar[str]
+    ending: ClassVar[str] = ".nc"
+
+    def resolve(self, study: Any, place: Place) -> Self:
+        """Return the question with what it is about in a `sim.study.model.Study`.
+
+        Raises
+        ------
+        InputError
+            For a series, surrogate, observable or parameter that is not there or does not fit, and
+            for measurements that cannot be used, with file, line and column.
+        """
+        raise NotImplementedError
+
+    def found(self, **values: Any) -> Self:
+        """Return the question with values of attributes that are no keys of the file."""
+        return self.model_copy(update=values)
+
+    @property
+    def file(self) -> str:
+        """Path of the file of its answer in the results of the study."""
+        return f"{self.folder}/{self.name}{self.ending}"
+
+
+def name_field(what: str, among: str) -> Any:
+    """Declare the name of a question."""
+    return Field(
         pattern=NAME,
         max_length=40,
-        description="name of the surrogate and of its file, unique in the study",
+        description=f"name of the {what} and of its file, unique {among}",
         json_schema_extra=ALLOWED_NAME,
     )
+
+
+class SurrogateFile(Question):
+    """A surrogate: an observable anywhere between the points of a series, with its error."""
+
+    folder: ClassVar[str] = "surrogates"
+
+    #: What `about` adds: the system of the series; the parameters that its points vary; its design,
+    #: whose further points are those of rounds; and the figures of papers that these feed.
+    system: ClassVar[str]
+    axes: ClassVar[tuple[Axis, ...]]
+    design: ClassVar[Design | None]
+    figures: ClassVar[tuple[str, ...]]
+
+    name: str = name_field("surrogate", "in the study")
     series: str = Field(description="series whose points it goes through")
     observable: str = Field("velocity", description="observable, any number of `plots`")
     regimes: list[Regime] = Field(
@@ -82,59 +154,71 @@ class SurrogateFile(Strict):
                 raise broken_rule(key, None, f"a number, as {other} is given: rounds need both")
         return self
 
+    def about(
+        self,
+        system: str,
+        axes: tuple[Axis, ...],
+        design: Design | None = None,
+        figures: tuple[str, ...] = (),
+    ) -> Self:
+        """Return the surrogate of points of a system that vary some parameters."""
+        return self.found(system=system, axes=axes, design=design, figures=figures)
 
-@dataclass(frozen=True)
-class SurrogateSpec:
-    """A surrogate of a study.
+    def resolve(self, study: Any, place: Place) -> Self:
+        """Return the surrogate with system, parameters and design of its series."""
+        if self.series not in place.families:
+            raise place.error("series", self.series, "one of " + ", ".join(place.families))
+        family = place.families[self.series]
+        points = [study.points[key] for key in study.series[self.series]]
+        if len(study.readings.get(family.system, ())) > 1:
+            allowed = f"a series of a study with one reading of the {family.system}"
+            raise place.error("series", self.series, allowed)
+        design = study.designs.get(self.series)
+        # Flows do not depend on numerical parameters of a grid.
+        axes = tuple(
+            axis for axis in study.axes.get(self.series, ()) if design or axis.name not in NUMERICAL
+        )
+        # Rounds may add what is missing.
+        least = 1 if self.has_rounds else fewest_points(len(axes))
+        if not least <= len(points) <= MOST_POINTS:
+            allowed = f"a series of {least} to {MOST_POINTS:,} points"
+            raise place.error("series", f"{self.series} of {len(points):,} points", allowed)
+        name = self.observable
+        observable = find_observable("curves", "observable", name, family.system, place.error)
+        require_stored(observable, points, partial(place.error, "observable", name))
+        require_observables(family.system, numbers(family.system))
+        if not axes:
+            allowed = "a series whose points vary a parameter"
+            raise place.error("series", self.series, allowed)
+        # The points of an analysis belong together, so single ones do not go on with it.
+        if self.has_rounds and (design is None or design.kind not in _ENDLESS):
+            allowed = "with error, a series with a design of kind sobol or random"
+            raise place.error("series", self.series, allowed)
+        return self.about(
+            family.system, axes, design if self.has_rounds else None, tuple(family.figures)
+        )
 
-    Attributes
-    ----------
-    name, series, observable : str
-        Its name, the series of its points, and what it is of.
-    system : str
-        System of the series.
-    axes : tuple of Axis
-        Parameters that the points vary.
-    regimes : tuple of str
-        Regimes whose points the mean is of.
-    error, budget : float
-        Error at which rounds end, and core hours that they may add; 0 without rounds.
-    batch : int
-        Points that a round adds.
-    design : Design, optional
-        Design of the series; its further points are those of rounds.
-    figures : tuple of str
-        Figures of papers that points of rounds feed.
-    """
+    @property
+    def of(self) -> Self:
+        """The surrogate itself."""
+        return self
 
-    name: str
-    series: str
-    observable: str
-    system: str
-    axes: tuple[Axis, ...]
-    regimes: tuple[str, ...] = COUNTED
-    error: float = 0.0
-    budget: float = 0.0
-    batch: int = 4
-    design: Design | None = None
-    figures: tuple[str, ...] = ()
+    @property
+    def mean_regimes(self) -> tuple[str, ...]:
+        """Regimes whose points the mean is of, each once."""
+        return tuple(dict.fromkeys(self.regimes))
 
     @property
     def has_rounds(self) -> bool:
         """Whether rounds add points."""
-        return self.error > 0
-
-    @property
-    def file(self) -> str:
-        """Path of its file in the results of the study."""
-        return f"surrogates/{self.name}.nc"
+        return self.error is not None
 
     @property
     def settings(self) -> tuple[Any, ...]:
         """What it and its rounds depend on besides runs; rules rerun when this changes."""
         axes = [(axis.name, axis.low, axis.high, axis.scale, axis.choices) for axis in self.axes]
-        rounds = (self.error, self.budget, self.batch)
-        return (self.name, self.series, self.observable, axes, self.regimes, *rounds)
+        rounds = (self.error or 0.0, self.budget or 0.0, self.batch)
+        return (self.name, self.series, self.observable, axes, self.mean_regimes, *rounds)
 
     def further_points(self) -> Iterator[tuple[str, Parameters]]:
         """Yield the points of the design beyond those of the study file, in order, with ids."""
@@ -153,184 +237,14 @@ class SurrogateSpec:
         return dict(islice(further, self.batch))
 
 
-#: Most measurements: each is predicted some 100,000 times.
-MOST_MEASUREMENTS = 1000
-
-
-class CalibrateFile(Strict):
-    """Which parameters measurements allow, by a surrogate."""
-
-    name: str = Field(
-        pattern=NAME,
-        max_length=40,
-        description="name of the answer and of its file, unique among calibrations",
-        json_schema_extra=ALLOWED_NAME,
-    )
-    data: str = Field(
-        pattern=FILE,
-        description="CSV file in the folder of the study file: a row for each measurement; columns "
-        "for the observable, its error and the conditions",
-        json_schema_extra={"allowed": ALLOWED_FILE},
-    )
-    surrogate: str = Field(description="surrogate that stands for the model")
-    parameters: dict[str, Any] = Field(
-        description="parameters looked for, each with its lowest and highest value; they are "
-        "evenly spread there before anything is measured",
-        min_length=1,
-        json_schema_extra={"allowed": f"a mapping of parameters to {TWO_NUMBERS}"},
-    )
-    observable: str = optional("column of the observable (omitted: its name)")
-    error: str = optional(
-        "column of the standard error of each measurement (omitted: `<observable>_error`)"
-    )
-    units: dict[str, str] = Field(
-        {}, description="units of columns whose headings have none, as `velocity: mm/s`"
-    )
-    discrepancy: bool = Field(
-        True,
-        description="whether the model itself may lack something; `false` gives narrower intervals",
-    )
-    surrogate_error: Real = optional(ACCEPTED_ERROR, gt=0, le=10)
-
-    @model_validator(mode="after")
-    def _require_ranges(self) -> Self:
-        for name, ends in self.parameters.items():
-            is_pair = isinstance(ends, list) and len(ends) == 2
-            if not is_pair or not all(type(end) in (int, float) for end in ends):
-                raise broken_rule(f"parameters.{name}", ends, TWO_NUMBERS)
-            if not ends[0] < ends[1]:
-                raise broken_rule(f"parameters.{name}", ends, TWO_NUMBERS)
-        return self
-
-
-@dataclass(frozen=True)
-class CalibrationSpec:
-    """A question of a study: which parameters its measurements allow.
-
-    Attributes
-    ----------
-    name : str
-        Its name.
-    of : SurrogateSpec
-        The surrogate.
-    ranges : mapping
-        Lowest and highest value of each parameter looked for.
-    conditions : mapping
-        Values of the other parameters of the surrogate at each measurement.
-    values, errors : tuple of float
-        The measurements and their standard errors, in the unit of the observable.
-    path : Path
-        File of the measurements.
-    has_discrepancy : bool
-        Whether the model may lack something.
-    surrogate_error : float, optional
-        Largest error of the surrogate with which there is an answer.
-    """
-
-    name: str
-    of: SurrogateSpec
-    ranges: Mapping[str, tuple[float, float]]
-    conditions: Mapping[str, tuple[float, ...]]
-    values: tuple[float, ...]
-    errors: tuple[float, ...]
-    path: Path
-    has_discrepancy: bool = True
-    surrogate_error: float | None = None
-
-    @property
-    def series(self) -> str:
-        """Series whose runs answer it."""
-        return self.of.series
-
-    @property
-    def file(self) -> str:
-        """Path of its file in the results of the study."""
-        return f"calibration/{self.name}.nc"
-
-    @property
-    def settings(self) -> tuple[Any, ...]:
-        """What it depends on besides runs; rules rerun when this changes."""
-        parts = tuple(self.ranges.items()), tuple(self.conditions.items())
-        own = (self.name, *parts, self.values, self.errors, self.has_discrepancy)
-        return (*own, self.surrogate_error, self.of.settings)
-
-
-#: Fewest blocks, or trajectories of Morris, that give an answer.
-FEWEST_BLOCKS = 8
-
-
-class SensitivityFile(Strict):
-    """What matters: indices of a surrogate, or of the runs of a design made for them."""
-
-    name: str = Field(
-        pattern=NAME,
-        max_length=40,
-        description="name of the answer and of its file, unique among sensitivities",
-        json_schema_extra=ALLOWED_NAME,
-    )
-    surrogate: str = optional("surrogate whose observable is explained")
-    series: str = optional(
-        "in place of a surrogate: series whose design is of kind `saltelli` or `morris`"
-    )
-    observable: str = optional("of a series: observable, any number of `plots` (velocity)")
-    regimes: list[Regime] = optional(
-        "of a series: regimes whose points count (steady, mixed, undetermined); blocks with others "
-        "are left out",
-        min_length=1,
-    )
-    surrogate_error: Real = optional(f"of a surrogate: {ACCEPTED_ERROR}", gt=0, le=10)
-
-    @model_validator(mode="after")
-    def _require_one_source(self) -> Self:
-        if self.surrogate is None and self.series is None:
-            raise broken_rule("surrogate", None, "the name of a surrogate, or series: a series")
-        for key in ("series", "observable", "regimes") if self.surrogate is not None else ():
-            if (value := getattr(self, key)) is not None:
-                raise broken_rule(key, value, "none with surrogate, which has its own")
-        if self.surrogate is None and (value := self.surrogate_error) is not None:
-            rule = "none with series, whose runs need no surrogate"
-            raise broken_rule("surrogate_error", value, rule)
-        return self
-
-
-@dataclass(frozen=True)
-class SensitivitySpec:
-    """A question of a study: how much each parameter matters.
-
-    Attributes
-    ----------
-    name : str
-        Its name.
-    of : SurrogateSpec
-        The surrogate, or what a surrogate of the series would be of.
-    design : Design, optional
-        Design of the series whose runs are analysed; none for a surrogate.
-    surrogate_error : float, optional
-        Largest error of the surrogate with which there is an answer.
-    """
-
-    name: str
-    of: SurrogateSpec
-    design: Design | None = None
-    surrogate_error: float | None = None
-
-    @property
-    def series(self) -> str:
-        """Series whose runs answer it."""
-        return self.of.series
-
-    @property
-    def file(self) -> str:
-        """Path of its file in the results of the study."""
-        return f"sensitivity/{self.name}.csv"
-
-    @property
-    def is_screening(self) -> bool:
-        """Whether it is Morris' screening."""
-        return self.design is not None and self.design.kind == "morris"
-
-    @property
-    def settings(self) -> tuple[Any, ...]:
-        """What it depends on besides runs; rules rerun when this changes."""
-        own = (self.design.kind, self.design.size, self.design.seed) if self.design else ()
-        return (self.name, *own, self.surrogate_error, self.of.settings)
+def surrogate_named(name: str, study: Any, place: Place) -> SurrogateFile:
+    """Return the surrogate that a question names; its parameters must all be numbers."""
+    named: dict[str, SurrogateFile] = {one.name: one for one in study.surrogates}
+    if name not in named:
+        allowed = "one of " + ", ".join(named) if named else "the name of a surrogate"
+        raise place.error("surrogate", name, Allowed(did_you_mean(name, named), allowed))
+    for axis in named[name].axes:
+        if not axis.is_number:
+            got = f"{name}, which varies {axis.name}"
+            raise place.error("surrogate", got, "a surrogate whose parameters are all numbers")
+    return named[name]

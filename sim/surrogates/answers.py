@@ -1,43 +1,250 @@
-"""Answer the questions of a study from its dataset, and write the answers."""
+"""What answers say of themselves: what is doubtful, tables of indices, refusals, a line of each.
 
+What is doubtful is computed here, kept in the file of the answer, and read by every view of it: a
+line of the terminal, a picture with caption and data, the head of a report, the explorer,
+``predict``, an attribute in Python. None words a doubt of its own.
+"""
+
+import csv
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from sim.base.errors import count_text, percent, printable
 from sim.base.seals import read_summary
-from sim.study.load import Study, load_study
-from sim.surrogates import tables
-from sim.surrogates.caveats import answer_name, caveats_in, sentence
-from sim.surrogates.refusals import Refusal, refusal_in, save_refusal
+from sim.study.surrogate import LARGE_ERROR, SLOWING
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+    from sim.study.design import Axis
+import hashlib
+import io
+from typing import TYPE_CHECKING
+
+from sim.base.errors import InputError
+from sim.base.files import atomic_write, read_regular
+from sim.base.seals import append_summary, checked_read, is_damaged, seal
+from sim.study.model import Study
+
+#: Key of the caveats in the summary of a file, and heading of their column in a table.
+KEY = "caveats"
+
+#: What stands between two caveats in a text.
+_SEPARATOR = "; "
+
+#: Share of the variance that points do not tell of each other from which on it is told.
+_MUCH_UNEXPLAINED = 0.1
+
+#: Fewest values of a number, and points of a word for each number, that are not told.
+_FEWEST_VALUES, _FEWEST_OF_A_WORD = 4, 3
+
+#: Blocks of runs below which an effect in a small part of the ranges is easily missed.
+MANY_BLOCKS = 64
+
+#: Share of the points that a mean leaves out from which on it is told.
+_MUCH_LEFT_OUT = 0.5
+
+#: Probability of the regimes of a mean below which another is likelier.
+EVEN = 0.5
+
+#: Shares of ranges or posterior without such a flow, and of the variance of runs that is noise,
+#: from which on they are told.
+_MUCH_ABSENT, _MUCH_NOISE = 0.01, 0.05
+
+#: Most letters of the caveats in a file: one from elsewhere may have a million.
+_LONGEST = 4000
 
 
-def build(study_path: str | Path, results: str | Path = "results") -> list[str]:
-    """Write the file of each question of a study, in ``results/<study>/``.
+def caveats_of_mean(
+    sample: "xr.Dataset", is_used: np.ndarray, error: float, unexplained: float, omissions: str
+) -> tuple[str, ...]:
+    """Return what is doubtful about the mean of a surrogate, the worst first.
 
-    ``surrogates/<name>.nc``, ``sensitivity/<name>.csv``, ``calibration/<name>.nc``. Where the runs
-    cannot answer a question, its file says why.
-
-    Returns
-    -------
-    list of str
-        Lines with the answers in short.
-
-    Raises
-    ------
-    InputError
-        When the dataset is missing or damaged.
+    Parameters
+    ----------
+    sample : xarray.Dataset
+        Its points, see `sim.surrogates.sample.sample_points`.
+    is_used : numpy.ndarray
+        Which of them the mean is of, (n,).
+    error : float
+        Error of the mean, relative to the mean size of the observable.
+    unexplained : float
+        Share of the variance between the points that the others do not tell.
+    omissions : str
+        How many points of which regime it leaves out.
     """
-    # Imported here, as `summary_lines` needs none of it.
-    from sim.dataset.results import load_results
-    from sim.surrogates.inquiries import answer
+    used, total = int(is_used.sum()), len(is_used)
+    texts = [
+        f"its error of {percent(error)} is too large to rely on" if error > LARGE_ERROR else "",
+        f"its points do not tell {percent(min(1.0, unexplained))} of the variance of each other"
+        if unexplained > _MUCH_UNEXPLAINED
+        else "",
+        f"it is of {used} of {total} points ({omissions} left out)"
+        if total - used > _MUCH_LEFT_OUT * total
+        else "",
+        *caveats_of_points(sample.isel(point=is_used)),
+    ]
+    return tuple(filter(None, texts))
 
-    study = load_study(study_path, results)
-    folder = Path(results) / study.name
-    dataset = load_results(folder / "dataset.nc")
-    for question in study.questions:
-        try:
-            answer(question, dataset, folder)
-        except Refusal as refusal:
-            save_refusal(refusal, folder / question.file)
-    return summary_lines(study, folder)
+
+def caveats_of_axes(sample: "xr.Dataset", axes: Sequence["Axis"]) -> tuple[str, ...]:
+    """Return which parameters the points of a mean vary too little, numbers and words."""
+    texts, numbers = [], sum(axis.is_number for axis in axes)
+    for axis in axes:
+        values = sample[axis.name].values.tolist()
+        counts = {one: values.count(one) for one in (axis.choices or dict.fromkeys(values))}
+        if axis.is_number:
+            if len(counts) < _FEWEST_VALUES:
+                texts.append(
+                    f"{axis.name} has {len(counts)} values, between which nothing is known"
+                )
+            continue
+        few = [one for one, count in counts.items() if count < _FEWEST_OF_A_WORD * numbers]
+        texts += [f"{axis.name} = {one} has {count_text(counts[one], 'point')}" for one in few]
+    return tuple(texts)
+
+
+def caveats_of_points(sample: "xr.Dataset") -> tuple[str, ...]:
+    """Return what is doubtful about the points of an answer, see `sample_points`."""
+    points = count_text(sample.sizes["point"], "point")
+    # A surrogate of an earlier version tells neither.
+    told = sample["caveat"].values if "caveat" in sample else ()
+    lost = sample["lost"].values if "lost" in sample else ()
+    texts = [str(text) for text in told if text]
+    parts = [part for text in texts for part in text.split(_SEPARATOR)]
+    mostly = max(dict.fromkeys(parts), key=parts.count, default="")
+    regimes = sample["regime"].values.astype(str).tolist()
+    counts = {
+        f"carry a caveat ({mostly})": len(texts),
+        "lost replicates, so that means are of the others": sum(count > 0 for count in lost),
+        "surely slow down, so that the mean depends on when one looks": regimes.count(SLOWING),
+        "are too short to tell a steady flow": regimes.count("undetermined"),
+    }
+    return tuple(
+        f"runs of {count} of its {points} {text}" for text, count in counts.items() if count
+    )
+
+
+def caveats_of_indices(table: "pd.DataFrame") -> tuple[str, ...]:
+    """Return what is doubtful about indices besides their surrogate or runs, the worst first.
+
+    See `sim.surrogates.indices.COLUMNS`.
+    """
+    first, alone = table.iloc[0], table[table["other"] == ""]
+    names = alone["index"] + " " + alone["parameter"]
+    rows = {text: names[alone["doubt"] == text] for text in dict.fromkeys(alone["doubt"])}
+    texts = [
+        f"in {percent(first['absent'])} of the ranges no flow of a regime that counts is likely, "
+        "or no run is near"
+        if first["absent"] >= _MUCH_ABSENT
+        else "",
+        *(f"{', '.join(which)}: {text}" for text, which in rows.items() if text),
+        f"{first['blocks']} blocks may miss an effect in a small part of the ranges"
+        if np.isnan(first["error"]) and first["blocks"] < MANY_BLOCKS
+        else "",
+        "the noise of the runs is not known, as points have one replicate, and counts as an effect"
+        if np.isnan(first["noise"])
+        else "",
+        f"the noise of the runs is {percent(first['noise'])} of their variance"
+        if first["noise"] > _MUCH_NOISE
+        else "",
+    ]
+    return tuple(filter(None, texts))
+
+
+def caveats_of_posterior(about: Mapping[str, Any], at_ends: Sequence[str] = ()) -> tuple[str, ...]:
+    """Return what is doubtful about a calibration besides its surrogate, the worst first.
+
+    ``about`` are `sim.surrogates.posterior.attributes`; ``at_ends`` names the parameters that lie
+    at the end of their range. Where nothing fits, that is the answer.
+    """
+    if about["outcome"] == "no fit":
+        return ()
+    lengths = about["steps"] / about["autocorrelation"]
+    texts = [
+        f"its chains are {lengths:.0f} autocorrelation times long, too short for its intervals"
+        if about["outcome"] == "not converged"
+        else "",
+        f"{percent(about['uncounted'])} of the posterior lies where the flow is "
+        f"{about['uncounted_regime']}"
+        if about["uncounted"] >= _MUCH_ABSENT
+        else "",
+        f"{percent(about.get('far', 0.0))} of the posterior lies where no run is near"
+        if about.get("far", 0.0) >= _MUCH_ABSENT
+        else "",
+        *(f"{name} lies at the end of its range, which may be too narrow" for name in at_ends),
+    ]
+    return tuple(filter(None, texts))
+
+
+def caveats_of_places(
+    counted: np.ndarray, regimes: Sequence[str], is_far: np.ndarray
+) -> tuple[str, ...]:
+    """Return where a mean of some ``regimes`` means little.
+
+    ``counted`` is the probability of these regimes at each place, (n,); ``is_far`` says which
+    places have no run near them, (n,).
+    """
+    counts = {
+        f"another regime is likelier than {' or '.join(regimes)}": int((counted < EVEN).sum()),
+        "no run is near": int(is_far.sum()),
+    }
+    return tuple(
+        f"{'there' if counted.size == 1 else f'at {count} of {counted.size} places'} {text}"
+        for text, count in counts.items()
+        if count
+    )
+
+
+def joined(caveats: Sequence[str]) -> str:
+    """Return caveats as one text, as a cell or an attribute has them."""
+    return _SEPARATOR.join(caveats)
+
+
+def parted(text: str) -> tuple[str, ...]:
+    """Return the caveats in a text of `joined`."""
+    return tuple(filter(None, text.split(_SEPARATOR)))
+
+
+def sentence(caveats: Sequence[str]) -> str:
+    """Return caveats as a sentence, empty for none.
+
+    >>> sentence(["its error of 57 % is too large to rely on", "it is of 4 of 48 points"])
+    'Caveat: its error of 57 % is too large to rely on; it is of 4 of 48 points.'
+    """
+    return f"Caveat: {joined(caveats)}." if caveats else ""
+
+
+def answer_name(path: Path) -> str:
+    """Return the name of an answer from the path of its file: ``surrogate speed``."""
+    return f"{path.parent.name.removesuffix('s')} {path.stem}"
+
+
+def with_caveats(table: "pd.DataFrame", caveats: Sequence[str]) -> "pd.DataFrame":
+    """Return a table whose rows end with the caveats, if there are any."""
+    return table.assign(**{KEY: joined(caveats)}) if caveats else table
+
+
+def caveats_in(path: Path) -> tuple[str, ...]:
+    """Return the caveats in the file of an answer, the worst first.
+
+    There are none where the file is missing, damaged, or of an earlier version.
+    """
+    if not path.is_file():
+        return ()
+    if path.suffix == ".csv":
+        with path.open(encoding="utf-8", errors="replace", newline="") as file:
+            row = next(csv.DictReader(file), {})
+        stored = [row.get(KEY) or ""]
+    else:
+        stored = (read_summary(path) or {}).get(KEY) or []
+    if not (isinstance(stored, list) and all(isinstance(text, str) for text in stored)):
+        return ()
+    return parted(printable(joined(stored))[:_LONGEST])
 
 
 def summary_lines(study: Study, folder: Path) -> list[str]:
@@ -49,9 +256,142 @@ def summary_lines(study: Study, folder: Path) -> list[str]:
 def _summary_line(path: Path) -> str:
     """Return what an answer says of itself, and what is doubtful about it."""
     if path.suffix == ".csv":
-        line = tables.summary_line(path)
+        line = table_line(path)
         line = line and f"{answer_name(path)}: {line}"
     else:
         line = str((read_summary(path) or {}).get("line", ""))
     caveats = caveats_in(path)
     return f"{line.removesuffix('.')}. {sentence(caveats)}" if caveats else line
+
+
+#: Most parameters that a line names.
+_MOST_NAMED = 3
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+def save_table(table: "pd.DataFrame", path: Path) -> None:
+    """Write a table; the file appears complete or not at all.
+
+    A note beside it has its checksum: a seal at the end would be a row to those who read CSV.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with atomic_write(path) as temporary:
+        table.to_csv(temporary, index=False, float_format="%.10g")
+        # Until the table takes its place, the one before it is whole, too.
+        whole = [temporary.read_bytes(), read_table(path) if path.is_file() else None]
+        checksums = dict.fromkeys(_checksum(one) for one in whole if one is not None)
+        with atomic_write(_note(path)) as note:
+            note.write_text(" ".join(checksums), encoding="ascii")
+
+
+def read_table(path: Path) -> bytes | None:
+    """Return the bytes of a table, None where they are not those of its checksum."""
+    content = read_regular(path)
+    note = _note(path)
+    is_whole = not note.is_file() or _checksum(content) in note.read_text("ascii", "replace")
+    return content if is_whole else None
+
+
+def load_table(path: Path) -> "pd.DataFrame":
+    """Read a table; one of an earlier version has no checksum.
+
+    Raises
+    ------
+    InputError
+        When there is no such file, or it is damaged. In the results of a study it is then set
+        aside, so that the study makes it again.
+    """
+    # Imported here, as most commands need none of it.
+    import pandas as pd
+
+    is_of_study = (path.parent.parent / "runs").is_dir()
+    with checked_read(path, "sensitivity", replaceable=is_of_study):
+        content = read_table(path)
+        if content is None:
+            raise ValueError("its checksum is wrong")
+        words = {"other": object, "doubt": object}
+        texts = {"keep_default_na": False, "na_values": [""], "dtype": words}
+        table = pd.read_csv(io.BytesIO(content), **texts)
+        if "doubt" not in table:
+            raise ValueError("it is of an earlier version")
+        return table.fillna({"other": "", "doubt": ""})
+
+
+def table_line(path: Path) -> str:
+    """Return the parameters that matter most, with total index or mean effect and its interval.
+
+    Empty where the file is damaged.
+    """
+    rows = csv.DictReader((read_table(path) or b"").decode("utf-8", "replace").splitlines())
+    shown = [row for row in rows if row.get("index") in ("total", "mu_star") and row.get("value")]
+    if not shown:
+        return ""
+    shown.sort(key=lambda row: -float(row["value"]))
+    texts = (
+        f"{row['parameter']} {float(row['value']):.2g}"
+        + (f" ({float(row['low']):.2g} to {float(row['high']):.2g})" if row["low"] else "")
+        for row in shown[:_MOST_NAMED]
+    )
+    index = "mean size of the effect" if shown[0]["index"] == "mu_star" else "total index"
+    return f"{index} of {', '.join(texts)}"
+
+
+def _note(path: Path) -> Path:
+    return path.with_name(f".{path.name}.sha256")
+
+
+def _checksum(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
+
+
+#: Key of the reason, and heading of its column in a table.
+_KEY = "refusal"
+
+#: Most letters of a reason: a file from elsewhere may have a million.
+_LONGEST_REASON = 2000
+
+
+class Refusal(InputError):
+    """The runs cannot answer a question; the message says why, and what may help."""
+
+
+def save_refusal(refusal: Refusal, path: Path) -> None:
+    """Write a refusal where the answer would stand; the file appears complete or not at all."""
+    # Imported here: reading refusals needs none of it.
+    import pandas as pd
+    import xarray as xr
+
+    text = str(refusal)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if path.suffix == ".csv":
+        save_table(pd.DataFrame({_KEY: [text]}), path)
+        return
+    with atomic_write(path) as temporary:
+        xr.Dataset(attrs={_KEY: text}).to_netcdf(temporary, engine="netcdf4")
+        append_summary(temporary, {"line": text, _KEY: text})
+        seal(temporary)
+
+
+def refusal_in(path: Path) -> str:
+    """Return the refusal in a file of an answer, a line.
+
+    It is empty where there is no refusal or no file, or the file is damaged.
+    """
+    if not path.is_file():
+        return ""
+    if path.suffix != ".csv":
+        text = (read_summary(path) or {}).get(_KEY, "")
+        text = text if isinstance(text, str) and not (text and is_damaged(path)) else ""
+    else:
+        start = (read_table(path) or b"")[: 4 * _LONGEST_REASON].decode("utf-8", "replace")
+        heading, *rows = csv.reader(start.splitlines() or [""])
+        text = " ".join(row[0] for row in rows if row) if heading == [_KEY] else ""
+    return str(Refusal(text))[:_LONGEST_REASON]
+
+
+def require_answer(path: Path) -> None:
+    """Raise `Refusal` where a file has a refusal in place of an answer."""
+    if text := refusal_in(path):
+        raise Refusal(text)

@@ -1,4 +1,4 @@
-"""Answers to questions, from surrogates and runs to files."""
+"""Answer the questions of a study from its dataset, and write the answers."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -9,34 +9,70 @@ import xarray as xr
 
 from sim.base.errors import percent
 from sim.dataset.replicates import replicate_values
-from sim.dataset.results import Results
+from sim.dataset.results import Results, load_results
 from sim.parameters import point_id
+from sim.study.calibration import CalibrateFile
 from sim.study.design import Design
+from sim.study.load import load_study
 from sim.study.plottable import numbers
-from sim.study.surrogate import LARGE_ERROR, CalibrationSpec, SensitivitySpec, SurrogateSpec
-from sim.surrogates import calibration, tables
-from sim.surrogates.caveats import caveats_of_indices, caveats_of_points, with_caveats
-from sim.surrogates.fitting import fit_surrogate
-from sim.surrogates.indices import indices_of_surrogate
-from sim.surrogates.indices_of_runs import (
+from sim.study.sensitivity import SensitivityFile
+from sim.study.surrogate import LARGE_ERROR, SurrogateFile
+from sim.surrogates import answers, storage
+from sim.surrogates.answers import (
+    Refusal,
+    caveats_of_indices,
+    caveats_of_points,
+    save_refusal,
+    summary_lines,
+    with_caveats,
+)
+from sim.surrogates.indices import (
     DesignRuns,
+    indices_of_surrogate,
     morris_indices_of_runs,
     sobol_indices_of_runs,
 )
 from sim.surrogates.likelihood import Calibration
 from sim.surrogates.posterior import calibrate
 from sim.surrogates.predictor import unscaled
-from sim.surrogates.refusals import Refusal
 from sim.surrogates.sample import points_of_mean, sample_points
-from sim.surrogates.storage import load, save
+from sim.surrogates.storage import load_surrogate, save_surrogate
 from sim.surrogates.surrogate import Surrogate
 
 #: Most draws of a posterior that are compared with the places of runs.
 _MOST_DRAWS = 200
 
 
+def build(study_path: str | Path, results: str | Path = "results") -> list[str]:
+    """Write the file of each question of a study, in ``results/<study>/``.
+
+    ``surrogates/<name>.nc``, ``sensitivity/<name>.csv``, ``calibration/<name>.nc``. Where the runs
+    cannot answer a question, its file says why.
+
+    Returns
+    -------
+    list of str
+        Lines with the answers in short.
+
+    Raises
+    ------
+    InputError
+        When the dataset is missing or damaged.
+    """
+
+    study = load_study(study_path, results)
+    folder = Path(results) / study.name
+    dataset = load_results(folder / "dataset.nc")
+    for question in study.questions:
+        try:
+            answer(question, dataset, folder)
+        except Refusal as refusal:
+            save_refusal(refusal, folder / question.file)
+    return summary_lines(study, folder)
+
+
 def answer(
-    spec: SurrogateSpec | SensitivitySpec | CalibrationSpec, dataset: Results, folder: Path
+    spec: SurrogateFile | SensitivityFile | CalibrateFile, dataset: Results, folder: Path
 ) -> None:
     """Write the answer to a question into a folder of results.
 
@@ -48,42 +84,42 @@ def answer(
         When the runs cannot answer it.
     """
     match spec:
-        case SurrogateSpec():
-            save(fit_surrogate(spec, sample_points(dataset, spec)), folder / spec.file)
-        case SensitivitySpec():
+        case SurrogateFile():
+            save_surrogate(Surrogate.fit(spec, sample_points(dataset, spec)), folder / spec.file)
+        case SensitivityFile():
             _answer_sensitivity(spec, dataset, folder)
-        case CalibrationSpec():
+        case CalibrateFile():
             _answer_calibration(spec, folder)
 
 
-def _surrogate_of(spec: SensitivitySpec | CalibrationSpec, lack: str, folder: Path) -> Surrogate:
+def _surrogate_of(spec: SensitivityFile | CalibrateFile, lack: str, folder: Path) -> Surrogate:
     """Return the surrogate that a question is asked of; a refusal says what the question lacks."""
     try:
-        surrogate = load(folder / spec.of.file)
+        surrogate = load_surrogate(folder / spec.of.file)
     except Refusal as refusal:
         raise Refusal(f"{lack} without its surrogate; {refusal}") from None
     require_small_error(surrogate, spec.surrogate_error, lack)
     return surrogate
 
 
-def _answer_sensitivity(spec: SensitivitySpec, dataset: Results, folder: Path) -> None:
+def _answer_sensitivity(spec: SensitivityFile, dataset: Results, folder: Path) -> None:
     if spec.design is None:
         source = f"sensitivity {spec.name}"
         surrogate = _surrogate_of(spec, f"{source}: no indices", folder)
         table, caveats = indices_of_surrogate(surrogate, source), surrogate.caveats
     else:
         sample = sample_points(dataset, spec.of)
-        is_used = points_of_mean(sample, spec.of.regimes)
+        is_used = points_of_mean(sample, spec.of.mean_regimes)
         table, caveats = (
             _indices_of_runs(spec, dataset, sample, is_used),
             caveats_of_points(sample.isel(point=is_used)),
         )
     caveats = *caveats, *caveats_of_indices(table)
-    tables.save(with_caveats(table, caveats), folder / spec.file)
+    answers.save_table(with_caveats(table, caveats), folder / spec.file)
 
 
 def _indices_of_runs(
-    spec: SensitivitySpec, dataset: Results, sample: xr.Dataset, is_used: np.ndarray
+    spec: SensitivityFile, dataset: Results, sample: xr.Dataset, is_used: np.ndarray
 ) -> pd.DataFrame:
     """Return the indices of the runs of a design, taken in the order of the design."""
     assert spec.design, "a surrogate has none"
@@ -123,7 +159,7 @@ def places_of(design: Design) -> np.ndarray:
     return unscaled(np.column_stack(columns), bounds, [axis.scale for axis in design.axes])
 
 
-def _answer_calibration(spec: CalibrationSpec, folder: Path) -> None:
+def _answer_calibration(spec: CalibrateFile, folder: Path) -> None:
     lack = f"calibration {spec.name}: no posterior"
     surrogate = _surrogate_of(spec, lack, folder)
     question = Calibration(
@@ -133,7 +169,7 @@ def _answer_calibration(spec: CalibrationSpec, folder: Path) -> None:
         values=np.array(spec.values),
         errors=np.array(spec.errors),
         observable=spec.of.observable,
-        has_discrepancy=spec.has_discrepancy,
+        has_discrepancy=spec.discrepancy,
     )
     groups = calibrate(question)
     groups["observed_data"].attrs |= {
@@ -142,7 +178,7 @@ def _answer_calibration(spec: CalibrationSpec, folder: Path) -> None:
         "surrogate_points": len(surrogate.process.y),
         "points": surrogate.sample.sizes["point"],
     }
-    calibration.save(spec.name, groups, surrogate.caveats, folder / spec.file)
+    storage.save_posterior(spec.name, groups, surrogate.caveats, folder / spec.file)
 
 
 def _far_share(

@@ -8,10 +8,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from sim.surrogates.caveats import EVEN
+from sim.surrogates.answers import EVEN
 from sim.surrogates.likelihood import Calibration, Predicted, distances
-from sim.surrogates.predictor import scaled, unscaled
-from sim.surrogates.threads import on_one_thread
+from sim.surrogates.predictor import on_one_thread, scaled, unscaled
 
 #: Name of the size of the discrepancy among the parameters of a posterior.
 DISCREPANCY = "discrepancy"
@@ -69,6 +68,12 @@ class Check:
 @on_one_thread
 def calibrate(calibration: Calibration) -> dict[str, xr.Dataset]:
     """Return the posterior and what follows from it, as groups that ArviZ reads.
+
+    1. Draw points of the prior, and start the walkers at likely ones.
+    2. Let the chains grow until they are `LONG_ENOUGH`, or `MOST_STEPS` long.
+    3. Repeat the measurements for each draw: where these all but always lie nearer to the model
+       than those made, or no regime that they allow is likely, nothing fits.
+    4. Otherwise tell the parameters, and which further measurement would narrow them most.
 
     Returns
     -------

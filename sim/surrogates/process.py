@@ -1,14 +1,15 @@
 """A Gaussian process through numbers with known errors, and what it says of its own errors."""
 
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import product
 from typing import Any
 
 import numpy as np
 
-from sim.base.statistics import MANY, student
-from sim.surrogates.frames import Frame
-from sim.surrogates.threads import on_one_thread
+from sim.base.statistics import CONFIDENCE, MANY, student
+from sim.surrogates.predictor import Frame, on_one_thread
 
 #: Points at which a prediction is worked out at a time.
 _CHUNK = 2000
@@ -71,6 +72,34 @@ class Process:
     exponent: float = 2.5
     frame: Frame | None = None
     is_local: bool = False
+
+    @classmethod
+    def fit(
+        cls,
+        x: np.ndarray,
+        y: np.ndarray,
+        variance: np.ndarray,
+        has_scatter: bool,
+        frames: Sequence[Frame] = (),
+    ) -> "Process":
+        """Return the process through values (n,) at points (n, d) of the unit cube.
+
+        It goes through them or their logarithms, with an exponent of 5/2 or 3/2, as such or in one
+        of some ``frames``: the most probable of all (evidence, with the prior of lengths). Of
+        several maxima of a form, the one whose left-out points are most probable is taken. Its
+        errors are widened by what points that are left out say of them.
+        """
+        usable = [None, *(frame for frame in frames if frame.is_usable(x))]
+        forms = (False, True) if (y > 0).all() else (False,)
+        fitted = [
+            _fitted(cls(x, y, variance, is_log, has_scatter, exponent=exponent, frame=frame))
+            for frame, is_log, exponent in product(usable, forms, _EXPONENTS)
+        ]
+        return _widened(max(fitted, key=lambda one: one[1])[0])
+
+    def fit_lengths(self) -> "Process":
+        """Return the process with the most probable amplitude, lengths and scatter."""
+        return _fitted(self)[0]
 
     @on_one_thread
     def predict(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -278,3 +307,131 @@ def matern(distance: np.ndarray, exponent: float) -> tuple[np.ndarray, np.ndarra
     if exponent == 1.5:
         return (1 + root) * decay, 3 * decay
     return (1 + root + root**2 / 3) * decay, 5 / 3 * (1 + root) * decay
+
+
+#: Most points from which lengths are fitted; the process goes through all of them.
+_MOST_FITTED = 500
+
+#: Ranges of amplitude (variance of the values is 1), lengths (of the unit cube) and scatter.
+_AMPLITUDES, LENGTHS, _SCATTERS = (1e-2, 1e3), (0.05, 20.0), (1e-6, 1.0)
+
+#: Mean and deviation of the logarithm of a length before any point is known: a parameter without
+#: effect has a length of a few ranges, not of any number of them.
+_PRIOR = (0.5, 1.5)
+
+#: Starts of a fit besides the first, for fewer points than these; drawn about a length of 0.6.
+_RESTARTS, _FEW, _START = 3, 150, -0.5
+
+#: Exponents of the covariance that are tried.
+_EXPONENTS = (2.5, 1.5)
+
+#: Share of the variance that points do not tell of each other above which a process has not learned
+#: its function; and places where its errors are then looked at.
+_UNLEARNED, _PLACES = 0.03, 500
+
+Objective = Callable[[np.ndarray], tuple[float, np.ndarray]]
+
+
+@on_one_thread
+def _fitted(process: Process) -> tuple[Process, float]:
+    """Return a process with its most probable lengths, and the logarithm of its evidence."""
+    # Imported here: reading a surrogate's file needs none of it.
+    from scipy.optimize import minimize
+
+    dimensions, rng = process.places.shape[1], np.random.default_rng(0)
+    first = np.log([1.0, *np.ones(dimensions), *([1e-2] if process.has_scatter else [])])
+    bounds = np.log([_AMPLITUDES, *[LENGTHS] * dimensions, *[_SCATTERS] * process.has_scatter])
+    starts = [first]
+    for _ in range(_RESTARTS if len(process.y) < _FEW else 1):
+        start = first.copy()
+        start[1 : 1 + dimensions] = rng.normal(_START, 1.0, dimensions)
+        starts.append(np.clip(start, *bounds.T))
+    objective = _objective(process)
+    ends = [minimize(objective, one, jac=True, method="L-BFGS-B", bounds=bounds) for one in starts]
+    found = [(replace(process, theta=end.x), process.log_unit - float(end.fun)) for end in ends]
+    return max(found, key=lambda one: _left_out_density(one[0]))
+
+
+def _left_out_density(process: Process) -> float:
+    """Return the logarithm of the density of all points, each as the others predict it.
+
+    Of several maxima, that of greatest evidence may take a function that it misses for noise.
+    Rasmussen and Williams (2006), equations 5.10 and 5.11.
+    """
+    mean, spread = process.left_out_values()
+    return -float(np.sum(((mean - process.values) / spread) ** 2 / 2 + np.log(spread)))
+
+
+def _objective(process: Process) -> Objective:
+    """Return the negative logarithm of evidence and prior, with its gradient, of theta.
+
+    Rasmussen and Williams (2006), equations 5.8 and 5.9.
+    """
+    from scipy.linalg import lapack
+
+    order = np.random.default_rng(0).permutation(len(process.y))[:_MOST_FITTED]
+    places, values, noise = process.places[order], process.values[order], process.noise[order]
+    count, dimensions = places.shape
+    squares = ((places.T[:, :, None] - places.T[:, None, :]) ** 2).reshape(dimensions, -1)
+    mean, deviation = _PRIOR
+
+    def objective(theta: np.ndarray) -> tuple[float, np.ndarray]:
+        amplitude, lengths = np.exp(theta[0]), theta[1 : 1 + dimensions]
+        scatter = np.exp(theta[-1]) if process.has_scatter else 0.0
+        inverse = np.exp(-2 * lengths)
+        distance = np.sqrt(inverse @ squares).reshape(count, count)
+        correlation, slope = matern(distance, process.exponent)
+        covariance = amplitude * correlation
+        covariance.flat[:: count + 1] += noise + scatter
+        factor, failed = lapack.dpotrf(covariance, lower=1, clean=1)
+        if failed:
+            return np.inf, np.zeros_like(theta)
+        lower, _ = lapack.dpotri(factor, lower=1)
+        precision = np.tril(lower) + np.tril(lower, -1).T
+        weights = precision @ values
+        apart = (lengths - mean) / deviation
+        surprise = 0.5 * (values @ weights + count * np.log(2 * np.pi) + apart @ apart)
+        shares = 0.5 * (precision - np.outer(weights, weights))
+        gradient = np.zeros_like(theta)
+        gradient[0] = amplitude * np.sum(shares * correlation)
+        gradient[1 : 1 + dimensions] = inverse * (squares @ (amplitude * shares * slope).ravel())
+        gradient[1 : 1 + dimensions] += apart / deviation
+        if process.has_scatter:
+            gradient[-1] = scatter * np.trace(shares)
+        return float(surprise + np.log(factor.diagonal()).sum()), gradient
+
+    return objective
+
+
+def _widened(process: Process) -> Process:
+    """Return a process whose errors hold what points that are left out say of them.
+
+    Lengths are fitted to few points, so Student's distribution takes the place of the normal one,
+    with a degree of freedom less for each. A process whose lengths are the same everywhere is too
+    sure next to a kink: errors widen near points that the others do not expect, and 95 % of the
+    points, left out one by one, must lie within their intervals. Where the points leave much of
+    each other unexplained, errors between them are as large as theirs.
+    """
+    freedom, number = max(2, len(process.y) - len(process.theta)), len(process.y)
+    normal = float(student(MANY))
+    local = replace(process, is_local=True)
+    ratios = np.sort(deviations(local.left_out, local.y) / local.own_widening())
+    outer = ratios[min(number, int(np.ceil(CONFIDENCE * (number + 1)))) - 1]
+    widening = student(freedom) / normal * max(1.0, outer / normal)
+    widened = replace(local, widening=float(widening))
+    return replace(widened, widening=float(widening * _lack(widened)))
+
+
+def _lack(process: Process) -> float:
+    """Return by what factor errors between the points are below those at points left out."""
+    apart = process.unexplained
+    lack = apart / (np.var(process.y) or 1.0)
+    if lack == 0:
+        return 1.0
+    rng = np.random.default_rng(0)
+    places = rng.random((_PLACES, process.x.shape[1]))
+    # Between the values of a word there is nothing.
+    words = np.isin(process.x, (0, 1)).all(axis=0)
+    places[:, words] = process.x[rng.integers(len(process.x), size=_PLACES)][:, words]
+    between = np.mean(process.predict(places)[1] ** 2)
+    return max(1.0, min(1.0, lack / _UNLEARNED) * np.sqrt(apart / between))

@@ -6,7 +6,6 @@ from functools import cached_property
 import numpy as np
 
 from sim.study.surrogate import SLOWING
-from sim.surrogates.fits import fit_lengths
 from sim.surrogates.process import Process
 
 #: Regimes that say nothing of the flow: the run was too short, or gave no value, or the flow still
@@ -43,6 +42,21 @@ class Regimes:
     regime: np.ndarray
     theta: np.ndarray
 
+    @classmethod
+    def fit(cls, x: np.ndarray, regime: np.ndarray, counted: tuple[str, ...] = ()) -> "Regimes":
+        """Return the probabilities that the regimes (n,) at points (n, d) give.
+
+        Those of `UNKNOWN` say nothing, unless they are ``counted`` among those of the mean.
+        """
+        is_known = has_known_regime(regime, counted)
+        x, regime = x[is_known], regime[is_known]
+        start = cls(x, regime, np.zeros((0, x.shape[1] + 3)))
+        rows = []
+        for name in start.process_names:
+            process = start.process(name).fit_lengths()
+            rows.append([_sharpness(process), *process.theta])
+        return replace(start, theta=np.reshape(rows, (-1, x.shape[1] + 3)))
+
     @cached_property
     def names(self) -> tuple[str, ...]:
         """The regimes that occur, by name."""
@@ -59,7 +73,7 @@ class Regimes:
         variance = np.full(len(labels), _EXACT)
         return Process(self.x, labels, variance, is_log=False, has_scatter=True)
 
-    def probability(self, x: np.ndarray) -> np.ndarray:
+    def predict(self, x: np.ndarray) -> np.ndarray:
         """Return the probability of each regime at points (m, d), (regimes, m)."""
         # Imported here: reading a surrogate's file needs none of it.
         from scipy.special import ndtr
@@ -83,21 +97,6 @@ class Regimes:
 def has_known_regime(regime: np.ndarray, counted: tuple[str, ...] = ()) -> np.ndarray:
     """Return for each regime (n,) whether it is certain, or of `UNKNOWN` but counted."""
     return ~np.isin(regime.astype(str), sorted(set(UNKNOWN) - set(counted)))
-
-
-def fit_regimes(x: np.ndarray, regime: np.ndarray, counted: tuple[str, ...] = ()) -> Regimes:
-    """Return the probabilities that the regimes (n,) at points (n, d) give.
-
-    Those of `UNKNOWN` say nothing, unless they are ``counted`` among those of the mean.
-    """
-    is_known = has_known_regime(regime, counted)
-    x, regime = x[is_known], regime[is_known]
-    start = Regimes(x, regime, np.zeros((0, x.shape[1] + 3)))
-    rows = []
-    for name in start.process_names:
-        process = fit_lengths(start.process(name))
-        rows.append([_sharpness(process), *process.theta])
-    return replace(start, theta=np.reshape(rows, (-1, x.shape[1] + 3)))
 
 
 def _sharpness(process: Process) -> float:

@@ -14,7 +14,7 @@ from sim.dataset.rounds import read_round
 from sim.parameters import Parameters, canonical_values
 from sim.study.cost import estimate
 from sim.study.load import Study, load_study
-from sim.study.surrogate import SurrogateSpec
+from sim.study.surrogate import SurrogateFile
 
 
 def write_round(study_path: str | Path, number: int, results: str | Path = "results") -> Path:
@@ -73,7 +73,7 @@ def round_points(study: Study, number: int, folder: Path) -> dict[str, Parameter
 
 
 def further_points(
-    study: Study, spec: SurrogateSpec, so_far: Mapping[str, Parameters], folder: Path
+    study: Study, spec: SurrogateFile, so_far: Mapping[str, Parameters], folder: Path
 ) -> dict[str, Parameters]:
     """Return the next points of a surrogate's design, none where its error or budget is reached.
 
@@ -81,7 +81,7 @@ def further_points(
     ----------
     study : Study
         The study.
-    spec : SurrogateSpec
+    spec : SurrogateFile
         The surrogate.
     so_far : mapping
         All points so far, by id; their runs must be there.
@@ -90,9 +90,9 @@ def further_points(
     """
     # Imported here, as rounds of boundaries need none of it.
     from sim.dataset.build import gather_results
-    from sim.surrogates.fitting import fit_surrogate
-    from sim.surrogates.refusals import Refusal
+    from sim.surrogates.answers import Refusal
     from sim.surrogates.sample import sample_points
+    from sim.surrogates.surrogate import Surrogate
 
     first = {key: so_far[key] for key in study.series[spec.series]}
     added = spec.added_points(so_far)
@@ -100,7 +100,7 @@ def further_points(
     sample = sample_points(gather_results(study, folder, spec.series, members), spec)
     # Further points may be those that a mean lacks.
     with suppress(Refusal):
-        if fit_surrogate(spec, sample).error <= spec.error:
+        if Surrogate.fit(spec, sample).error <= spec.error:
             return {}
     hours = sample["core_hours"].to_series()
     # The median, as the first run of all may have compiled the engine.

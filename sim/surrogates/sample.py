@@ -13,7 +13,7 @@ from sim.dataset.results import Results
 from sim.parameters import NUMERICAL, SYSTEMS
 from sim.study.design import Axis
 from sim.study.plottable import numbers
-from sim.study.surrogate import SurrogateSpec
+from sim.study.surrogate import SurrogateFile
 
 #: Deviation, before any run, of how much the logarithm of a variance changes over a range.
 _SLOPE = 3.0
@@ -22,14 +22,14 @@ _SLOPE = 3.0
 _ENOUGH_FREEDOM = 3
 
 
-def sample_points(results: Results, spec: SurrogateSpec) -> xr.Dataset:
+def sample_points(results: Results, spec: SurrogateFile) -> xr.Dataset:
     """Return what the runs of a surrogate's series say, over ``point``.
 
     Parameters
     ----------
     results : Results
         The runs.
-    spec : SurrogateSpec
+    spec : SurrogateFile
         The surrogate.
 
     Returns
@@ -88,7 +88,7 @@ def _core_seconds(rows: xr.Dataset) -> np.ndarray:
     return np.where(np.isfinite(loops), loops, walls)
 
 
-def _fixed(rows: xr.Dataset, spec: SurrogateSpec) -> dict[str, Any]:
+def _fixed(rows: xr.Dataset, spec: SurrogateFile) -> dict[str, Any]:
     """Return the parameters that flows depend on and that are the same at all points."""
     varied = {axis.name for axis in spec.axes}
     names = [name for name in SYSTEMS[spec.system].model_fields if name not in NUMERICAL | varied]

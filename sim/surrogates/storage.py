@@ -1,10 +1,12 @@
 """Surrogates as files: arrays and JSON in netCDF, from which the same predictions follow."""
 
 import json
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import netCDF4
 import numpy as np
 import xarray as xr
 
@@ -13,10 +15,16 @@ from sim.base.files import atomic_write
 from sim.base.seals import append_summary, checked_read, seal
 from sim.parameters.forms import forms
 from sim.study.design import Axis
-from sim.surrogates.caveats import KEY
-from sim.surrogates.frames import Frame
+from sim.surrogates.answers import KEY, Refusal, caveats_of_posterior, refusal_in, require_answer
+from sim.surrogates.posterior import (
+    LEAST_PROBABILITY,
+    MOST_UNCOUNTED,
+    at_ends,
+    ridges,
+    summarize,
+)
+from sim.surrogates.predictor import Frame
 from sim.surrogates.process import Process
-from sim.surrogates.refusals import require_answer
 from sim.surrogates.regimes import Regimes, has_known_regime
 from sim.surrogates.sample import points_of_mean, unit_cube
 from sim.surrogates.surrogate import Surrogate
@@ -28,7 +36,7 @@ FORMAT = "talus surrogate 1"
 _WORDS = ("name", "observable", "unit", "meaning", "system")
 
 
-def save(surrogate: Surrogate, path: Path) -> None:
+def save_surrogate(surrogate: Surrogate, path: Path) -> None:
     """Write a surrogate; the file appears complete or not at all.
 
     Its end has a summary, which is read without opening it.
@@ -63,7 +71,7 @@ def save(surrogate: Surrogate, path: Path) -> None:
         seal(temporary)
 
 
-def load(path: Path) -> Surrogate:
+def load_surrogate(path: Path) -> Surrogate:
     """Read a surrogate.
 
     Raises
@@ -141,7 +149,7 @@ def _frame(about: dict[str, Any], axes: tuple[Axis, ...]) -> Frame | None:
 def _require_numbers(surrogate: Surrogate) -> None:
     """Raise an error of a library, or ``ValueError``, where a surrogate cannot predict."""
     place = surrogate.process.x[:1]
-    answers = *surrogate.process.predict(place), surrogate.regimes.probability(place)
+    answers = *surrogate.process.predict(place), surrogate.regimes.predict(place)
     about = surrogate.error, surrogate.hours, surrogate.coverage, *surrogate.bounds.ravel()
     if not all(np.isfinite(one).all() for one in (*answers, about)):
         raise ValueError("its numbers give no prediction")
@@ -156,3 +164,122 @@ def _summary(surrogate: Surrogate) -> dict[str, Any]:
     )
     caveats = list(surrogate.caveats)
     return {"line": line, "error": surrogate.error, "points": points, KEY: caveats}
+
+
+def save_posterior(
+    name: str, groups: Mapping[str, xr.Dataset], caveats: Sequence[str], path: Path
+) -> None:
+    """Write the groups of a calibration; the file appears complete or not at all.
+
+    Its end has a line with what it says, and what is doubtful about that; ``caveats`` are those of
+    the surrogate.
+    """
+    caveats = [*caveats_of_posterior(groups["observed_data"].attrs, at_ends(groups)), *caveats]
+    line = f"calibration {name}: {' '.join(outcome_sentences(groups))}"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with atomic_write(path) as temporary:
+        for number, (key, group) in enumerate(groups.items()):
+            group.to_netcdf(temporary, mode="a" if number else "w", group=key, engine="netcdf4")
+        append_summary(temporary, {"line": line, KEY: caveats})
+        seal(temporary)
+
+
+def load_posterior(path: Path) -> dict[str, xr.Dataset]:
+    """Read the groups of a calibration.
+
+    Raises
+    ------
+    InputError
+        When there is no such file, or it is damaged. In the results of a study it is then set
+        aside, so that the study makes it again.
+    Refusal
+        When its surrogate was refused.
+    """
+    is_of_study = (path.parent.parent / "runs").is_dir()
+    with checked_read(path, "calibration", replaceable=is_of_study, sealed=True):
+        require_answer(path)
+        with netCDF4.Dataset(path) as file:
+            names = list(file.groups)
+        groups = {}
+        for name in names:
+            with xr.open_dataset(path, group=name, engine="netcdf4") as group:
+                groups[name] = group.load()
+        # A file from elsewhere may lack what these read.
+        outcome_sentences(groups)
+        if "posterior" in groups and not np.isfinite(summarize(groups).iloc[:, 1:5]).all(axis=None):
+            raise ValueError("its numbers give no answer")
+        return groups
+
+
+def outcome_sentences(groups: Mapping[str, xr.Dataset]) -> list[str]:
+    """Return how a calibration ended, and what it says of each parameter."""
+    attributes = groups["observed_data"].attrs
+    if attributes["outcome"] == "no fit":
+        return [_no_fit(attributes)]
+    sentences = []
+    for row in summarize(groups).itertuples():
+        ends = f"{row.low:.3g} to {row.high:.3g}"
+        sentences.append(
+            f"{row.parameter} = {row.median:.3g} ({ends})."
+            if row.informed
+            else f"{row.parameter} is not determined ({ends})."
+        )
+    return [*sentences, *map(_ridge_sentence, ridges(groups))]
+
+
+def _no_fit(attributes: Mapping[str, Any]) -> str:
+    """Return why no parameters fit."""
+    probability, uncounted = float(attributes["probability"]), float(attributes["uncounted"])
+    if uncounted > MOST_UNCOUNTED:
+        return (
+            f"No parameters in the ranges fit: {percent(uncounted)} of those that come nearest "
+            f"lie where the flow is {attributes['uncounted_regime']}."
+        )
+    chance = f"{probability:.2g}" if probability > 0 else "below 0.001"
+    return (
+        "No parameters in the ranges fit: measurements as far from the model as these would "
+        f"have a probability of {chance}, where {LEAST_PROBABILITY:g} is the least accepted."
+    )
+
+
+def _ridge_sentence(ridge: tuple[str, str, float]) -> str:
+    first, second, correlation = ridge
+    goes = "larger" if correlation > 0 else "smaller"
+    return (
+        f"A combination of {first} and {second} is known better than each: a larger {first} goes "
+        f"with a {goes} {second} (correlation {correlation:.2f})."
+    )
+
+
+def answer_files(folder: Path) -> list[Path]:
+    """Return the files of all answers in a folder of results."""
+    kinds = ("surrogates/*.nc", "sensitivity/*.csv", "calibration/*.nc")
+    return [path for kind in kinds for path in sorted(folder.glob(kind))]
+
+
+def find_surrogate(folder: Path, name: str | None = None) -> Surrogate:
+    """Return a surrogate in a folder of results, by its name or by its observable.
+
+    ``None`` stands for the only one.
+
+    Raises
+    ------
+    InputError
+        When there is none of that name, or several are of that observable.
+    Refusal
+        When the runs do not give it.
+    """
+    files = {path.stem: path for path in sorted((folder / "surrogates").glob("*.nc"))}
+    if name in files:
+        return load_surrogate(files[str(name)])
+    reasons = {path: refusal_in(path) for path in files.values()}
+    refusals = [text for text in reasons.values() if text]
+    surrogates = [load_surrogate(path) for path, text in reasons.items() if not text]
+    fitting = [one for one in surrogates if name in (None, one.observable)]
+    # One that was refused may be of the observable.
+    if len(fitting) + len(refusals) != 1:
+        allowed = "one of " + ", ".join(files) if files else "a study with surrogates that has run"
+        raise InputError.of_value(folder, "surrogate", name, allowed)
+    if refusals:
+        raise Refusal(refusals[0])
+    return fitting[0]

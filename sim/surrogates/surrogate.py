@@ -11,9 +11,19 @@ import xarray as xr
 from sim.base.errors import InputError, percent
 from sim.base.messages import one_of
 from sim.base.statistics import MANY, student
+from sim.parameters.forms import forms
 from sim.study.design import Axis
-from sim.surrogates.caveats import KEY, caveats_of_axes, caveats_of_mean, caveats_of_places, joined
-from sim.surrogates.predictor import counted_probability
+from sim.study.plottable import numbers
+from sim.study.surrogate import SurrogateFile, fewest_points
+from sim.surrogates.answers import (
+    KEY,
+    Refusal,
+    caveats_of_axes,
+    caveats_of_mean,
+    caveats_of_places,
+    joined,
+)
+from sim.surrogates.predictor import Frame, counted_probability
 from sim.surrogates.process import Process, deviations
 from sim.surrogates.regimes import Regimes
 from sim.surrogates.sample import left_out, points_of_mean, unit_cube
@@ -64,6 +74,52 @@ class Surrogate:
     process: Process = field(repr=False)
     regimes: Regimes = field(repr=False)
     setting: Mapping[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    def fit(cls, spec: SurrogateFile, sample: xr.Dataset) -> "Surrogate":
+        """Return the surrogate that a study asks for, through points as of `sample_points`.
+
+        Raises
+        ------
+        Refusal
+            When fewer than `fewest_points` have a mean and a regime that counts.
+        """
+        chosen = points_of_mean(sample, spec.mean_regimes)
+        fewest = fewest_points(len(spec.axes))
+        if chosen.sum() < fewest:
+            counts = left_out(sample, spec.mean_regimes).items()
+            others = ", ".join(f"{count} {name}" for name, count in counts) or "none"
+            raise Refusal(
+                f"surrogate {spec.name}: no mean, as {chosen.sum()} of {len(chosen)} points of "
+                f"series {spec.series} count ({' or '.join(spec.mean_regimes)}) and {fewest} are "
+                f"needed; left out are {others}; more points, other ranges or the key regimes may "
+                "give others"
+            )
+        x = unit_cube(spec.axes, {axis.name: sample[axis.name].values for axis in spec.axes})
+        process = Process.fit(
+            x[chosen],
+            sample["mean"].values[chosen],
+            sample["standard_error"].values[chosen] ** 2,
+            bool(sample.attrs["scatter"]),
+            [
+                Frame(one, spec.axes, sample.attrs["fixed"])
+                for one in forms(spec.system, spec.observable).values()
+            ],
+        )
+        observable = numbers(spec.system)[spec.observable]
+        return cls(
+            name=spec.name,
+            observable=spec.observable,
+            unit=observable.unit,
+            meaning=observable.meaning,
+            system=spec.system,
+            axes=spec.axes,
+            fixed=sample.attrs["fixed"],
+            mean_regimes=spec.mean_regimes,
+            sample=sample,
+            process=process,
+            regimes=Regimes.fit(x, sample["regime"].values, spec.mean_regimes),
+        )
 
     @property
     def numeric(self) -> tuple[Axis, ...]:
@@ -130,7 +186,7 @@ class Surrogate:
 
     def probability(self, x: np.ndarray) -> np.ndarray:
         """Return the probability of each of ``regimes.names`` at points as of `predict`, (m, n)."""
-        return self.regimes.probability(self._cube(x))
+        return self.regimes.predict(self._cube(x))
 
     def __call__(self, *, extrapolate: bool = False, **values: Any) -> xr.Dataset:
         """Predict at values of the parameters.

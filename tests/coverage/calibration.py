@@ -14,8 +14,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from sim.study.design import Axis
-from sim.study.surrogate import LARGE_ERROR, SurrogateSpec
-from sim.surrogates.fitting import fit_surrogate
+from sim.study.surrogate import LARGE_ERROR
 from sim.surrogates.likelihood import Calibration
 from sim.surrogates.posterior import (
     INTERVAL,
@@ -25,11 +24,10 @@ from sim.surrogates.posterior import (
     check_draws,
     summarize,
 )
-from sim.surrogates.predictor import scaled
+from sim.surrogates.predictor import on_one_thread, scaled
 from sim.surrogates.sample import standard_errors
 from sim.surrogates.surrogate import Surrogate
-from sim.surrogates.threads import on_one_thread
-from tests.made.surrogates import made_sample
+from tests.made.surrogates import asked, made_sample
 
 #: Designs of a row, and of one with chains.
 DESIGNS, CHAINS = 40, 8
@@ -142,8 +140,8 @@ def surrogate_of(
     errors, is_unknown = standard_errors(list(values), np.zeros(points), x)
     regime = np.where(is_flow, "steady", "arrested")
     sample = made_sample(x, values.mean(axis=1), AXES, errors, regime, is_unknown)
-    spec = SurrogateSpec("speed", "wide", "velocity", "chute", AXES)
-    return fit_surrogate(spec, sample)
+    spec = asked(AXES)
+    return Surrogate.fit(spec, sample)
 
 
 def question(case: Case, seed: int) -> tuple[dict[str, float], Calibration]:

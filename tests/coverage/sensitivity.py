@@ -12,16 +12,19 @@ import numpy as np
 import pandas as pd
 
 from sim.study.design import Axis
-from sim.study.surrogate import SurrogateSpec
-from sim.surrogates.fitting import fit_surrogate
-from sim.surrogates.indices import indices_of_surrogate, sobol_indices
-from sim.surrogates.indices_of_runs import morris_indices_of_runs, sobol_indices_of_runs
+from sim.surrogates.answers import Refusal
+from sim.surrogates.indices import (
+    indices_of_surrogate,
+    morris_indices_of_runs,
+    sobol_indices,
+    sobol_indices_of_runs,
+)
 from sim.surrogates.inquiries import require_small_error
 from sim.surrogates.predictor import scaled
-from sim.surrogates.refusals import Refusal
 from sim.surrogates.sample import standard_errors
+from sim.surrogates.surrogate import Surrogate
 from tests.made.indices import Function, made_runs
-from tests.made.surrogates import design, made_sample, smooth
+from tests.made.surrogates import asked, design, made_sample, smooth
 from tests.surrogates.predictors import ISHIGAMI, MadePredictor, g_function
 
 #: Designs of a case; blocks of a surrogate, and of a truth.
@@ -104,9 +107,9 @@ def of_surrogate(case: tuple, seed: int) -> pd.DataFrame:
     errors, _ = standard_errors(list(beds), np.zeros(count), x)
     regime = np.where(x[:, 0] < edge, "arrested", "steady")
     axes = tuple(Axis(f"x{number}", 0.0, 1.0) for number in range(dimensions))
-    spec = SurrogateSpec("made", "wide", "velocity", "chute", axes)
+    spec = asked(axes)
     sample = made_sample(x, beds.mean(axis=1), axes, errors, regime)
-    surrogate = fit_surrogate(spec, sample)
+    surrogate = Surrogate.fit(spec, sample)
     require_small_error(surrogate, None, "made")
     return indices_of_surrogate(surrogate, "made", blocks=BLOCKS)
 

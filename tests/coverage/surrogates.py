@@ -13,12 +13,10 @@ from scipy.stats import qmc
 
 from sim.base.statistics import MANY, student
 from sim.study.design import Axis
-from sim.study.surrogate import SurrogateSpec
-from sim.surrogates.fitting import fit_surrogate
-from sim.surrogates.refusals import Refusal
+from sim.surrogates.answers import Refusal
 from sim.surrogates.sample import standard_errors
 from sim.surrogates.surrogate import Surrogate
-from tests.made.surrogates import kinked, made_sample, smooth
+from tests.made.surrogates import asked, kinked, made_sample, smooth
 from tests.surrogates.predictors import ISHIGAMI, g_function
 
 #: Designs of a row, and places at which each is compared with the truth.
@@ -154,7 +152,7 @@ def surrogate_of(case: Case, seed: int) -> Surrogate:
     axes = tuple(Axis(f"x{number}", 0.0, 1.0) for number in range(case.dimensions))
     regime = np.where(case.counts(x), "steady", "arrested")
     sample = made_sample(x, values.mean(axis=1), axes, errors, regime, is_unknown)
-    return fit_surrogate(SurrogateSpec("made", "made", "velocity", "chute", axes), sample)
+    return Surrogate.fit(asked(axes), sample)
 
 
 def row_of(case: Case, designs: int | None = None) -> Row:

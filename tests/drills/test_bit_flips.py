@@ -29,7 +29,7 @@ from sim.study.extra_amounts import (
     write_extra_amounts,
 )
 from sim.study.load import load_study
-from sim.surrogates import calibration, refusals, storage, tables
+from sim.surrogates import answers, storage
 from tests.engine_motion.points import belt_point
 from tests.made.figures import make_figures
 from tests.made.report import write_claims
@@ -71,16 +71,16 @@ def dataset_values(path: Path) -> Any:
 
 
 def surrogate_values(path: Path) -> Any:
-    surrogate = storage.load(path)
+    surrogate = storage.load_surrogate(path)
     numbers = (surrogate.process.theta, surrogate.regimes.theta, surrogate.process.y)
     return plain({str(number): values for number, values in enumerate(numbers)})
 
 
 def refusal_of(path: Path) -> Any:
     """Return a refusal, as pictures see it; without one they read an answer."""
-    if text := refusals.refusal_in(path):
+    if text := answers.refusal_in(path):
         return text
-    return storage.load(path) if path.suffix == ".nc" else tables.load(path)
+    return storage.load_surrogate(path) if path.suffix == ".nc" else answers.load_table(path)
 
 
 Read = Callable[[], Any]
@@ -97,16 +97,16 @@ def stored(tmp_path) -> dict[Path, Read]:
     write_extra_amounts(made, ExtraAmounts({next(iter(study.points)): {"replicates": 4.0}}, 0.5))
     run = tmp_path / f"{point_id(POINT)}.nc"
     assert run_point(POINT, run, quiet=True) == 0
-    storage.save(made_surrogate(), made / "surrogates" / "speed.nc")
+    storage.save_surrogate(made_surrogate(), made / "surrogates" / "speed.nc")
     row = {"parameter": "friction", "index": "total", "value": 0.25, "doubt": ""}
     indices = pd.DataFrame([row])
-    tables.save(indices, made / "sensitivity" / "matters.csv")
+    answers.save_table(indices, made / "sensitivity" / "matters.csv")
     refused = [made / name for name in ("surrogates/none.nc", "sensitivity/none.csv")]
     for path in refused:
-        refusals.save_refusal(refusals.Refusal("no answer, as 0 of 8 points count"), path)
+        answers.save_refusal(answers.Refusal("no answer, as 0 of 8 points count"), path)
     about = {"outcome": "no fit", "probability": 0.001, "uncounted": 0.0}
     groups = {"observed_data": xr.Dataset(attrs=about)}
-    calibration.save("beads", groups, [], made / "calibration" / "beads.nc")
+    storage.save_posterior("beads", groups, [], made / "calibration" / "beads.nc")
     (made / "rounds").mkdir()
     points = {point_id(POINT): canonical_values(POINT)}
     (made / "rounds" / "1.json").write_text(to_sealed_json(points))
@@ -122,11 +122,11 @@ def stored(tmp_path) -> dict[Path, Read]:
             made / "surrogates" / "speed.nc"
         ),
         made / "sensitivity" / "matters.csv": lambda: plain(
-            tables.load(made / "sensitivity" / "matters.csv").to_dict("list")
+            answers.load_table(made / "sensitivity" / "matters.csv").to_dict("list")
         ),
         made / "calibration" / "beads.nc": lambda: {
             name: group.attrs
-            for name, group in calibration.load(made / "calibration" / "beads.nc").items()
+            for name, group in storage.load_posterior(made / "calibration" / "beads.nc").items()
         },
         **{path: partial(refusal_of, path) for path in refused},
         made / "rounds" / "1.json": lambda: {

@@ -17,7 +17,7 @@ import pytest
 from sim.figures.figure_records import RECORD_FILE
 from sim.parameters import canonical_values, point_id
 from sim.study.load import load_study
-from sim.surrogates.refusals import refusal_in
+from sim.surrogates.answers import refusal_in
 from tests.golden import contents
 from tests.made.faults import Calls, Commands, Fault, Outcome, What, faulty_commands
 

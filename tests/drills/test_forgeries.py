@@ -16,10 +16,10 @@ from sim.base.errors import InputError
 from sim.base.seals import append_summary, seal
 from sim.figures.render import kind_of_answer
 from sim.study.plot_kinds import find_kind
-from sim.surrogates import calibration, storage, tables
-from sim.surrogates.calibration import outcome_sentences
+from sim.surrogates import answers, storage
+from sim.surrogates.answers import Refusal, refusal_in, save_refusal
 from sim.surrogates.posterior import calibrate, summarize
-from sim.surrogates.refusals import Refusal, refusal_in, save_refusal
+from sim.surrogates.storage import outcome_sentences
 from tests.made.answers import picture_data, write_indices
 from tests.made.netcdf import store
 from tests.made.surrogates import AXES, made_surrogate
@@ -74,7 +74,7 @@ def forged(file: xr.Dataset, chance: random.Random) -> xr.Dataset:
 
 
 def answers_of_surrogate(path: Path) -> list[np.ndarray]:
-    surrogate = storage.load(path)
+    surrogate = storage.load_surrogate(path)
     middle = {axis.name: (axis.low + axis.high) / 2 for axis in surrogate.numeric}
     answer = surrogate(**middle)
     assert isinstance(f"{surrogate.name} {surrogate.omissions}", str)
@@ -82,7 +82,7 @@ def answers_of_surrogate(path: Path) -> list[np.ndarray]:
 
 
 def answers_of_calibration(path: Path) -> list[np.ndarray]:
-    groups = calibration.load(path)
+    groups = storage.load_posterior(path)
     assert all(isinstance(sentence, str) for sentence in outcome_sentences(groups))
     return [summarize(groups)[["median", "low", "high"]].to_numpy()]
 
@@ -94,7 +94,7 @@ def forge_surrogate(path: Path, chance: random.Random) -> None:
 
 
 def forge_calibration(path: Path, chance: random.Random) -> None:
-    groups = calibration.load(path)
+    groups = storage.load_posterior(path)
     name = chance.choice(list(groups))
     groups[name] = forged(groups[name], chance)
     for number, (name, group) in enumerate(groups.items()):
@@ -114,7 +114,7 @@ def forge_table(path: Path, chance: random.Random) -> None:
             table = pd.concat([table, table.iloc[[row]]])
         case _:
             table.loc[row, column] = chance.choice((*NUMBERS, "", "x", "$a", "friction"))
-    tables.save(table, path)
+    answers.save_table(table, path)
 
 
 def answers_of_table(path: Path) -> list[np.ndarray]:
@@ -151,9 +151,9 @@ KINDS: dict[str, tuple[Callable, Callable]] = {
 def originals(tmp_path_factory) -> dict[str, bytes]:
     """The content of a good file of each kind."""
     folder = tmp_path_factory.mktemp("originals")
-    storage.save(made_surrogate(axes=AXES[:2]), folder / "surrogate.nc")
+    storage.save_surrogate(made_surrogate(axes=AXES[:2]), folder / "surrogate.nc")
     groups = calibrate(made_measurements(1)[1])
-    calibration.save("made", groups, [], folder / "calibration.nc")
+    storage.save_posterior("made", groups, [], folder / "calibration.nc")
     indices = folder / write_indices(folder)
     indices.rename(folder / "indices.nc")
     save_refusal(Refusal("no answer"), folder / "refusal.nc")

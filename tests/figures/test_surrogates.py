@@ -16,7 +16,7 @@ from sim.report.results import load
 from sim.study.load import load_study
 from sim.study.plot_kinds import FigureSpec
 from sim.study.surrogate import COUNTED
-from sim.surrogates import answers
+from sim.surrogates import inquiries
 from tests.made.results import made_point, made_results
 from tests.made.runs import write_run
 
@@ -51,7 +51,7 @@ def drawn(tmp_path_factory):
         values = velocity * np.array([0.98, 1, 1.02]) * (1 + 0.01 * (-1) ** number)
         write_run(folder / "made" / "runs", parameters, values, regime=regime)
     build(path, folder)
-    answers.build(path, folder)
+    inquiries.build(path, folder)
     for spec in study.plots.values():
         render(spec, folder / "made" / "dataset.nc", folder / "figures")
     return folder, study.plots

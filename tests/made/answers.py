@@ -9,9 +9,8 @@ import pandas as pd
 
 from sim.figures.data import FigureData
 from sim.study.plot_kinds import FigureSpec
-from sim.surrogates import calibration
-from sim.surrogates.index_table import tabulate
-from sim.surrogates.indices import sobol_indices
+from sim.surrogates import storage
+from sim.surrogates.indices import sobol_indices, tabulate
 from sim.surrogates.posterior import calibrate
 from tests.surrogates.made_calibration import SLOPE, made_measurements
 
@@ -48,5 +47,5 @@ def write_effects(folder: Path, left_out: int = 2, noise: float = 0.1) -> str:
 def write_calibration(folder: Path, shift: float = 0.0) -> str:
     """Write a calibration of made-up measurements; return its path in the folder."""
     _, made = made_measurements(1, shift)
-    calibration.save("made", calibrate(made), [], folder / "calibration.nc")
+    storage.save_posterior("made", calibrate(made), [], folder / "calibration.nc")
     return "calibration.nc"

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from sim.study.design import Axis, Design, block_size
-from sim.surrogates.indices_of_runs import DesignRuns
+from sim.surrogates.indices import DesignRuns
 
 Function = Callable[[np.ndarray], np.ndarray]
 

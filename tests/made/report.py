@@ -19,10 +19,9 @@ from sim.report.page import data_uri, render
 from sim.study.catalogue import FIGURES
 from sim.study.load import load_study
 from sim.study.plot_kinds import FigureSpec
-from sim.study.surrogate import SurrogateSpec
-from sim.surrogates.storage import save
+from sim.surrogates.storage import save_surrogate
 from tests.made.figures import make_figures
-from tests.made.surrogates import AXES, made_surrogate
+from tests.made.surrogates import asked, made_surrogate
 
 ANIMATION = "animation_made"
 
@@ -177,9 +176,9 @@ def make_page(folder: Path) -> Path:
             study,
             boundaries=bounds.boundaries,
             entries=study.entries | {name: FIGURES[name]},
-            surrogates=(SurrogateSpec("speed", "wide", "velocity", "chute", AXES[:2]),),
+            surrogates=(asked(),),
         )
-        save(made_surrogate(), made / study.surrogates[0].file)
+        save_surrogate(made_surrogate(), made / study.surrogates[0].file)
         page = render(
             study,
             replace(load_results(made / "dataset.nc"), boundaries=pd.DataFrame([BOUNDARY_ROW])),

@@ -9,9 +9,8 @@ import xarray as xr
 from scipy.stats import qmc
 
 from sim.study.design import Axis
-from sim.study.surrogate import SurrogateSpec
+from sim.study.surrogate import SurrogateFile
 from sim.surrogates import indices, posterior
-from sim.surrogates.fitting import fit_surrogate
 from sim.surrogates.surrogate import Surrogate
 
 #: Parameters of a made-up chute.
@@ -78,6 +77,12 @@ def made_sample(
     )
 
 
+def asked(axes: Sequence[Axis] = AXES[:2], system: str = "chute", **keys: object) -> SurrogateFile:
+    """Return a question for a surrogate over some axes."""
+    keys = {"name": "speed", "series": "wide", **keys}
+    return SurrogateFile(**keys).about(system, tuple(axes))
+
+
 def made_surrogate(
     function: Callable[[np.ndarray], np.ndarray] = smooth,
     count: int = 24,
@@ -86,5 +91,5 @@ def made_surrogate(
 ) -> Surrogate:
     """Return the surrogate of a function of the unit cube, exact at its points."""
     x = design(count, len(axes))
-    spec = SurrogateSpec("speed", "wide", "velocity", "chute", tuple(axes))
-    return fit_surrogate(spec, made_sample(x, function(x), axes, **options))
+    spec = asked(axes)
+    return Surrogate.fit(spec, made_sample(x, function(x), axes, **options))

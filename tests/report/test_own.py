@@ -15,7 +15,7 @@ from sim.report.page import build
 from sim.report.publish import publish
 from sim.report.runs import state_of
 from sim.study.load import load_study
-from sim.surrogates import answers
+from sim.surrogates import inquiries
 from tests.made.report import write_claims
 from tests.made.runs import write_run
 from tests.report.test_page import Page
@@ -61,7 +61,7 @@ def made(
             arrays=slows,
         )
     dataset = build_dataset(study_path, results)
-    answers.build(study_path, results)
+    inquiries.build(study_path, results)
     draw_figures(
         list(study.figures), dataset, dataset.parent / "figures", code="x", study_path=study_path
     )
@@ -119,7 +119,7 @@ def test_a_surrogate_with_a_large_error_is_named_first(tmp_path):
         velocity = (0.1 if number % 2 else 10.0) * np.array([0.99, 1.01])
         write_run(tmp_path / "own" / "runs", point.parameters, velocity, regime="steady")
     dataset = build_dataset(study_path, tmp_path)
-    answers.build(study_path, tmp_path)
+    inquiries.build(study_path, tmp_path)
     figures = dataset.parent / "figures"
     draw_figures(list(study.entries), dataset, figures, code="x", study_path=study_path)
     write([], "own", dataset.parent)

@@ -8,11 +8,10 @@ import pytest
 from sim.base.errors import InputError
 from sim.report.predict import predict
 from sim.study.design import Axis
-from sim.study.surrogate import SurrogateSpec
-from sim.surrogates.fitting import fit_surrogate
-from sim.surrogates.storage import save
+from sim.surrogates.storage import save_surrogate
+from sim.surrogates.surrogate import Surrogate
 from tests.made.processes import refusal
-from tests.made.surrogates import AXES, design, made_sample, smooth
+from tests.made.surrogates import AXES, asked, design, made_sample, smooth
 
 
 @pytest.fixture(scope="module")
@@ -22,9 +21,9 @@ def folder(tmp_path_factory):
     law = Axis("law", 0, 1, choices=("walton_braun", "hertz"))
     x = design(24, 3)
     words = np.where(x[:, 0] < 0.3, "arrested", "steady")
-    spec = SurrogateSpec("speed", "wide", "velocity", "chute", (*AXES[:2], law))
-    surrogate = fit_surrogate(spec, made_sample(x, smooth(x), spec.axes, regime=words))
-    save(surrogate, folder / "surrogates" / "speed.nc")
+    spec = asked((*AXES[:2], law))
+    surrogate = Surrogate.fit(spec, made_sample(x, smooth(x), spec.axes, regime=words))
+    save_surrogate(surrogate, folder / "surrogates" / "speed.nc")
     return folder
 
 

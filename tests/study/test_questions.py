@@ -33,7 +33,7 @@ def test_a_surrogate_has_the_ranges_and_scales_of_its_design():
     assert (speed.axes[1].low, speed.axes[1].high) == (100, 10000)
     assert speed.axes[2].choices == ("walton_braun", "hertz") and not speed.has_rounds
     assert (speed.observable, speed.system) == ("velocity", "chute")
-    assert speed.regimes == COUNTED == ("steady", "mixed", "undetermined")
+    assert speed.mean_regimes == COUNTED == ("steady", "mixed", "undetermined")
 
 
 def test_a_surrogate_goes_through_a_grid_and_ignores_how_its_points_are_computed():

@@ -65,7 +65,7 @@ def test_a_sensitivity_of_a_surrogate_has_its_pictures(parse):
 def test_a_sensitivity_of_a_design_takes_its_runs(parse):
     study = parse(sensitivity=[{"name": "screen", "series": "many", "observable": "velocity"}])
     (one,) = study.sensitivities
-    assert one.is_screening and one.of.regimes == COUNTED and one.series == "many"
+    assert one.is_screening and one.of.mean_regimes == COUNTED and one.series == "many"
     assert "screen-screening" in study.plots and "screen-indices" not in study.plots
 
 
@@ -116,10 +116,10 @@ def test_measurements_come_in_the_units_of_talus(parse, tmp_path):
 
 def test_what_the_model_and_the_surrogate_may_lack_can_be_chosen(parse):
     (usual,) = parse(calibrate=[CALIBRATE]).calibrations
-    assert usual.has_discrepancy and usual.surrogate_error is None
+    assert usual.discrepancy and usual.surrogate_error is None
     entry = CALIBRATE | {"discrepancy": False, "surrogate_error": 0.5}
     (one,) = parse(calibrate=[entry]).calibrations
-    assert not one.has_discrepancy and one.surrogate_error == 0.5
+    assert not one.discrepancy and one.surrogate_error == 0.5
     assert usual.settings != one.settings
 
 

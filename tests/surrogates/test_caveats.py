@@ -20,9 +20,9 @@ from sim.report.predict import predict
 from sim.report.runs import run_rows, varied_parameters
 from sim.study.load import load_study
 from sim.study.plot_kinds import Keys, PlotKind
-from sim.surrogates import answers
-from sim.surrogates.caveats import caveats_in, parted
-from sim.surrogates.results import answer_files
+from sim.surrogates import inquiries
+from sim.surrogates.answers import caveats_in, parted, summary_lines
+from sim.surrogates.storage import answer_files
 from tests.made.runs import write_run
 from tests.made.surrogates import rough_answers
 
@@ -59,7 +59,7 @@ def folder(tmp_path_factory) -> Path:
         write_run(place / "weak" / "runs", point.parameters, speed, caveat=DOUBT)
     dataset = build_dataset(file, place)
     with rough_answers():
-        answers.build(file, place)
+        inquiries.build(file, place)
     figures = dataset.parent / "figures"
     draw_figures(list(study.entries), dataset, figures, code="x", study_path=file)
     write_claims([], "weak", dataset.parent)
@@ -102,18 +102,18 @@ def _called(folder: Path) -> list[str]:
 
 #: Modules that read answers, and what each shows of all of them.
 VIEWS = {
-    "sim/surrogates/answers.py": lambda folder: answers.summary_lines(_study(folder), folder),
+    "sim/report/status.py": lambda folder: summary_lines(_study(folder), folder),
     "sim/surrogates/inquiries.py": lambda folder: [
         " ".join(caveats_in(path)) for path in answer_files(folder)
     ],
-    "sim/surrogates/results.py": _called,
     "sim/report/page.py": _report,
     "sim/report/explorer.py": _explored,
     "sim/report/predict.py": lambda folder: (
         _predicted(folder, "table") + _predicted(folder, "json")
     ),
     "sim/report/results.py": lambda folder: [
-        line for line in repr(sim.load(folder)).splitlines() if line.split()[0] in KINDS
+        *_called(folder),
+        *(line for line in repr(sim.load(folder)).splitlines() if line.split()[0] in KINDS),
     ],
     "sim/figures/render.py": lambda folder: (
         _pictures(folder, ".caption.txt") + _pictures(folder, ".csv")
@@ -124,24 +124,23 @@ VIEWS = {
 }
 KINDS = ("surrogate", "sensitivity", "calibration")
 
-#: Modules of which one is imported by whoever reads an answer.
-READERS = {f"sim.surrogates.{name}" for name in ("storage", "calibration", "tables", "results")}
+#: Functions of which one is imported by whoever reads an answer.
+READERS = {
+    *("load_surrogate", "load_table", "load_posterior", "find_surrogate", "answer_files"),
+    "summary_lines",
+}
 
 
 def test_every_module_that_reads_answers_is_a_view_here():
     root = Path(sim.__file__).parent
-    reading = set()
-    for file in root.rglob("*.py"):
-        nodes = [
-            node
-            for node in ast.walk(ast.parse(file.read_text()))
-            if isinstance(node, ast.ImportFrom)
-        ]
-        named = {f"{node.module}.{alias.name}" for node in nodes for alias in node.names}
-        if (named | {node.module for node in nodes}) & READERS:
-            reading.add(file.relative_to(root.parent).as_posix())
-    # Refusals stand in the same files; explorer and pictures get what others have read.
-    reading -= {"sim/surrogates/refusals.py"}
+    reading = {
+        file.relative_to(root.parent).as_posix()
+        for file in root.rglob("*.py")
+        for node in ast.walk(ast.parse(file.read_text()))
+        if isinstance(node, ast.ImportFrom) and node.module.startswith("sim.surrogates")
+        if READERS & {one.name for one in node.names}
+    }
+    # Explorer and pictures get what others have read.
     assert reading | {"sim/report/explorer.py", "sim/figures/render.py"} == set(VIEWS)
 
 

@@ -6,11 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from sim.surrogates.caveats import caveats_of_indices
-from sim.surrogates.index_table import COLUMNS
-from sim.surrogates.indices import indices_of_surrogate, sobol_indices
+from sim.surrogates.answers import Refusal, caveats_of_indices
+from sim.surrogates.indices import COLUMNS, indices_of_surrogate, sobol_indices
 from sim.surrogates.predictor import scaled, unscaled
-from sim.surrogates.refusals import Refusal
 from sim.surrogates.surrogate import Surrogate
 from tests.made.surrogates import design, made_surrogate
 from tests.surrogates.predictors import (

@@ -7,17 +7,16 @@ import pandas as pd
 import pytest
 
 from sim.study.design import Axis, Design
-from sim.surrogates import tables
-from sim.surrogates.caveats import caveats_of_indices
-from sim.surrogates.index_table import COLUMNS
-from sim.surrogates.indices_of_runs import (
+from sim.surrogates import answers
+from sim.surrogates.answers import Refusal, caveats_of_indices
+from sim.surrogates.indices import (
+    COLUMNS,
     DesignRuns,
     morris_indices_of_runs,
     sobol_indices_of_runs,
 )
 from sim.surrogates.inquiries import places_of
 from sim.surrogates.predictor import scaled
-from sim.surrogates.refusals import Refusal
 from tests.figures.drawing import picture, table
 from tests.made.answers import picture_data
 from tests.made.indices import made_runs
@@ -148,8 +147,8 @@ def test_equal_effects_have_no_interval(tmp_path):
     assert (found["low"].isna() == has_none).all() and (found["high"].isna() == has_none).all()
     assert (found["doubt"].str.contains("no interval") == has_none).all()
     named = found.replace({"x": "friction", "y": "restitution", "z": "angle"})
-    tables.save(named, tmp_path / "sensitivity" / "screened.csv")
-    line = tables.summary_line(tmp_path / "sensitivity" / "screened.csv")
+    answers.save_table(named, tmp_path / "sensitivity" / "screened.csv")
+    line = answers.table_line(tmp_path / "sensitivity" / "screened.csv")
     assert line == "mean size of the effect of friction 3, restitution 2, angle 0 (0 to 0)"
     data = picture_data(tmp_path, "screening", "sensitivity/screened.csv")
     assert len(table(data)) == 9 and picture(data).axes[0].get_xlim()[1] > 3

@@ -12,10 +12,10 @@ from sim.dataset.build import build
 from sim.figures.render import find_spec, render
 from sim.report.predict import predict
 from sim.study.load import load_study
-from sim.surrogates import answers, calibration, inquiries
+from sim.surrogates import inquiries, storage
+from sim.surrogates.answers import Refusal
 from sim.surrogates.posterior import summarize
-from sim.surrogates.refusals import Refusal
-from sim.surrogates.storage import load
+from sim.surrogates.storage import load_surrogate
 from tests.made.runs import write_run
 from tests.made.surrogates import rough_answers
 
@@ -78,7 +78,7 @@ def folder(tmp_path_factory) -> Path:
         write_run(place / "asked" / "runs", parameters, speed, failed=failed)
     build(place / "study.yaml", place)
     with rough_answers():
-        lines = answers.build(place / "study.yaml", place)
+        lines = inquiries.build(place / "study.yaml", place)
     assert lines[1].startswith("sensitivity matters: total index of friction 0.6")
     assert lines[-1].startswith("calibration beads: friction = 0.5")
     return place / "asked"
@@ -161,16 +161,16 @@ def test_a_screening_leaves_out_the_trajectory_of_a_run_that_failed(folder):
 
 
 def test_the_calibration_has_the_friction_of_the_material(folder):
-    groups = calibration.load(folder / "calibration" / "beads.nc")
+    groups = storage.load_posterior(folder / "calibration" / "beads.nc")
     (row,) = summarize(groups).itertuples()
     assert row.low < FRICTION < row.high and row.informed
     assert groups["constant_data"]["restitution"].values.tolist() == [RESTITUTION] * 2
 
 
 def test_a_calibration_tells_of_its_surrogate_and_asks_for_one_that_is_sure(folder):
-    groups = calibration.load(folder / "calibration" / "beads.nc")
+    groups = storage.load_posterior(folder / "calibration" / "beads.nc")
     about = groups["observed_data"].attrs
-    surrogate = load(folder / "surrogates" / "speed.nc")
+    surrogate = load_surrogate(folder / "surrogates" / "speed.nc")
     assert about["surrogate_error"] == surrogate.error
     assert about["surrogate_points"] == about["points"] == 16
     assert about["uncounted"] == 0 and about["regimes"] == "steady"

@@ -7,10 +7,10 @@ import pytest
 import xarray as xr
 
 from sim.surrogates import posterior
-from sim.surrogates.calibration import load, outcome_sentences, save
-from sim.surrogates.caveats import caveats_of_posterior
+from sim.surrogates.answers import caveats_of_posterior
 from sim.surrogates.likelihood import Calibration
 from sim.surrogates.posterior import DISCREPANCY, calibrate, summarize
+from sim.surrogates.storage import load_posterior, outcome_sentences, save_posterior
 from tests.surrogates.made_calibration import ANGLES, RANGES, made_measurements
 from tests.surrogates.predictors import MadePredictor
 
@@ -44,8 +44,8 @@ def groups():
 
 
 def test_a_posterior_is_what_arviz_reads(groups, tmp_path):
-    save("made", groups, [], tmp_path / "made.nc")
-    found = load(tmp_path / "made.nc")
+    save_posterior("made", groups, [], tmp_path / "made.nc")
+    found = load_posterior(tmp_path / "made.nc")
     assert set(found) == set(groups)
     for name, one in groups.items():
         xr.testing.assert_equal(found[name], one)

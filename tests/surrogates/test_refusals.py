@@ -19,8 +19,8 @@ from sim.report.results import load
 from sim.report.status import survey
 from sim.report.status_table import as_text
 from sim.study.load import load_study
-from sim.surrogates import answers, tables
-from sim.surrogates.refusals import Refusal, refusal_in, save_refusal
+from sim.surrogates import answers, inquiries
+from sim.surrogates.answers import Refusal, refusal_in, save_refusal
 from sim.surrogates.rounds import write_round
 from tests.made.runs import write_run
 
@@ -81,7 +81,7 @@ def asked(tmp_path_factory):
     folder = tmp_path_factory.mktemp("asked")
     path = make(folder, 8, ("arrested", "accelerating"))
     build(path, folder)
-    lines = answers.build(path, folder)
+    lines = inquiries.build(path, folder)
     study = load_study(path, folder)
     draw_figures(
         list(study.entries),
@@ -162,7 +162,7 @@ def test_rounds_buy_what_a_mean_lacks(tmp_path):
 
 def _answer(path: Path) -> list[str]:
     build(path, path.parent)
-    return answers.build(path, path.parent)
+    return inquiries.build(path, path.parent)
 
 
 def test_a_table_and_a_refusal_take_each_others_place(tmp_path):
@@ -173,8 +173,8 @@ def test_a_table_and_a_refusal_take_each_others_place(tmp_path):
     for _ in range(2):
         save_refusal(Refusal('no indices, as "0 of 8"\x1b[2J'), path)
         assert refusal_in(path) == 'no indices, as "0 of 8" [2J'
-        tables.save(indices, path)
-        assert not refusal_in(path) and tables.load(path).equals(indices)
+        answers.save_table(indices, path)
+        assert not refusal_in(path) and answers.load_table(path).equals(indices)
 
 
 def test_a_kill_between_a_table_and_the_note_of_its_checksum_damages_nothing(tmp_path, monkeypatch):
@@ -182,7 +182,7 @@ def test_a_kill_between_a_table_and_the_note_of_its_checksum_damages_nothing(tmp
         tmp_path / "matters.csv",
         pd.DataFrame([{"parameter": "friction", "doubt": ""}]).astype({"doubt": object}),
     )
-    tables.save(indices, path)
+    answers.save_table(indices, path)
     replace = Path.replace
 
     def replace_note_alone(self, target):
@@ -193,8 +193,8 @@ def test_a_kill_between_a_table_and_the_note_of_its_checksum_damages_nothing(tmp
     monkeypatch.setattr(Path, "replace", replace_note_alone)
     with pytest.raises(KeyboardInterrupt):
         save_refusal(Refusal("no indices"), path)
-    assert tables.load(path).equals(indices)
+    assert answers.load_table(path).equals(indices)
     path.write_text(path.read_text().replace("friction", "fraction"))
     with pytest.raises(DamagedError, match="its checksum is wrong"):
-        tables.load(path)
+        answers.load_table(path)
     assert not refusal_in(path)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.surrogates.regimes import fit_regimes
+from sim.surrogates.regimes import Regimes
 from tests.made.surrogates import design
 
 
@@ -18,9 +18,9 @@ def test_probabilities_are_right_as_often_as_they_say():
     said, right = [], []
     for seed in range(6):
         x = design(32, 2, seed)
-        regimes = fit_regimes(x, three(x))
+        regimes = Regimes.fit(x, three(x))
         fresh = np.random.default_rng(seed).random((300, 2))
-        chances = regimes.probability(fresh)
+        chances = regimes.predict(fresh)
         assert chances.sum(axis=0) == pytest.approx(1)
         likeliest = np.array(regimes.names)[chances.argmax(axis=0)]
         said.append(chances.max(axis=0).mean())
@@ -33,41 +33,41 @@ def test_a_regime_that_depends_on_chance_has_no_sharp_boundary():
     rng = np.random.default_rng(1)
     x = design(64, 2)
     words = np.where(rng.random(64) < 0.5, "steady", "arrested").astype(object)
-    chances = fit_regimes(x, words).probability(rng.random((100, 2)))
+    chances = Regimes.fit(x, words).predict(rng.random((100, 2)))
     assert np.abs(chances - 0.5).mean() < 0.25
 
 
 def test_two_regimes_are_complements():
     x = design(32, 2)
     words = np.where(x[:, 0] < 0.5, "arrested", "steady").astype(object)
-    regimes = fit_regimes(x, words)
+    regimes = Regimes.fit(x, words)
     assert regimes.names == ("arrested", "steady") and len(regimes.theta) == 1
-    left, right = regimes.probability(np.array([[0.1, 0.5], [0.9, 0.5]])).T
+    left, right = regimes.predict(np.array([[0.1, 0.5], [0.9, 0.5]])).T
     assert left[0] > 0.95 and right[1] > 0.95 and left.sum() == pytest.approx(1)
 
 
 def test_one_regime_is_certain_and_unknown_ones_count_for_nothing():
     x = design(8, 2)
     words = np.array(["steady"] * 6 + ["undetermined", "failed"], object)
-    regimes = fit_regimes(x, words)
+    regimes = Regimes.fit(x, words)
     assert regimes.names == ("steady",)
-    assert (regimes.probability(x) == 1).all()
-    nothing = fit_regimes(x, np.full(8, "undetermined", object))
-    assert nothing.probability(x).shape == (0, 8)
+    assert (regimes.predict(x) == 1).all()
+    nothing = Regimes.fit(x, np.full(8, "undetermined", object))
+    assert nothing.predict(x).shape == (0, 8)
 
 
 def test_a_single_point_of_a_regime_is_enough():
     x = design(16, 2)
     words = np.full(16, "steady", object)
     words[3] = "arrested"
-    chances = fit_regimes(x, words).probability(x)
+    chances = Regimes.fit(x, words).predict(x)
     assert np.isfinite(chances).all() and chances[0, 3] == chances[0].max()
 
 
 def test_what_the_mean_counts_is_a_regime_of_its_own():
     x = np.linspace(0, 1, 12)[:, None]
     words = np.array(["undetermined"] * 9 + ["accelerating"] * 3, object)
-    assert fit_regimes(x, words).names == ("accelerating",)
-    regimes = fit_regimes(x, words, ("steady", "undetermined"))
+    assert Regimes.fit(x, words).names == ("accelerating",)
+    regimes = Regimes.fit(x, words, ("steady", "undetermined"))
     assert regimes.names == ("accelerating", "undetermined")
-    assert regimes.probability(np.array([[0.1]]))[1, 0] > 0.9
+    assert regimes.predict(np.array([[0.1]]))[1, 0] > 0.9

@@ -13,7 +13,7 @@ from sim.report.results import load
 from sim.report.status import survey
 from sim.report.status_table import as_text
 from sim.study.load import load_study
-from sim.surrogates import answers
+from sim.surrogates import inquiries
 from sim.surrogates.rounds import write_round
 from tests.made.runs import write_run
 
@@ -69,7 +69,7 @@ def ended(tmp_path_factory):
     path, results = write_study(folder), folder / "results"
     number = go_on(path, results)
     build(path, results)
-    lines = answers.build(path, results)
+    lines = inquiries.build(path, results)
     return path, results, number, lines
 
 

@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 
 from sim.study.design import Axis
-from sim.study.surrogate import SurrogateSpec
 from sim.surrogates.sample import left_out, points_of_mean, sample_points, standard_errors
 from tests.made.results import made_point, made_results
-from tests.made.surrogates import design
+from tests.made.surrogates import asked, design
 
-SPEC = SurrogateSpec("speed", "flows", "velocity", "chute", (Axis("friction", 0.3, 0.6),))
+SPEC = asked((Axis("friction", 0.3, 0.6),), series="flows")
 
 
 def test_errors_of_replicates_that_agree_by_accident_are_moderated():
@@ -79,22 +78,22 @@ def sample_of(regime: str, cases=UNDETERMINED, velocity=1.0):
     results = made_results(*points)
     series = ("point", np.full(len(points), "flows", object))
     results = replace(results, dataset=results.dataset.assign_coords(series=series))
-    return sample_points(results, replace(SPEC, observable="shear_depth"))
+    return sample_points(results, SPEC.found(observable="shear_depth"))
 
 
 @pytest.mark.parametrize("velocity", [1.0, -1.0])
 def test_flows_too_short_to_tell_count_unless_they_surely_slow_down(velocity):
     sample = sample_of("undetermined", velocity=velocity)
     told = [case[-1] for case in UNDETERMINED]
-    assert points_of_mean(sample, SPEC.regimes).tolist() == [one == "counts" for one in told]
-    assert left_out(sample, SPEC.regimes) == {"slowing": 1, "without a value": 2}
-    assert points_of_mean(sample, (*SPEC.regimes, "slowing")).sum() == 3
+    assert points_of_mean(sample, SPEC.mean_regimes).tolist() == [one == "counts" for one in told]
+    assert left_out(sample, SPEC.mean_regimes) == {"slowing": 1, "without a value": 2}
+    assert points_of_mean(sample, (*SPEC.mean_regimes, "slowing")).sum() == 3
     assert points_of_mean(sample, ("steady", "mixed")).sum() == 0
 
 
 def test_flows_that_rest_or_failed_do_not_count():
     resting = sample_of("arrested", UNDETERMINED[:1])
-    assert left_out(resting, SPEC.regimes) == {"arrested": 1}
+    assert left_out(resting, SPEC.mean_regimes) == {"arrested": 1}
 
 
 def hours_of(**scalars) -> np.ndarray:

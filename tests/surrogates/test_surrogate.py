@@ -10,13 +10,11 @@ from sim.base.errors import InputError
 from sim.base.seals import read_summary
 from sim.study.design import Axis
 from sim.study.load import load_study
-from sim.study.surrogate import SurrogateSpec
-from sim.surrogates.fitting import fit_surrogate
-from sim.surrogates.results import find_surrogate
-from sim.surrogates.storage import load, save
+from sim.surrogates.storage import find_surrogate, load_surrogate, save_surrogate
+from sim.surrogates.surrogate import Surrogate
 from tests.made.netcdf import edit_file
 from tests.made.plugins import restore_plugins
-from tests.made.surrogates import AXES, design, made_sample, made_surrogate, smooth
+from tests.made.surrogates import AXES, asked, design, made_sample, made_surrogate, smooth
 
 LAW = Axis("law", 0, 1, choices=("walton_braun", "hertz"))
 
@@ -32,8 +30,8 @@ def mixed():
     x = design(40, 3)
     words = np.where(x[:, 0] < 0.3, "arrested", "steady").astype(object)
     words[:3], mean = "undetermined", smooth(x) + (x[:, 2] >= 0.5)
-    spec = SurrogateSpec("speed", "wide", "velocity", "chute", (*AXES[:2], LAW), ("steady",))
-    return fit_surrogate(spec, made_sample(x, mean, spec.axes, error=0.01, regime=words))
+    spec = asked((*AXES[:2], LAW), regimes=["steady"])
+    return Surrogate.fit(spec, made_sample(x, mean, spec.axes, error=0.01, regime=words))
 
 
 def test_a_call_gives_mean_half_width_and_probabilities(surrogate):
@@ -124,8 +122,8 @@ def test_a_large_error_is_called_too_large_to_rely_on(mixed):
     assert re.fullmatch(r"mean of 25 of 40 points, error [0-9.]+ %", mixed.basis)
     x = design(8, 2)
     scattered = np.random.default_rng(1).choice([0.1, 10.0], 8)
-    spec = SurrogateSpec("speed", "wide", "velocity", "chute", AXES[:2])
-    weak = fit_surrogate(spec, made_sample(x, scattered))
+    spec = asked()
+    weak = Surrogate.fit(spec, made_sample(x, scattered))
     assert re.fullmatch(r"mean of 8 of 8 points, error \d+ %", weak.basis)
     assert re.fullmatch(r"its error of \d+ % is too large to rely on", weak.caveats[0])
 
@@ -150,19 +148,19 @@ def test_the_error_is_that_of_points_left_out(surrogate):
 def test_too_few_points_are_refused():
     x = design(16, 2)
     words = ["arrested"] * 14 + ["steady"] * 2
-    spec = SurrogateSpec("speed", "wide", "velocity", "chute", AXES[:2])
+    spec = asked()
     with pytest.raises(InputError, match=r"as 2 of 16 .* 6 are needed; left out are 14 a"):
-        fit_surrogate(spec, made_sample(x, smooth(x), regime=words))
+        Surrogate.fit(spec, made_sample(x, smooth(x), regime=words))
 
 
 @pytest.mark.parametrize(("parameters", "fewest"), [(1, 4), (2, 6), (3, 9), (8, 24)])
 def test_the_fewest_points_grow_with_the_parameters(parameters, fewest):
     axes = tuple(Axis(f"x{number}", 0.0, 1.0) for number in range(parameters))
-    spec, x = SurrogateSpec("speed", "wide", "velocity", "chute", axes), design(fewest, parameters)
+    spec, x = asked(axes), design(fewest, parameters)
     values = 1 + x[:, 0]
-    assert len(fit_surrogate(spec, made_sample(x, values, axes)).process.y) == fewest
+    assert len(Surrogate.fit(spec, made_sample(x, values, axes)).process.y) == fewest
     with pytest.raises(InputError, match=f"and {fewest} are needed"):
-        fit_surrogate(spec, made_sample(x[1:], values[1:], axes))
+        Surrogate.fit(spec, made_sample(x[1:], values[1:], axes))
 
 
 def test_a_form_that_fits_is_found_told_and_kept(tmp_path):
@@ -174,12 +172,12 @@ def test_a_form_that_fits_is_found_told_and_kept(tmp_path):
     values = speed * (1 - 1 / np.maximum(strength / 10, 1))
     sample = made_sample(x, values, axes, 1e-4)
     sample.attrs["fixed"] = {"diameter": 1e-3, "gravity": 10.0, "vibration_angle": 45.0}
-    surrogate = fit_surrogate(SurrogateSpec("speed", "wide", "velocity", "belt", axes), sample)
+    surrogate = Surrogate.fit(asked(axes, "belt"), sample)
     assert surrogate.process.frame.form.name == "efficiency_of_shaking"
     assert "as a share of the belt's velocity" in surrogate.basis
-    save(surrogate, tmp_path / "speed.nc")
+    save_surrogate(surrogate, tmp_path / "speed.nc")
     fresh = np.column_stack([np.linspace(15, 100, 9), np.linspace(1.5, 0.5, 9)])
-    loaded = load(tmp_path / "speed.nc")
+    loaded = load_surrogate(tmp_path / "speed.nc")
     for one, other in zip(surrogate.predict(fresh), loaded.predict(fresh), strict=True):
         assert one == pytest.approx(other, rel=1e-9)
     truth = 1e-3 * fresh[:, 1] * 2 * np.pi * fresh[:, 0]
@@ -213,13 +211,15 @@ def test_a_form_of_a_plugin_is_found_and_needed_again(tmp_path):
         (spec,) = load_study(form_study(tmp_path), None).surrogates
         x = design(16, 2)
         values = (1 + x[:, 1]) * (1 + np.abs(8 * x[:, 0] - 3))
-        surrogate = fit_surrogate(spec, made_sample(x, values, spec.axes))
+        surrogate = Surrogate.fit(spec, made_sample(x, values, spec.axes))
         assert surrogate.basis.endswith(", with a kink at a depth of 5")
-        save(surrogate, tmp_path / "speed.nc")
+        save_surrogate(surrogate, tmp_path / "speed.nc")
         fresh = np.array([[0.5, 4.0]])
-        assert load(tmp_path / "speed.nc").predict(fresh)[0] == surrogate.predict(fresh)[0]
+        assert (
+            load_surrogate(tmp_path / "speed.nc").predict(fresh)[0] == surrogate.predict(fresh)[0]
+        )
     with pytest.raises(InputError, match="no plug-in that is loaded declares its form kinked"):
-        load(tmp_path / "speed.nc")
+        load_surrogate(tmp_path / "speed.nc")
 
 
 @pytest.mark.parametrize("wrong", ["velocty", "transport_efficiency"])
@@ -239,8 +239,8 @@ def test_the_observable_of_a_form_may_be_declared_after_it(tmp_path):
 
 def test_a_file_gives_the_same_predictions(mixed, tmp_path):
     path = tmp_path / "surrogates" / "speed.nc"
-    save(mixed, path)
-    again = load(path)
+    save_surrogate(mixed, path)
+    again = load_surrogate(path)
     x = np.random.default_rng(1).random((50, 2)) * [0.6, 8] + [0.2, 2]
     first, second = (one.at(law="hertz") for one in (mixed, again))
     for ours, theirs in zip(first.predict(x), second.predict(x), strict=True):
@@ -256,27 +256,27 @@ def test_a_file_gives_the_same_predictions(mixed, tmp_path):
 def test_damaged_and_foreign_files_are_refused(surrogate, tmp_path):
     path = tmp_path / "speed.nc"
     with pytest.raises(InputError, match="no such surrogate"):
-        load(path)
-    save(surrogate, path)
+        load_surrogate(path)
+    save_surrogate(surrogate, path)
     whole = path.read_bytes()
     path.write_bytes(whole[:-700] + bytes([whole[-700] ^ 1]) + whole[-699:])
     with pytest.raises(InputError, match=r"damaged or not a surrogate \(its checksum"):
-        load(path)
+        load_surrogate(path)
     path.write_bytes(whole)
     with edit_file(path) as file:
         file.format = "another"
     with pytest.raises(InputError, match="damaged or not a surrogate"):
-        load(path)
+        load_surrogate(path)
     path.write_text("a text")
     with pytest.raises(InputError, match="damaged or not a surrogate") as error:
-        load(path)
+        load_surrogate(path)
     assert "\n" not in str(error.value) and path.exists()
 
 
 def test_an_unknown_surrogate_is_refused(tmp_path, surrogate):
     with pytest.raises(InputError, match="allowed: a study with surrogates that has run"):
         find_surrogate(tmp_path)
-    save(surrogate, tmp_path / "surrogates" / "speed.nc")
+    save_surrogate(surrogate, tmp_path / "surrogates" / "speed.nc")
     with pytest.raises(InputError, match="surrogate: got 'packing'; allowed: one of speed"):
         find_surrogate(tmp_path, "packing")
 
@@ -284,8 +284,8 @@ def test_an_unknown_surrogate_is_refused(tmp_path, surrogate):
 def test_places_without_a_run_near_them_are_told():
     """Points on a diagonal: a process knows nothing of the corners beside it, and does not know."""
     line = np.linspace(0, 1, 16)
-    spec = SurrogateSpec("speed", "wide", "velocity", "chute", AXES[:2])
-    surrogate = fit_surrogate(spec, made_sample(np.column_stack([line, line]), 1 + line))
+    spec = asked()
+    surrogate = Surrogate.fit(spec, made_sample(np.column_stack([line, line]), 1 + line))
     assert not surrogate(friction=0.5, depth=6.0).attrs["caveats"]
     told = surrogate(friction=[0.2, 0.5], depth=10.0).attrs["caveats"]
     assert told.startswith("at 2 of 2 places no run is near")
@@ -296,8 +296,8 @@ def test_points_that_do_not_tell_of_each_other_are_told():
     """The error is small beside the mean size, not beside what varies."""
     x = design(32, 2)
     values = 5 + 0.2 * np.sin(40 * x[:, 0]) * np.cos(37 * x[:, 1])
-    spec = SurrogateSpec("speed", "wide", "velocity", "chute", AXES[:2])
-    surrogate = fit_surrogate(spec, made_sample(x, values))
+    spec = asked()
+    surrogate = Surrogate.fit(spec, made_sample(x, values))
     assert surrogate.error < 0.1 and surrogate.unexplained > 0.5
     assert "of the variance of each other" in surrogate.caveats[0]
 
@@ -305,6 +305,6 @@ def test_points_that_do_not_tell_of_each_other_are_told():
 def test_a_word_with_few_points_is_told():
     x = design(16, 3)
     x[:, 2] = 0.9 * (np.arange(16) == 15)
-    spec = SurrogateSpec("speed", "wide", "velocity", "chute", (*AXES[:2], LAW))
-    surrogate = fit_surrogate(spec, made_sample(x, smooth(x), spec.axes))
+    spec = asked((*AXES[:2], LAW))
+    surrogate = Surrogate.fit(spec, made_sample(x, smooth(x), spec.axes))
     assert "law = hertz has 1 point" in surrogate.caveats

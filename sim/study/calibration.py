@@ -1,0 +1,206 @@
+"""Entries under ``calibrate`` of a study file: which parameters measurements allow."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, ClassVar, Self
+
+from pydantic import Field, model_validator
+
+from sim.base.additions import plain_name
+from sim.base.errors import InputError
+from sim.base.messages import one_of
+from sim.parameters import SYSTEMS, field_info
+from sim.parameters.common import CHOICES, TWO_NUMBERS, Real, broken_rule
+from sim.study.design import Axis
+from sim.study.entries import optional
+from sim.study.measured import ALLOWED_FILE, FILE, PURE, MeasuredTable, read_measured
+from sim.study.plottable import numbers
+from sim.study.surrogate import (
+    ACCEPTED_ERROR,
+    Place,
+    Question,
+    SurrogateFile,
+    name_field,
+    surrogate_named,
+)
+
+#: Most measurements: each is predicted some 100,000 times.
+MOST_MEASUREMENTS = 1000
+
+#: Least error and largest number of a measurement.
+_TINY, _HUGE = 1e-100, 1e100
+
+
+class CalibrateFile(Question):
+    """Which parameters measurements allow, by a surrogate."""
+
+    folder: ClassVar[str] = "calibration"
+
+    #: What `resolve` adds: the surrogate and its series; values of its other parameters at each
+    #: measurement; the measurements and their standard errors, in the unit of the observable; and
+    #: the file of them.
+    of: ClassVar[SurrogateFile]
+    series: ClassVar[str]
+    conditions: ClassVar[Mapping[str, tuple[float, ...]]]
+    values: ClassVar[tuple[float, ...]]
+    errors: ClassVar[tuple[float, ...]]
+    path: ClassVar[Path]
+
+    name: str = name_field("answer", "among calibrations")
+    data: str = Field(
+        pattern=FILE,
+        description="CSV file in the folder of the study file: a row for each measurement; columns "
+        "for the observable, its error and the conditions",
+        json_schema_extra={"allowed": ALLOWED_FILE},
+    )
+    surrogate: str = Field(description="surrogate that stands for the model")
+    parameters: dict[str, Any] = Field(
+        description="parameters looked for, each with its lowest and highest value; they are "
+        "evenly spread there before anything is measured",
+        min_length=1,
+        json_schema_extra={"allowed": f"a mapping of parameters to {TWO_NUMBERS}"},
+    )
+    observable: str = optional("column of the observable (omitted: its name)")
+    error: str = optional(
+        "column of the standard error of each measurement (omitted: `<observable>_error`)"
+    )
+    units: dict[str, str] = Field(
+        {}, description="units of columns whose headings have none, as `velocity: mm/s`"
+    )
+    discrepancy: bool = Field(
+        True,
+        description="whether the model itself may lack something; `false` gives narrower intervals",
+    )
+    surrogate_error: Real = optional(ACCEPTED_ERROR, gt=0, le=10)
+
+    @model_validator(mode="after")
+    def _require_ranges(self) -> Self:
+        for name, ends in self.parameters.items():
+            is_pair = isinstance(ends, list) and len(ends) == 2
+            if not is_pair or not all(type(end) in (int, float) for end in ends):
+                raise broken_rule(f"parameters.{name}", ends, TWO_NUMBERS)
+            if not ends[0] < ends[1]:
+                raise broken_rule(f"parameters.{name}", ends, TWO_NUMBERS)
+        return self
+
+    def resolve(self, study: Any, place: Place) -> Self:
+        """Return the question with its surrogate and its measurements."""
+        surrogate = surrogate_named(self.surrogate, study, place)
+        axes = {axis.name: axis for axis in surrogate.axes}
+        for name, (low, high) in self.parameters.items():
+            if name not in axes:
+                raise place.error(f"parameters.{name}", [low, high], one_of(name, axes))
+            if low < axes[name].low or high > axes[name].high:
+                ends = f"[{axes[name].low:g}, {axes[name].high:g}]"
+                allowed = f"a range within {ends}, that of surrogate {surrogate.name}"
+                raise place.error(f"parameters.{name}", [low, high], allowed)
+        table = read_measured(place.path.parent / self.data)
+        if (count := len(table.lines)) > MOST_MEASUREMENTS:
+            allowed = f"{MOST_MEASUREMENTS:,} or fewer; average those made under equal conditions"
+            raise InputError.of_value(table.path, "measurements", count, allowed)
+        for name in self.units:
+            table.require_column(name, "as units has it")
+        values, errors = self._measurements(table, surrogate, place)
+        conditions = {
+            name: self._condition(table, axis, surrogate)
+            for name, axis in axes.items()
+            if name not in self.parameters
+        }
+        self._require_other_columns(table, surrogate, study, place)
+        return self.found(
+            of=surrogate,
+            series=surrogate.series,
+            conditions=conditions,
+            values=values,
+            errors=errors,
+            path=table.path,
+        )
+
+    @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """Lowest and highest value of each parameter looked for."""
+        return {name: (float(low), float(high)) for name, (low, high) in self.parameters.items()}
+
+    @property
+    def settings(self) -> tuple[Any, ...]:
+        """What it depends on besides runs; rules rerun when this changes."""
+        parts = tuple(self.ranges.items()), tuple(self.conditions.items())
+        own = (self.name, *parts, self.values, self.errors, self.discrepancy)
+        return (*own, self.surrogate_error, self.of.settings)
+
+    def _measurements(
+        self, table: MeasuredTable, surrogate: SurrogateFile, place: Place
+    ) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Return what was measured and its errors, in the unit of the observable."""
+        observable = numbers(surrogate.system)[surrogate.observable]
+        name, units = self.observable or observable.name, self.units
+        column = self.error or f"{name}_error"
+        table.require_column(name, "what was measured")
+        table.require_column(column, f"the standard error of {name}; error: names another")
+        for key, own, taken in (("observable", name, ()), ("error", column, (name,))):
+            if own in (*taken, *SYSTEMS[surrogate.system].model_fields):
+                allowed = "a column of its own: neither a parameter nor what was measured"
+                raise place.error(key, own, allowed)
+        unit = units.get(name, "")
+        values = table.numbers(
+            name, observable.unit, unit=unit, low=-_HUGE, high=_HUGE, allowed="a number"
+        )
+        # Errors are in the unit of what was measured, unless they have one of their own.
+        of_errors = units.get(column, "" if table.units[column] else unit or table.units[name])
+        errors = table.numbers(
+            column, observable.unit, unit=of_errors, low=_TINY, high=_HUGE, allowed="an error > 0"
+        )
+        return values, errors
+
+    def _condition(
+        self, table: MeasuredTable, axis: Axis, surrogate: SurrogateFile
+    ) -> tuple[float, ...]:
+        """Return the values of a parameter at each measurement."""
+        table.require_column(
+            axis.name, f"as surrogate {surrogate.name} varies it and parameters does not name it"
+        )
+        unit = field_info(SYSTEMS[surrogate.system])[axis.name].unit
+        allowed = (
+            f"a number in [{axis.low:g}, {axis.high:g}]"
+            + (f" {unit}" if unit != PURE else "")
+            + f", the range of surrogate {surrogate.name}"
+        )
+        own = self.units.get(axis.name, "")
+        return table.numbers(
+            axis.name, unit, unit=own, low=axis.low, high=axis.high, allowed=allowed
+        )
+
+    def _require_other_columns(
+        self, table: MeasuredTable, surrogate: SurrogateFile, study: Any, place: Place
+    ) -> None:
+        """Refuse columns of parameters that are looked for, or that no run has these values of."""
+        fields = field_info(SYSTEMS[surrogate.system])
+        axes = {axis.name for axis in surrogate.axes} - self.parameters.keys()
+        points = [study.points[key].parameters for key in study.series[surrogate.series]]
+        for name in table.texts:
+            if name not in fields or name in axes:
+                continue
+            if name in self.parameters:
+                allowed = f"parameters that {table.path.name} has no column of"
+                raise place.error(f"parameters.{name}", self.parameters[name], allowed)
+            fixed, *others = dict.fromkeys(getattr(point, name) for point in points)
+            if not others:
+                unit = fields[name].unit
+                self._require_value(
+                    table, name, fixed, unit, f"as all points of {surrogate.series}"
+                )
+
+    def _require_value(
+        self, table: MeasuredTable, name: str, fixed: Any, unit: str, reason: str
+    ) -> None:
+        """Refuse a column unless it has one value in all rows: a number, a word or a switch."""
+        if type(fixed) in (int, float):
+            own, slack = self.units.get(name, ""), 1e-6 * abs(fixed)
+            ends = {"low": fixed - slack, "high": fixed + slack}
+            table.numbers(name, unit, unit=own, allowed=f"{fixed:g}, {reason}", **ends)
+            return
+        is_switch = isinstance(fixed, bool)
+        word = str(fixed).lower() if is_switch else plain_name(fixed) if name in CHOICES else fixed
+        for row, text in enumerate(table.texts[name]):
+            if (text.lower() if is_switch else text) not in (word, fixed):
+                raise table.error(row, name, text or None, f"{word or 'nothing'}, {reason}")
