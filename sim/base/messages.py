@@ -55,7 +55,6 @@ def allowed_values(field: FieldInfo) -> str:
 
 
 def _interval(metadata: Iterable[Any]) -> str:
-    """Write the range constraints of a field as an interval or an inequality."""
     low: tuple[str, str, Any] | None = None
     high: tuple[str, str, Any] | None = None
     for constraint in metadata:
@@ -192,7 +191,6 @@ def _name(entry: ErrorDetails) -> str:
 
 
 def _allowed(entry: ErrorDetails, owner: type[BaseModel]) -> str | Allowed:
-    """Return the accepted values, in words, for the field of an error."""
     name = _name(entry)
     # In models with lists of values (grids), the ranges are those of the single values.
     fields = getattr(owner, "parameters", owner).model_fields | getattr(owner, "in_place", {})
@@ -223,7 +221,6 @@ def _options(entry: ErrorDetails) -> list[str]:
 
 
 def _unit(field: FieldInfo, value: Any) -> str:
-    """Return the unit of a number in words, and what is wrong with a number that is text."""
     extra = field.json_schema_extra
     if not isinstance(value, int | float | str) or field.annotation not in (int, float):
         return ""

@@ -220,7 +220,6 @@ def _beside_study(
 
 
 def _hash(files: Iterable[tuple[str, bytes]]) -> str:
-    """Return a hash of the names and contents of files."""
     digest = hashlib.sha256()
     for name, text in files:
         digest.update(name.encode() + text)
@@ -249,7 +248,6 @@ def _run(source_code: _SourceCode, error_of: Callable[[str], InputError]) -> Non
 
 
 def _execute(source_code: _SourceCode) -> None:
-    """Run the code of a plug-in as a module."""
     sys.modules.pop(source_code.module, None)
     if source_code.text is None:
         import_module(source_code.module)

@@ -29,12 +29,7 @@ from sim.base.additions import (
 )
 from sim.base.errors import InputError, in_short, printable
 from sim.base.messages import input_error
-from sim.base.plugins import (
-    require_function,
-    require_line,
-    require_one_of,
-    with_declared_types,
-)
+from sim.base.plugins import require_function, require_line, require_one_of, with_declared_types
 from sim.claims.verdict import Ambiguous, Check, Untestable
 from sim.parameters import SYSTEMS
 from sim.parameters.common import broken_rule

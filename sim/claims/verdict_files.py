@@ -101,7 +101,6 @@ def as_mapping(judgements: list[Judgement], study: str) -> dict[str, Any]:
 
 
 def _voting_checks(judgement: Judgement, value: float) -> list[Check]:
-    """Return the checks behind the verdict with a given value of the number."""
     voting = []
     for part in judgement.claim.parts or ("",):
         variant = judgement.deciding_variant(judgement.heading(part), part)
@@ -226,5 +225,4 @@ def by_variant(judgements: list[Judgement]) -> pd.DataFrame:
 
 
 def _by_number(judgement: Judgement) -> str:
-    """Return the verdict by value of the number that the paper does not give, as text."""
     return "; ".join(f"{value:g}: {verdict}" for value, verdict in judgement.by_number.items())

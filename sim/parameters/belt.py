@@ -4,13 +4,7 @@ import math
 from typing import Any, ClassVar, Literal
 
 from sim.parameters import roles
-from sim.parameters.common import (
-    MAX_PARTICLES,
-    MAX_STEPS,
-    Parameters,
-    Real,
-    broken_rule,
-)
+from sim.parameters.common import MAX_PARTICLES, MAX_STEPS, Parameters, Real, broken_rule
 from sim.parameters.roles import declare, numerics, reading
 
 #: Stiffness (g⟨m⟩/⟨d⟩) of the paper.
@@ -220,10 +214,10 @@ class BeltParameters(Parameters):
     )
     fluctuation_profiles: bool = roles.extra(
         "also keep the granular temperature about the mean velocity at each phase of "
-        "the cycle, of which there are samples_per_cycle",
+        "the cycle, of which there are samples_per_cycle"
     )
     belt_forces: bool = roles.extra(
-        "also keep the forces on the belt and when it is touched, as time series",
+        "also keep the forces on the belt and when it is touched, as time series"
     )
     trajectory: Real = roles.trajectory(roles.CYCLES)
     transient: Real = roles.transient(
@@ -233,10 +227,7 @@ class BeltParameters(Parameters):
         equation="Gallas, Sec. 2: 9·10⁴ steps",
     )
     average: Real = roles.average(
-        45,
-        roles.CYCLES,
-        description="length averaged over",
-        equation="Gallas, Sec. 2: 9·10⁴ steps",
+        45, roles.CYCLES, description="length averaged over", equation="Gallas, Sec. 2: 9·10⁴ steps"
     )
     limit: Real = roles.limit(1500, roles.CYCLES)
     settle_velocity_squared: Real = numerics(

@@ -154,7 +154,6 @@ class Choice:
         add(self.name, name, option, self.usual)
 
     def _require_free(self, what: str, name: Any) -> None:
-        """Refuse the name of a parameter that others have; ``what`` declares it."""
         if not (isinstance(name, str) and re.fullmatch(NAME, name)) or iskeyword(name):
             raise AdditionError(f"{what}: parameter {name!r}: a name has letters a-z, digits and _")
         taken = {*dir(Parameters), *Parameters.__class_vars__, *_ELSEWHERE} | reserved_names()
@@ -222,7 +221,6 @@ def _extended(
 
 
 def _field(base: type[Parameters], choice: Choice, options: tuple[str, ...]) -> tuple[Any, Any]:
-    """Return type and declaration of a choice with more options."""
     options_by_name = {plain_name(option): option for option in options}
 
     def coded(value: Any) -> Any:

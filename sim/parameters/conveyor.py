@@ -93,10 +93,7 @@ class ConveyorParameters(SphereParameters):
         description="solid spheres, or discs that move in the plane of x and z alone",
         compiled=True,
     )
-    rotation: bool = declare(
-        True,
-        description="whether the particles rotate",
-    )
+    rotation: bool = declare(True, description="whether the particles rotate")
     initial_velocity: Real = roles.initial_velocity(
         0,
         scale="√(gσ)",

@@ -7,20 +7,9 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any, TypeVar
 
 from sim.base.additions import add
-from sim.base.plugins import (
-    require_function,
-    require_line,
-    require_one_of,
-    require_unit,
-)
+from sim.base.plugins import require_function, require_line, require_one_of, require_unit
 from sim.parameters.points import SYSTEMS
-from sim.parameters.variables import (
-    OBSERVABLE,
-    Measuring,
-    Observable,
-    observed,
-    reserved_names,
-)
+from sim.parameters.variables import OBSERVABLE, Measuring, Observable, observed, reserved_names
 
 _Measuring = TypeVar("_Measuring", bound=Measuring)
 
@@ -81,7 +70,6 @@ def declare_observables(
 
 
 def _taken() -> Iterator[str]:
-    """Yield the names that variables of datasets, and what plots show, have already."""
     yield from reserved_names()
     yield from _OF_DATASETS
     for model in SYSTEMS.values():

@@ -75,7 +75,6 @@ SYSTEMS: dict[str, type[Parameters]] = {
 
 
 def _update_systems() -> None:
-    """Rebuild `SYSTEMS` with the laws and motions of the loaded plug-ins."""
     SYSTEMS.update(
         chute=extended(ChuteParameters, LAW, ENGINE),
         belt=extended(BeltParameters, MOTION),

@@ -174,7 +174,6 @@ def id_parts(model: type[BaseModel]) -> Mapping[str, str]:
 
 
 def _names(model: type[BaseModel], has_role: Callable[[Declaration], bool]) -> tuple[str, ...]:
-    """Return the parameters whose declaration passes a test."""
     return tuple(name for name, row in declarations(model).items() if has_role(row))
 
 

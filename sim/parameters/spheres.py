@@ -304,11 +304,7 @@ class SphereParameters(Parameters):
         added=True,
     )
     ranks: int = numerics(
-        1,
-        description="processes of one run of another engine, by MPI",
-        added=True,
-        ge=1,
-        le=4096,
+        1, description="processes of one run of another engine, by MPI", added=True, ge=1, le=4096
     )
 
     @classmethod
@@ -391,7 +387,6 @@ class SphereParameters(Parameters):
 
     @property
     def _area(self) -> float:
-        """Area of the cell in squared diameters."""
         return self.cell * self._breadth
 
     @property
