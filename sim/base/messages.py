@@ -117,7 +117,8 @@ def input_error(
     path = (paths or {}).get(path, path)
     match kind:
         case "rule":
-            return InputError.of_value(source, path, *rule["got"], rule["allowed"])
+            (got,) = rule["got"]
+            return InputError.of_value(source, path, got, rule["allowed"])
         case "extra_forbidden" | "invalid_key":
             hint = _hint(owner, name, None) or key_hint(name)
             return unknown_key(source, path, got, owner.model_fields, hint)

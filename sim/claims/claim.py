@@ -12,7 +12,6 @@ from pydantic import (
     ConfigDict,
     Field,
     SkipValidation,
-    ValidationError,
     model_validator,
 )
 
@@ -28,8 +27,14 @@ from sim.base.additions import (
     shipped,
 )
 from sim.base.errors import InputError, in_short, printable
-from sim.base.messages import input_error
-from sim.base.plugins import require_function, require_line, require_one_of, with_declared_types
+from sim.base.plugins import (
+    NOT_EMPTY,
+    declared,
+    one_line,
+    require_function,
+    require_one_of,
+    with_declared_types,
+)
 from sim.claims.verdict import Ambiguous, Check, Untestable
 from sim.parameters import SYSTEMS
 from sim.parameters.common import broken_rule
@@ -98,6 +103,10 @@ MAX_TEXT = 2000
 #: (`sim.claims.evidence`) and, by their names, the bounds of the criterion.
 JudgeFunction = Callable[..., Iterable[Check]]
 
+#: Text on one line, and not empty.
+Text = Annotated[str, one_line(MAX_TEXT)]
+Words = Annotated[Text, NOT_EMPTY]
+
 #: Text without control characters and marks of direction.
 Line = Annotated[str, AfterValidator(printable)]
 
@@ -148,13 +157,13 @@ class Claim(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     id: str = Field(description="its name")
-    title: str = Field(description="a few words")
-    statement: str = Field(description="what is claimed, of a paper in other words")
+    title: Words = Field(description="a few words")
+    statement: Words = Field(description="what is claimed, of a paper in other words")
     place: Line = Field("", description="section or figure of the paper")
-    criterion: str = Field(description="when it holds, filled from the bounds")
+    criterion: Words = Field(description="when it holds, filled from the bounds")
     bounds: dict[str, Bound] = Field({}, exclude=True, description="numbers of the criterion")
-    reason: str = Field("", description="why the criterion is what it is")
-    needs: str = Field("", description="runs that decide it")
+    reason: Text = Field("", description="why the criterion is what it is")
+    needs: Text = Field("", description="runs that decide it")
     kind: Literal["model", "flow"] = Field("flow", description="judged by itself or from runs")
     figures: list[str] = Field([], description="figures that show it")
     first: First | None = Field(None, description="how it was judged first")
@@ -303,16 +312,11 @@ def judge(
     """
     require_name(JUDGE, name)
     require_one_of(f"judge {name}: system", system, SYSTEMS)
-    words = {"title": title, "statement": statement, "criterion": criterion}
-    for key, text in (words | {"reason": reason, "needs": needs}).items():
-        require_line(f"judge {name}: {key}", text, empty=key not in words, longest=MAX_TEXT)
-    fields = words | {"reason": reason, "needs": needs, "system": system} | further
+    fields = {"title": title, "statement": statement, "criterion": criterion, "system": system}
+    fields |= {"reason": reason, "needs": needs} | further
 
     def register(function: JudgeFunction) -> JudgeFunction:
-        try:
-            claim = Claim(id=name, judge=function, **fields)
-        except ValidationError as error:
-            raise AdditionError(str(input_error(error, Claim, f"judge {name}"))) from None
+        claim = declared(Claim, f"judge {name}", id=name, judge=function, **fields)
         require_function(f"judge {name}", function, takes=1, named=claim.bounds_at())
         add(JUDGE, name, claim)
         return function
