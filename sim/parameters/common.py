@@ -166,7 +166,7 @@ class Parameters(BaseModel):
     )
 
     trajectory_contacts: bool = roles.extra(
-        "also keep the contacts in each frame of the trajectory: partners and forces"
+        description="also keep the contacts in each frame of the trajectory: partners and forces"
     )
 
     # Not an amount: ids of points and names of curves distinguish the protocols.

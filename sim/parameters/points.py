@@ -319,7 +319,7 @@ def require_compatible_source(parameters: Parameters, source: Parameters, where:
         raise InputError.of_value(where, "start_from", parameters.start_from, allowed)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class FieldRow(Declaration):
     """One parameter, ready for documentation and file attributes.
 
