@@ -1,15 +1,11 @@
 """Claims: what a paper or a study says, and the call that declares how runs decide it."""
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import replace
 from importlib import import_module
 from string import Formatter
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
-    AfterValidator,
-    BaseModel,
-    ConfigDict,
     Field,
     SkipValidation,
     model_validator,
@@ -29,13 +25,14 @@ from sim.base.additions import (
 from sim.base.errors import InputError, in_short, printable
 from sim.base.plugins import (
     NOT_EMPTY,
+    Declared,
     declared,
     one_line,
     require_function,
     require_one_of,
     with_declared_types,
 )
-from sim.claims.verdict import Ambiguous, Check, Untestable
+from sim.claims.verdict import Ambiguous, Check, Line, Untestable
 from sim.parameters import SYSTEMS
 from sim.parameters.common import broken_rule
 from sim.study.catalogue import FIGURES
@@ -107,14 +104,9 @@ JudgeFunction = Callable[..., Iterable[Check]]
 Text = Annotated[str, one_line(MAX_TEXT)]
 Words = Annotated[Text, NOT_EMPTY]
 
-#: Text without control characters and marks of direction.
-Line = Annotated[str, AfterValidator(printable)]
 
-
-class First(BaseModel):
+class First(Declared):
     """The first verdict on a claim, on the runs published then."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     verdict: Literal["reproduced", "not reproduced", "inconclusive", "untestable"] = Field(
         description="on the first data"
@@ -123,20 +115,16 @@ class First(BaseModel):
     why: Line = Field("", description="why it was restated, or why the verdict is another now")
 
 
-class RoundTwo(BaseModel):
+class RoundTwo(Declared):
     """The verdict of the second campaign, and that of a referee on the same runs."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     verdict: Line = Field(description="under the criteria of the second campaign")
     referee: Line = Field(description="what a referee concluded from the same runs")
     why: Line = Field("", description="why the criterion or the verdict is another now")
 
 
-class Number(BaseModel):
+class Number(Declared):
     """A bound of a criterion that the paper does not give."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     bound: str = Field(exclude=True, description="its name in the criterion and for the judge")
     what: Line = Field(min_length=1, description="the number in words")
@@ -151,10 +139,8 @@ class Number(BaseModel):
         return self
 
 
-class Claim(BaseModel):
+class Claim(Declared):
     """One claim and how it is decided; `judge` declares it."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     id: str = Field(description="its name")
     title: Words = Field(description="a few words")
@@ -236,7 +222,7 @@ class Claim(BaseModel):
             checks = tuple(self.judge(subject, **bounds))
             if not all(isinstance(check, Check) for check in checks) or not checks:
                 raise TypeError("a judge returns checks, one at least")
-            checks = tuple(map(_usable_check, checks))
+            checks = tuple(map(_usable, checks))
             parts = {check.part for check in checks if check.has_vote}
             if unknown := parts - set(self.parts or ("",)):
                 raise ValueError(f"{self.id} has no part {', '.join(sorted(unknown))}")
@@ -253,30 +239,13 @@ class Claim(BaseModel):
             raise plugin_error(JUDGE, self.id, error) from None
 
 
-def _usable_check(check: Check) -> Check:
-    """Return a check with plain values, whose texts have no control characters or direction marks.
-
-    Raises
-    ------
-    AdditionError
-        For a value of another type, and for numbers that no measurement gives.
-    """
+def _usable(check: Check) -> Check:
+    """Return a check with plain values, whose texts have no control characters."""
     label = f"check {in_short(check.what)}"
     check = with_declared_types(label, check)
-    for key, allowed, holds in (
-        ("low", "a number <= high", check.low <= check.high),
-        ("half_width", "a number >= 0, or not-a-number", not check.half_width < 0),
-        ("samples", "a number >= 0", check.samples >= 0),
-        ("freedom", "a number > 0", check.freedom > 0),
-        ("tested", "two p-values in [0, 1]", all(0 <= p <= 1 for p in check.tested or ())),
-        ("looks", "a whole number >= 0", check.looks >= 0),
-    ):
-        if not holds:
-            got = in_short(getattr(check, key))
-            raise AdditionError(f"{label}.{key}: got {got}; allowed: {allowed}")
-    texts = check.what, check.unit, check.withheld, check.text
-    what, unit, withheld, text = map(printable, texts)
-    return replace(check, what=what, unit=unit, withheld=withheld, text=text)
+    if not check.low <= check.high:
+        raise AdditionError(f"{label}.low: got {in_short(check.low)}; allowed: a number <= high")
+    return check
 
 
 def judge(
