@@ -1,7 +1,8 @@
 """The one exception that users of Talus see, and the short form of values in its message."""
 
 import reprlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from inspect import signature
 from math import isfinite
 from pathlib import Path
 from typing import Any, NamedTuple, Self
@@ -71,6 +72,9 @@ class _Short(reprlib.Repr):
 
     def repr_bool(self, value: bool, level: int) -> str:
         return "true" if value else "false"
+
+    def repr_function(self, value: Callable[..., Any], level: int) -> str:
+        return f"{value.__name__}{signature(value)}"
 
     def repr_NoneType(self, value: None, level: int) -> str:  # noqa: N802 (name set by reprlib)
         return "nothing"

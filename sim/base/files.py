@@ -125,7 +125,6 @@ def remove_leftovers(path: Path) -> None:
 
 
 def _shortage(folder: Path) -> int:
-    """Return the number of the error where a folder has not even a megabyte left, else 0."""
     try:
         with tempfile.TemporaryFile(dir=folder) as file:
             os.posix_fallocate(file.fileno(), 0, 1 << 20)
@@ -200,7 +199,6 @@ def file_lock(path: Path, wait: bool = True) -> Iterator[bool]:
 
 
 def _wait_for(lock: FileLock, wait: bool) -> bool:
-    """Acquire the lock; return True if another process held it."""
     try:
         lock.acquire(blocking=False)
     except Timeout:
@@ -213,7 +211,6 @@ def _wait_for(lock: FileLock, wait: bool) -> bool:
 
 
 def _is_alive(number: str) -> bool:
-    """True where a process of this machine has this number."""
     try:
         os.kill(int(number), 0)
     except (ProcessLookupError, ValueError, OverflowError):

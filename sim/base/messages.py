@@ -9,7 +9,6 @@ from contextlib import suppress
 from math import pi
 from typing import Any
 
-import annotated_types
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails, ValidationError
@@ -35,6 +34,8 @@ _WITH_UNIT = re.compile(r"([-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)\s*(\D.*)")
 
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+")
 
+_SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
+
 
 def allowed_values(field: FieldInfo) -> str:
     """Describe the values a field accepts: ``a number in (0, 1]``, ``one of kept, clipped``."""
@@ -55,38 +56,29 @@ def allowed_values(field: FieldInfo) -> str:
 
 
 def _interval(metadata: Iterable[Any]) -> str:
-    """Write the range constraints of a field as an interval or an inequality."""
-    low: tuple[str, str, Any] | None = None
-    high: tuple[str, str, Any] | None = None
-    for constraint in metadata:
-        match constraint:
-            case annotated_types.Gt(gt=bound):
-                low = (">", "(", bound)
-            case annotated_types.Ge(ge=bound):
-                low = (">=", "[", bound)
-            case annotated_types.Lt(lt=bound):
-                high = ("<", ")", bound)
-            case annotated_types.Le(le=bound):
-                high = ("<=", "]", bound)
-    if low and high:
-        return f"in {low[1]}{_number(low[2])}, {_number(high[2])}{high[1]}"
-    return " ".join(f"{bound[0]} {_number(bound[2])}" for bound in (low, high) if bound)
-
-
-def _number(value: float) -> str:
-    return str(value) if isinstance(value, int) else f"{value:.12g}"
+    bounds = {
+        name: getattr(constraint, name)
+        for constraint in metadata
+        for name in _SIGNS
+        if getattr(constraint, name, None) is not None
+    }
+    texts = {
+        name: str(bound) if isinstance(bound, int) else f"{bound:.12g}"
+        for name, bound in sorted(bounds.items())
+    }
+    if len(texts) < 2:
+        return "".join(f"{_SIGNS[name]} {text}" for name, text in texts.items())
+    low, high = texts
+    return f"in {'(['[low == 'ge']}{', '.join(texts.values())}{')]'[high == 'le']}"
 
 
 def unknown_key(
     source: str, path: str, value: Any, known: Iterable[str], hint: str = ""
 ) -> InputError:
     """Return the error of an unknown last key of a path, with similar and known keys."""
-    if hint:
-        return InputError(f"{source}: {path}: unknown key, got {in_short(value)}; {hint}")
     names, key = list(known), path.rpartition(".")[2]
-    hint = did_you_mean(key, names)
-    message = f"unknown key, got {in_short(value)}; {hint}allowed: {near(key, names)}"
-    return InputError(f"{source}: {path}: {message}")
+    hint = hint or f"{did_you_mean(key, names)}allowed: {near(key, names)}"
+    return InputError(f"{source}: {path}: unknown key, got {in_short(value)}; {hint}")
 
 
 def input_error(
@@ -119,30 +111,31 @@ def input_error(
     unknown = [detail for detail in details if detail["type"] in _UNKNOWN]
     entry = (choices if unknown and choices else unknown or details)[0]
     location, owner = _resolve(model, entry["loc"])
-    rule = entry["ctx"] if entry["type"] == "rule" else {}
+    kind, name, got = entry["type"], _name(entry), entry["input"]
+    rule = entry["ctx"] if kind == "rule" else {}
     path = key_path([*location, rule["key"]] if rule.get("key") else location)
     path = (paths or {}).get(path, path)
-    if rule:
-        (got,) = rule["got"]
-        return InputError.of_value(source, path, got, rule["allowed"])
-    if entry["type"] in _UNKNOWN:
-        hint = _hint(owner, _name(entry), None) or key_hint(_name(entry))
-        return unknown_key(source, path, entry["input"], owner.model_fields, hint)
-    got = None if entry["type"] == "missing" else entry["input"]
-    if entry["type"].startswith("union_tag"):
-        kinds = _models_in(owner.model_fields[_name(entry)].annotation)
-        tag = entry["input"].get(_TAG)
-        every = one_of(tag, [tag for kind in kinds for tag in _tags(kind)])
-        return InputError.of_value(source, f"{path}.{_TAG}", tag, every)
-    allowed = _allowed(entry, owner)
-    if entry["type"] == "int_type" and isinstance(got, float):
-        # The value keeps its decimal point, which is the mistake.
-        return InputError(f"{source}: {path}: got {got!r}; allowed: {allowed}")
-    if hint := _hint(owner, _name(entry), got):
+    match kind:
+        case "rule":
+            (got,) = rule["got"]
+            return InputError.of_value(source, path, got, rule["allowed"])
+        case "extra_forbidden" | "invalid_key":
+            hint = _hint(owner, name, None) or key_hint(name)
+            return unknown_key(source, path, got, owner.model_fields, hint)
+        case "union_tag_invalid" | "union_tag_not_found":
+            models, tag = _models_in(owner.model_fields[name].annotation), got.get(_TAG)
+            every = one_of(tag, [one for model in models for one in _tags(model)])
+            return InputError.of_value(source, f"{path}.{_TAG}", tag, every)
+        case "missing":
+            got = None
+        case "int_type" if isinstance(got, float):
+            # The value keeps its decimal point, which is the mistake.
+            return InputError(f"{source}: {path}: got {got!r}; allowed: {_allowed(entry, owner)}")
+    allowed, options = _allowed(entry, owner), _options(entry)
+    if hint := _hint(owner, name, got):
         # A hint replaces what takes long to read, but not the few options of a choice.
-        are_few = 0 < len(_options(entry)) <= MOST_NAMES
-        is_short = not _options(entry) and len(allowed) < SHORT
-        allowed = f"{allowed}; {hint}" if are_few or is_short else hint
+        is_short = len(options) <= MOST_NAMES if options else len(allowed) < SHORT
+        allowed = f"{allowed}; {hint}" if is_short else hint
     return InputError.of_value(source, path, got, allowed)
 
 
@@ -192,7 +185,6 @@ def _name(entry: ErrorDetails) -> str:
 
 
 def _allowed(entry: ErrorDetails, owner: type[BaseModel]) -> str | Allowed:
-    """Return the accepted values, in words, for the field of an error."""
     name = _name(entry)
     # In models with lists of values (grids), the ranges are those of the single values.
     fields = getattr(owner, "parameters", owner).model_fields | getattr(owner, "in_place", {})
@@ -223,7 +215,6 @@ def _options(entry: ErrorDetails) -> list[str]:
 
 
 def _unit(field: FieldInfo, value: Any) -> str:
-    """Return the unit of a number in words, and what is wrong with a number that is text."""
     extra = field.json_schema_extra
     if not isinstance(value, int | float | str) or field.annotation not in (int, float):
         return ""
@@ -281,12 +272,7 @@ def did_you_mean(name: str, known: Collection[str]) -> str:
     >>> did_you_mean("frction", ["friction", "friction_cap", "depth"])
     'did you mean friction? '
     """
-    close = names_meant(name, known)
-    if not close and (similar := difflib.get_close_matches(name, known, n=3)):
-        likeness = [difflib.SequenceMatcher(None, name, one).ratio() for one in similar]
-        close = [
-            one for one, ratio in zip(similar, likeness, strict=True) if ratio > likeness[0] - 0.1
-        ]
+    close = names_meant(name, known) or difflib.get_close_matches(name, known, n=1)
     return f"did you mean {' or '.join(close)}? " if close else ""
 
 

@@ -9,23 +9,21 @@ import hashlib
 import os
 import re
 import sys
-import warnings
-from collections.abc import Callable, Collection, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Iterable
+from contextlib import chdir
 from contextvars import copy_context
 from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
 from importlib.util import find_spec
 from inspect import signature
-from math import isfinite
-from numbers import Integral
 from pathlib import Path
 from pkgutil import iter_modules
 from types import ModuleType
-from typing import Any, NamedTuple, TypeVar
+from typing import Annotated, Any, NamedTuple, TypeVar
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import BaseModel, BeforeValidator, ConfigDict, TypeAdapter, ValidationError
+from pydantic_core import PydanticCustomError
 
 from sim.base.additions import (
     FILE,
@@ -37,9 +35,9 @@ from sim.base.additions import (
     error_text,
     notify_listeners,
 )
-from sim.base.errors import InputError, in_short, key_path, printable
+from sim.base.errors import InputError, count_text, in_short, key_path, printable
 from sim.base.files import read_regular
-from sim.base.messages import near
+from sim.base.messages import input_error, near
 
 #: Entry-point group in which installed packages name their modules.
 GROUP = "talus.plugins"
@@ -180,9 +178,6 @@ def _find(name: str, folder: Path, error_of: Callable[[str], InputError]) -> _So
             contents = (one for one in sorted(path.rglob("*")) if one.is_file())
             visible = tuple(one for one in contents if _is_content(one.relative_to(path)))
             return _beside_study(path, path / _INIT, visible, error_of)
-        # Imported here, as every command would wait for the import.
-        from sim.base.messages import near
-
         installed = near(name, sorted(entries.names)) or "none"
         raise error_of(f"installed: {installed}")
     module = entries[name].value
@@ -220,7 +215,6 @@ def _beside_study(
 
 
 def _hash(files: Iterable[tuple[str, bytes]]) -> str:
-    """Return a hash of the names and contents of files."""
     digest = hashlib.sha256()
     for name, text in files:
         digest.update(name.encode() + text)
@@ -231,7 +225,7 @@ def _run(source_code: _SourceCode, error_of: Callable[[str], InputError]) -> Non
     """Run the code of a plug-in, which makes its additions; an error removes all of them."""
     plugin = source_code.plugin
     try:
-        with attribute_additions_to(plugin), restore_process():
+        with attribute_additions_to(plugin), chdir(Path()):
             # A context of its own also preserves the error and rounding modes of NumPy and decimal.
             copy_context().run(_execute, source_code)
             if not (labels := addition_labels(plugin)):
@@ -249,7 +243,6 @@ def _run(source_code: _SourceCode, error_of: Callable[[str], InputError]) -> Non
 
 
 def _execute(source_code: _SourceCode) -> None:
-    """Run the code of a plug-in as a module."""
     sys.modules.pop(source_code.module, None)
     if source_code.text is None:
         import_module(source_code.module)
@@ -262,38 +255,8 @@ def _execute(source_code: _SourceCode) -> None:
     exec(compile(source_code.text, str(source_code.file), "exec"), module.__dict__)
 
 
-@contextmanager
-def restore_process() -> Iterator[None]:
-    """Restore after a block the state of this process that Talus relies on.
-
-    That is the working directory, the umask, ``sys.path``, the recursion limit and the filters of
-    warnings. Filters that ignore warnings are kept.
-    """
-    folder, mask = Path.cwd(), os.umask(0)
-    os.umask(mask)
-    path, depth = list(sys.path), sys.getrecursionlimit()
-    ignored = []
-    try:
-        with warnings.catch_warnings():
-            before = list(warnings.filters)
-            try:
-                yield
-            finally:
-                ignored = [
-                    entry
-                    for entry in warnings.filters
-                    if entry[0] == "ignore" and entry not in before
-                ]
-    finally:
-        # Libraries imported in the block ignore their own harmless warnings; that stays.
-        warnings.filters = [*ignored, *warnings.filters]
-        sys.setrecursionlimit(depth)
-        sys.path[:] = path
-        os.umask(mask)
-        os.chdir(folder)
-
-
 _Dataclass = TypeVar("_Dataclass")
+_Model = TypeVar("_Model", bound=BaseModel)
 
 #: Largest number of letters in a text of a plug-in.
 LONGEST = 200
@@ -304,18 +267,67 @@ _UNIT = rf"(1|(da|[yzafpnuµmcdhkMGTPEZY])?({_UNITS.replace(' ', '|')})((\^|\*\*
 _PRODUCT = re.compile(rf"{_UNIT}( ?[ ./*] ?{_UNIT})*")
 
 
-def require_line(what: str, text: Any, *, empty: bool = False, longest: int = LONGEST) -> None:
-    """Refuse anything but one printable line of text, at most ``longest`` letters.
+class Declared(BaseModel):
+    """What a plug-in declares, whose types are the checks; see `declared`."""
 
-    Control characters and marks that change the direction of writing are refused.
-    """
-    if not (isinstance(text, str) and (text or empty)):
-        raise AdditionError(f"{what} is text{'' if empty else ', not empty'}: got {in_short(text)}")
-    if not (text.isprintable() and len(text) <= longest):
-        raise AdditionError(
-            f"{what} is one line of text, at most {longest} letters, without control characters "
-            f"or direction marks: got {in_short(text)}"
-        )
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=True)
+
+
+def declared(model: type[_Model], what: str, **fields: Any) -> _Model:
+    """Return a model with these fields; `AdditionError` names the first wrong one in one line."""
+    try:
+        return model(**fields)
+    except ValidationError as error:
+        raise AdditionError(str(input_error(error, model, what))) from None
+
+
+def allowed(words: str, holds: Callable[[Any], object]) -> BeforeValidator:
+    """Return the part of a type that refuses what does not hold; ``words`` say what is allowed."""
+
+    def check(value: Any) -> Any:
+        if not holds(value):
+            context = {"key": "", "got": [value], "allowed": words}
+            raise PydanticCustomError("rule", "{allowed}", context)
+        return value
+
+    return BeforeValidator(check)
+
+
+def takes(number: int) -> BeforeValidator:
+    """Return the part of a type that refuses what is no function of so many arguments."""
+    words = f"a function of {count_text(number, 'argument')}"
+    return allowed(words, lambda one: callable(one) and _can_take(one, number))
+
+
+def one_line(longest: int = LONGEST) -> BeforeValidator:
+    """Return the part of a type that refuses what is no line of text of so many letters."""
+    return allowed(
+        f"one line of text, at most {longest} letters, without control characters or direction "
+        "marks",
+        lambda text: isinstance(text, str) and text.isprintable() and len(text) <= longest,
+    )
+
+
+#: Part of a type that refuses empty text.
+NOT_EMPTY = allowed("text, not empty", bool)
+
+#: Text on one line, and not empty; a unit that UDUNITS reads; names.
+Line = Annotated[str, one_line()]
+Words = Annotated[Line, NOT_EMPTY]
+Unit = Annotated[
+    str,
+    allowed(
+        "1 for a pure number, or a product of powers as kg m s-2, of " + ", ".join(_UNITS.split()),
+        lambda unit: isinstance(unit, str) and _PRODUCT.fullmatch(unit),
+    ),
+]
+Names = Annotated[
+    tuple[str, ...],
+    allowed(
+        "a tuple of names",
+        lambda names: isinstance(names, tuple) and all(isinstance(one, str) for one in names),
+    ),
+]
 
 
 def with_declared_types(what: str, one: _Dataclass) -> _Dataclass:
@@ -340,32 +352,23 @@ def _adapter(model: Any) -> TypeAdapter[Any]:
     return TypeAdapter(model)
 
 
-def require_unit(what: str, unit: Any) -> None:
-    """Refuse anything but a product of powers of units that UDUNITS reads."""
-    require_line(what, unit)
-    if not _PRODUCT.fullmatch(unit):
-        units = ", ".join(_UNITS.split())
-        raise AdditionError(
-            f"{what} is 1 for a pure number, or a product of powers as kg m s-2, of {units}: "
-            f"got {in_short(unit)}"
-        )
-
-
 def require_function(what: str, function: Any, takes: int, named: Collection[str] = ()) -> None:
     """Refuse anything that cannot be called with ``takes`` arguments and those of some names."""
     if not callable(function):
         raise AdditionError(f"{what} is a function: got {in_short(function)}")
+    if not _can_take(function, takes, named):
+        names = ", ".join([count_text(takes, "argument"), *named])
+        raise AdditionError(f"{what} takes {names}: got {in_short(str(signature(function)))}")
+
+
+def _can_take(function: Callable[..., Any], number: int, named: Collection[str] = ()) -> bool:
     try:
-        parameters = signature(function)
-    except ValueError:
-        # A function written in C may have no signature.
-        return
-    try:
-        parameters.bind(*range(takes), **dict.fromkeys(named))
+        signature(function).bind(*range(number), **dict.fromkeys(named))
     except TypeError:
-        number = f"{takes} arguments" if takes > 1 else "1 argument"
-        names = ", ".join([number, *named])
-        raise AdditionError(f"{what} takes {names}: got {in_short(str(parameters))}") from None
+        return False
+    except ValueError:
+        pass  # a function written in C may have no signature
+    return True
 
 
 def require_one_of(what: str, value: Any, choices: Collection[str]) -> None:
@@ -373,35 +376,3 @@ def require_one_of(what: str, value: Any, choices: Collection[str]) -> None:
     if not (isinstance(value, str) and value in choices):
         options = near(str(value), choices)
         raise AdditionError(f"{what} is one of {options}: got {in_short(value)}")
-
-
-def require_names(what: str, names: Any) -> None:
-    """Raise `AdditionError` unless these are names, in a tuple or a list."""
-    if not isinstance(names, tuple | list) or not all(isinstance(name, str) for name in names):
-        raise AdditionError(f"{what} is a tuple of names: got {names!r}")
-
-
-def require_number(what: str, value: Any) -> None:
-    """Refuse anything but a finite number; booleans are refused."""
-    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
-        raise AdditionError(f"{what} is a finite number: got {in_short(value)}")
-
-
-def require_switch(what: str, value: Any) -> None:
-    """Refuse anything but True or False."""
-    if not isinstance(value, bool):
-        raise AdditionError(f"{what} is True or False: got {in_short(value)}")
-
-
-def require_positive(what: str, value: Any) -> None:
-    """Refuse anything but a number above 0, which may be infinite."""
-    if isinstance(value, bool) or not isinstance(value, int | float) or not value > 0:
-        raise AdditionError(f"{what} is a number > 0: got {in_short(value)}")
-
-
-def require_count(what: str, value: Any, most: int) -> None:
-    """Refuse anything but a whole number from 0 to ``most``."""
-    if isinstance(value, bool) or not isinstance(value, Integral) or not 0 <= int(value) <= most:
-        # A float keeps its decimal point, which is the mistake.
-        got = repr(value) if isinstance(value, float) else in_short(value)
-        raise AdditionError(f"{what} is a whole number from 0 to {most}: got {got}")

@@ -118,7 +118,6 @@ def parse_yaml(text: str, source: str) -> Any:
 
 
 def _read_text(path: str | Path, source: str) -> str:
-    """Return the file's text; raise an `InputError` of one line where it is not readable."""
     try:
         data = _read_bytes(path, source)
         if len(data) > MAX_BYTES:
@@ -142,7 +141,6 @@ def _read_text(path: str | Path, source: str) -> str:
 
 
 def _read_bytes(path: str | Path, source: str) -> bytes:
-    """Return the bytes of a file, at most ``MAX_BYTES + 1``."""
     if source == "<stdin>":
         return sys.stdin.buffer.read(MAX_BYTES + 1) if sys.stdin else b""
     path = Path(path)
@@ -182,7 +180,6 @@ def _refuse_wrong_keys(root: yaml.Node, source: str) -> None:
 
 
 def _key_problem(key: yaml.Node, before: Any) -> str:
-    """Return the message for a key that is not text, after a value."""
     problem = "expected text as a key"
     if isinstance(before, str) and "(" in before:
         return f"{problem}; instead of {before}, ...) give a list, a range or a design"

@@ -1,18 +1,13 @@
 """Claims: what a paper or a study says, and the call that declares how runs decide it."""
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import replace
 from importlib import import_module
 from string import Formatter
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
-    AfterValidator,
-    BaseModel,
-    ConfigDict,
     Field,
     SkipValidation,
-    ValidationError,
     model_validator,
 )
 
@@ -28,14 +23,16 @@ from sim.base.additions import (
     shipped,
 )
 from sim.base.errors import InputError, in_short, printable
-from sim.base.messages import input_error
 from sim.base.plugins import (
+    NOT_EMPTY,
+    Declared,
+    declared,
+    one_line,
     require_function,
-    require_line,
     require_one_of,
     with_declared_types,
 )
-from sim.claims.verdict import Ambiguous, Check, Untestable
+from sim.claims.verdict import Ambiguous, Check, Line, Untestable
 from sim.parameters import SYSTEMS
 from sim.parameters.common import broken_rule
 from sim.study.catalogue import FIGURES
@@ -103,14 +100,13 @@ MAX_TEXT = 2000
 #: (`sim.claims.evidence`) and, by their names, the bounds of the criterion.
 JudgeFunction = Callable[..., Iterable[Check]]
 
-#: Text without control characters and marks of direction.
-Line = Annotated[str, AfterValidator(printable)]
+#: Text on one line, and not empty.
+Text = Annotated[str, one_line(MAX_TEXT)]
+Words = Annotated[Text, NOT_EMPTY]
 
 
-class First(BaseModel):
+class First(Declared):
     """The first verdict on a claim, on the runs published then."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     verdict: Literal["reproduced", "not reproduced", "inconclusive", "untestable"] = Field(
         description="on the first data"
@@ -119,20 +115,16 @@ class First(BaseModel):
     why: Line = Field("", description="why it was restated, or why the verdict is another now")
 
 
-class RoundTwo(BaseModel):
+class RoundTwo(Declared):
     """The verdict of the second campaign, and that of a referee on the same runs."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     verdict: Line = Field(description="under the criteria of the second campaign")
     referee: Line = Field(description="what a referee concluded from the same runs")
     why: Line = Field("", description="why the criterion or the verdict is another now")
 
 
-class Number(BaseModel):
+class Number(Declared):
     """A bound of a criterion that the paper does not give."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     bound: str = Field(exclude=True, description="its name in the criterion and for the judge")
     what: Line = Field(min_length=1, description="the number in words")
@@ -147,19 +139,17 @@ class Number(BaseModel):
         return self
 
 
-class Claim(BaseModel):
+class Claim(Declared):
     """One claim and how it is decided; `judge` declares it."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
-
     id: str = Field(description="its name")
-    title: str = Field(description="a few words")
-    statement: str = Field(description="what is claimed, of a paper in other words")
+    title: Words = Field(description="a few words")
+    statement: Words = Field(description="what is claimed, of a paper in other words")
     place: Line = Field("", description="section or figure of the paper")
-    criterion: str = Field(description="when it holds, filled from the bounds")
+    criterion: Words = Field(description="when it holds, filled from the bounds")
     bounds: dict[str, Bound] = Field({}, exclude=True, description="numbers of the criterion")
-    reason: str = Field("", description="why the criterion is what it is")
-    needs: str = Field("", description="runs that decide it")
+    reason: Text = Field("", description="why the criterion is what it is")
+    needs: Text = Field("", description="runs that decide it")
     kind: Literal["model", "flow"] = Field("flow", description="judged by itself or from runs")
     figures: list[str] = Field([], description="figures that show it")
     first: First | None = Field(None, description="how it was judged first")
@@ -232,7 +222,7 @@ class Claim(BaseModel):
             checks = tuple(self.judge(subject, **bounds))
             if not all(isinstance(check, Check) for check in checks) or not checks:
                 raise TypeError("a judge returns checks, one at least")
-            checks = tuple(map(_usable_check, checks))
+            checks = tuple(map(_usable, checks))
             parts = {check.part for check in checks if check.has_vote}
             if unknown := parts - set(self.parts or ("",)):
                 raise ValueError(f"{self.id} has no part {', '.join(sorted(unknown))}")
@@ -249,30 +239,13 @@ class Claim(BaseModel):
             raise plugin_error(JUDGE, self.id, error) from None
 
 
-def _usable_check(check: Check) -> Check:
-    """Return a check with plain values, whose texts have no control characters or direction marks.
-
-    Raises
-    ------
-    AdditionError
-        For a value of another type, and for numbers that no measurement gives.
-    """
+def _usable(check: Check) -> Check:
+    """Return a check with plain values, whose texts have no control characters."""
     label = f"check {in_short(check.what)}"
     check = with_declared_types(label, check)
-    for key, allowed, holds in (
-        ("low", "a number <= high", check.low <= check.high),
-        ("half_width", "a number >= 0, or not-a-number", not check.half_width < 0),
-        ("samples", "a number >= 0", check.samples >= 0),
-        ("freedom", "a number > 0", check.freedom > 0),
-        ("tested", "two p-values in [0, 1]", all(0 <= p <= 1 for p in check.tested or ())),
-        ("looks", "a whole number >= 0", check.looks >= 0),
-    ):
-        if not holds:
-            got = in_short(getattr(check, key))
-            raise AdditionError(f"{label}.{key}: got {got}; allowed: {allowed}")
-    texts = check.what, check.unit, check.withheld, check.text
-    what, unit, withheld, text = map(printable, texts)
-    return replace(check, what=what, unit=unit, withheld=withheld, text=text)
+    if not check.low <= check.high:
+        raise AdditionError(f"{label}.low: got {in_short(check.low)}; allowed: a number <= high")
+    return check
 
 
 def judge(
@@ -308,16 +281,11 @@ def judge(
     """
     require_name(JUDGE, name)
     require_one_of(f"judge {name}: system", system, SYSTEMS)
-    words = {"title": title, "statement": statement, "criterion": criterion}
-    for key, text in (words | {"reason": reason, "needs": needs}).items():
-        require_line(f"judge {name}: {key}", text, empty=key not in words, longest=MAX_TEXT)
-    fields = words | {"reason": reason, "needs": needs, "system": system} | further
+    fields = {"title": title, "statement": statement, "criterion": criterion, "system": system}
+    fields |= {"reason": reason, "needs": needs} | further
 
     def register(function: JudgeFunction) -> JudgeFunction:
-        try:
-            claim = Claim(id=name, judge=function, **fields)
-        except ValidationError as error:
-            raise AdditionError(str(input_error(error, Claim, f"judge {name}"))) from None
+        claim = declared(Claim, f"judge {name}", id=name, judge=function, **fields)
         require_function(f"judge {name}", function, takes=1, named=claim.bounds_at())
         add(JUDGE, name, claim)
         return function

@@ -166,7 +166,6 @@ class Evidence:
         return selection.set_index("seed")[["low", "high"]].astype(float)
 
     def _boundaries(self, system: str, of: str, along: str, any_protocol: bool) -> pd.DataFrame:
-        """Return all boundaries of a kind."""
         rows = self._results.boundaries
         if not len(rows):
             return rows
@@ -176,7 +175,6 @@ class Evidence:
     def _select(
         self, rows: pd.DataFrame, system: str, of: str, along: str, where: Mapping[str, Any]
     ) -> pd.DataFrame:
-        """Return the boundaries at these parameters; raise `Untestable` if there are none."""
         if len(rows):
             # A boundary of the other protocol is selected under its own protocol.
             conditions = self._conditions({"protocol": rows["protocol"].iloc[0]} | dict(where))
@@ -225,7 +223,6 @@ class Evidence:
 
 
 def _require_one_flow(first: Place, second: Place, names: Sequence[str]) -> None:
-    """Raise `Ambiguous` where velocities differ by more than both of their intervals."""
     velocities = first.velocity, second.velocity
     difference = abs(velocities[0].nominal_value - velocities[1].nominal_value)
     if difference > SIGMAS * (velocities[0].std_dev + velocities[1].std_dev):
@@ -240,7 +237,6 @@ def _require_one_flow(first: Place, second: Place, names: Sequence[str]) -> None
 
 
 def _describe(where: Mapping[str, Any]) -> str:
-    """Write parameters for a message: ``frequency 20, amplitude 1``."""
     named = [f"{name} {value}" for name, value in where.items() if value is not ANY]
     return ", ".join(named) or "the paper's values"
 

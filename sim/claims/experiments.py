@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import TypeAdapter
 
 from sim.base.additions import additions
 from sim.base.files import atomic_write
@@ -26,6 +27,8 @@ from sim.engine.identity import cache_directory, library_versions, source_hash
 from sim.study.entries import JUDGE
 
 log = logging.getLogger("talus")
+
+_CHECKS = TypeAdapter(tuple[Check, ...])
 
 #: Parts of the package on which the result of an experiment depends.
 SOURCES = ("parameters", "engine", "claims", "papers")
@@ -63,22 +66,9 @@ def _read(path: Path, identity: Mapping[str, Any]) -> tuple[Check, ...] | None:
             document = json.loads(file.readline())
         if document["identity"] != identity:
             return None
-        return tuple(_restore_check(fields) for fields in document["checks"])
+        return _CHECKS.validate_python(document["checks"])
     except (OSError, ValueError, LookupError, TypeError):
         return None
-
-
-def _restore_check(fields: dict[str, Any]) -> Check:
-    p_values = fields["tested"]
-    return Check(
-        **fields
-        | {
-            "points": tuple(fields["points"]),
-            "short": tuple(fields["short"]),
-            "open_points": tuple(fields["open_points"]),
-            "tested": None if p_values is None else tuple(p_values),
-        }
-    )
 
 
 def _write(path: Path, identity: Mapping[str, Any], checks: tuple[Check, ...]) -> None:

@@ -193,11 +193,7 @@ def _mann_whitney_p(above: tuple[float, ...], below: tuple[float, ...]) -> float
 
 
 def same_by_rank(
-    quantity: str,
-    first: np.ndarray,
-    second: np.ndarray,
-    margin: float,
-    places: Iterable[Place],
+    quantity: str, first: np.ndarray, second: np.ndarray, margin: float, places: Iterable[Place]
 ) -> Check:
     """Return the check that two samples of positive values (R,) are the same within a share.
 

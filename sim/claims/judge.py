@@ -44,7 +44,6 @@ def judge(results: Results) -> list[Judgement]:
 def _evidence(
     results: Results, points: Points, system: str, readings: Readings
 ) -> Iterator[tuple[dict[str, Any], Evidence]]:
-    """Yield each of `combined_readings` with the evidence of each protocol."""
     for reading in combined_readings(results, system, readings):
         runs = {name: value for name, value in reading.items() if name != GRID}
         regridded = replace(results, grid=reading.get(GRID, results.grid))
@@ -53,7 +52,6 @@ def _evidence(
 
 
 def _experiments(results: Results, claim: Claim, readings: Readings) -> Iterator[Variant]:
-    """Yield a claim about the model under each reading of it."""
     for changes in model_readings(results, claim.system, readings):
         label = reading_label(claim.system, changes, readings)
         checks = run_experiment(claim, changes)
@@ -104,7 +102,6 @@ def _variants(
 
 
 def _votes(variant: Variant) -> tuple[Check, ...]:
-    """Return the checks of a variant that vote."""
     return tuple(check for check in variant.checks if check.has_vote)
 
 

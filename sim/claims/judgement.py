@@ -90,7 +90,6 @@ class Judgement:
 
     @property
     def _headline_verdict(self) -> str:
-        """The verdict of the readings that head the parts."""
         return verdict_of_parts([self._votes(self.heading(part), part) for part in self._parts])
 
     def heading(self, part: str = "") -> str:
@@ -132,7 +131,6 @@ class Judgement:
         return {value: self._with_number(value)._consistent_verdict for value in number.values}
 
     def _with_number(self, value: float) -> "Judgement":
-        """Return the judgement with another value of the number."""
         if self.claim.number is None or value == self.claim.number.headline:
             return self
         variants = tuple(
@@ -161,7 +159,6 @@ class Judgement:
         return list(dict.fromkeys(point for check in undecided for point in check.short))
 
     def _undecided_checks(self, reading: str) -> list[Check]:
-        """Return the checks on the inconclusive parts of a verdict under a reading."""
         variants = (self.deciding_variant(reading, part) for part in self._parts)
         parts = zip(variants, self._parts, strict=True)
         votes = [variant.votes_on(part) for variant, part in parts if variant]
@@ -248,6 +245,5 @@ class Judgement:
 
 
 def _contradict(variants: Iterable[Variant], part: str) -> bool:
-    """True where a part is reproduced under one variant and not reproduced under another."""
     verdicts = {combined_verdict(variant.votes_on(part)) for variant in variants}
     return verdicts >= {REPRODUCED, NOT_REPRODUCED}

@@ -250,7 +250,6 @@ class Rows:
         return self._default_masks[system, name]
 
     def _rows_of(self, system: str) -> Iterator[tuple[int, dict[str, Any]]]:
-        """Yield number and parameters of each row of a system."""
         names = SYSTEMS[system].model_fields
         for number in np.flatnonzero(self.columns["system"] == system):
             yield int(number), {name: self.columns[name][number] for name in names}

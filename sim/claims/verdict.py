@@ -4,9 +4,13 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import ceil, inf, isfinite, isnan, nan
+from typing import Annotated
 
+from pydantic import AfterValidator, Field
 from scipy.special import ndtri, stdtr
 
+from sim.base.errors import printable
+from sim.base.plugins import allowed
 from sim.base.statistics import CONFIDENCE, MANY, student
 
 REPRODUCED = "reproduced"
@@ -64,6 +68,18 @@ class Unbounded(Untestable):
     """A boundary was searched and not found: beyond the range or among undecided runs."""
 
 
+#: Text without control characters and marks of direction, a p-value, and half of an interval.
+Line = Annotated[str, AfterValidator(printable)]
+Chance = Annotated[float, Field(ge=0, le=1)]
+HalfWidth = Annotated[
+    float,
+    allowed(
+        "a number >= 0, or not-a-number",
+        lambda width: isinstance(width, int | float) and not width < 0,
+    ),
+]
+
+
 @dataclass(frozen=True)
 class Check:
     """One measured quantity against its threshold.
@@ -107,23 +123,23 @@ class Check:
         The points among them that more replicates would decide; all of them if it is empty.
     """
 
-    what: str
+    what: Line
     value: float
-    half_width: float
+    half_width: HalfWidth
     low: float
     high: float
-    unit: str = ""
+    unit: Line = ""
     points: tuple[str, ...] = ()
-    samples: float = inf
-    freedom: float = inf
+    samples: Annotated[float, Field(ge=0)] = inf
+    freedom: Annotated[float, Field(gt=0)] = inf
     part: str = ""
     votes: bool = True
-    withheld: str = ""
-    tested: tuple[float, float] | None = None
+    withheld: Line = ""
+    tested: tuple[Chance, Chance] | None = None
     short: tuple[str, ...] = ()
     coarse: bool = False
-    looks: int = 0
-    text: str = ""
+    looks: Annotated[int, Field(ge=0)] = 0
+    text: Line = ""
     open_points: tuple[str, ...] = ()
 
     @property

@@ -1,7 +1,7 @@
 """Verdicts as files: JSON with all evidence, a table of checks, and one of verdicts by reading."""
 
 import hashlib
-from dataclasses import asdict, replace
+from dataclasses import fields, replace
 from math import nan
 from pathlib import Path
 from typing import Any
@@ -49,19 +49,15 @@ def write(judgements: list[Judgement], study: str, folder: Path) -> Path:
     The JSON file holds the checksums of the tables.
     """
     checksums = {}
-    for name, rows in (
-        ("claims.csv", as_table(judgements)),
-        ("verdicts.csv", by_variant(judgements)),
-    ):
+    for name, rows in ("claims", as_table(judgements)), ("verdicts", by_variant(judgements)):
         table = rows.to_csv(index=False, float_format="%.6g").encode()
-        with atomic_write(folder / name) as temporary:
+        with atomic_write(folder / f"{name}.csv") as temporary:
             temporary.write_bytes(table)
-        checksums[name] = hashlib.sha256(table).hexdigest()
+        checksums[f"{name}.csv"] = hashlib.sha256(table).hexdigest()
     output = folder / "claims.json"
+    text = to_sealed_json(as_mapping(judgements, study) | checksums)
     with atomic_write(output) as temporary:
-        temporary.write_text(
-            to_sealed_json(as_mapping(judgements, study) | checksums), encoding="utf-8"
-        )
+        temporary.write_text(text, encoding="utf-8")
     return output
 
 
@@ -101,7 +97,6 @@ def as_mapping(judgements: list[Judgement], study: str) -> dict[str, Any]:
 
 
 def _voting_checks(judgement: Judgement, value: float) -> list[Check]:
-    """Return the checks behind the verdict with a given value of the number."""
     voting = []
     for part in judgement.claim.parts or ("",):
         variant = judgement.deciding_variant(judgement.heading(part), part)
@@ -128,18 +123,22 @@ def _variant(variant: Variant, judgement: Judgement) -> dict[str, Any]:
 
 
 def _check(check: Check) -> dict[str, Any]:
-    fields = {name: value for name, value in asdict(check).items() if name not in _INTERNAL_FIELDS}
     derived = {
         "bound": check.bound,
-        "p_holds": _p_of_vote(check, check.p_holds),
-        "p_fails": _p_of_vote(check, check.p_fails),
+        **dict(zip(("p_holds", "p_fails"), _p_of_vote(check), strict=True)),
         "tested": check.tested is not None,
         "verdict": check.verdict,
         "plan": plan(check),
     }
-    if not check.text:
-        del fields["text"]
-    return {name: _plain(value) for name, value in (fields | derived).items()}
+    left_out = () if check.text else ("text",)
+    return {name: _plain(value) for name, value in (_fields(check, *left_out) | derived).items()}
+
+
+def _fields(check: Check, *left_out: str) -> dict[str, Any]:
+    names = [one.name for one in fields(check)]
+    return {
+        name: getattr(check, name) for name in names if name not in {*left_out} | _INTERNAL_FIELDS
+    }
 
 
 def _plain(value: Any) -> Any:
@@ -149,9 +148,10 @@ def _plain(value: Any) -> Any:
     return float(f"{value:.9g}") if np.isfinite(value) else None
 
 
-def _p_of_vote(check: Check, chance: float) -> float:
-    """Return a p-value of a check that decides, not-a-number of others."""
-    return chance if check.has_vote and check.can_decide else nan
+def _p_of_vote(check: Check) -> tuple[float, float]:
+    """Return the p-values of a check that decides, not-a-number of others."""
+    decides = check.has_vote and check.can_decide
+    return (check.p_holds, check.p_fails) if decides else (nan, nan)
 
 
 def as_table(judgements: list[Judgement]) -> pd.DataFrame:
@@ -161,42 +161,41 @@ def as_table(judgements: list[Judgement]) -> pd.DataFrame:
     ``verdict`` is that of the variant. The runs behind a check and the first criterion of a claim
     are in the JSON file alone.
     """
-    rows = []
+    rows: list[dict[str, Any]] = []
     for judgement in judgements:
-        first = judgement.claim.first
+        claim = judgement.claim
         for variant in judgement.variants:
-            shared: dict[str, Any] = {
-                "claim": judgement.claim.id,
-                "title": judgement.claim.title,
-                "first verdict": first.verdict if first else "",
+            shared = {
+                "claim": claim.id,
+                "title": claim.title,
+                "first verdict": claim.first.verdict if claim.first else "",
                 "verdict on the claim": judgement.verdict,
-                "verdict by number": _by_number(judgement),
+                "verdict by number": "; ".join(
+                    f"{value:g}: {verdict}" for value, verdict in judgement.by_number.items()
+                ),
                 "protocol": variant.protocol,
                 "reading": variant.reading,
-                "verdict": variant.verdict(judgement.claim.parts),
+                "verdict": variant.verdict(claim.parts),
+                **({"steadiness": variant.unsteady} if claim.paper == OWN else {}),
             }
-            if judgement.claim.paper == OWN:
-                shared["steadiness"] = variant.unsteady
-            for check in variant.checks:
-                values = {
-                    name: value
-                    for name, value in asdict(check).items()
-                    if name not in {"part", "points"} | _INTERNAL_FIELDS
-                }
-                derived = {
-                    "p holds": _p_of_vote(check, check.p_holds),
-                    "p fails": _p_of_vote(check, check.p_fails),
-                    "verdict on the check": check.verdict,
-                    "what would decide it": plan(check),
-                }
-                part = {
-                    "part": check.part,
-                    "verdict on the part": judgement.part_verdicts.get(check.part, ""),
-                }
-                rows.append(shared | part | values | derived)
-            if not variant.checks:
-                rows.append(shared | {"reason": variant.reason})
+            parts = judgement.part_verdicts
+            rows += [shared | _row(check, parts) for check in variant.checks] or [
+                shared | {"reason": variant.reason}
+            ]
     return pd.DataFrame(rows)
+
+
+def _row(check: Check, part_verdicts: dict[str, str]) -> dict[str, Any]:
+    p_holds, p_fails = _p_of_vote(check)
+    return {
+        "part": check.part,
+        "verdict on the part": part_verdicts.get(check.part, ""),
+        **_fields(check, "part", "points"),
+        "p holds": p_holds,
+        "p fails": p_fails,
+        "verdict on the check": check.verdict,
+        "what would decide it": plan(check),
+    }
 
 
 def by_variant(judgements: list[Judgement]) -> pd.DataFrame:
@@ -223,8 +222,3 @@ def by_variant(judgements: list[Judgement]) -> pd.DataFrame:
                     row[f"{variant.protocol}, {variant.reading}"] = verdict
             rows.append(row)
     return pd.DataFrame(rows)
-
-
-def _by_number(judgement: Judgement) -> str:
-    """Return the verdict by value of the number that the paper does not give, as text."""
-    return "; ".join(f"{value:g}: {verdict}" for value, verdict in judgement.by_number.items())

@@ -43,10 +43,7 @@ declare_observables(
     {
         "base_occupancy": ("1", "share of beads with centres within A_z of the mean belt position"),
         "base_occupancy_at_phase_0": ("1", "the same at the beginning of the cycle alone"),
-        "wave_power": (
-            "1",
-            "power of the five longest density waves, relative to beads at random",
-        ),
+        "wave_power": ("1", "power of the five longest density waves, relative to beads at random"),
         "wave_power_at_phase_0": ("1", "the same at the beginning of the cycle alone"),
         "early_wave_power": ("1", "the same at all times of the first 10 cycles"),
     },
@@ -75,10 +72,7 @@ declare_observables(
     force_measures,
     {
         "belt_contact_time": ("1", "share of the time in which any bead touches the belt"),
-        "belt_force_phase": (
-            "rad",
-            "phase of the belt about which the force on it lies, 0 to 2π",
-        ),
+        "belt_force_phase": ("rad", "phase of the belt about which the force on it lies, 0 to 2π"),
     },
     system="belt",
     asked_by="belt_forces",
@@ -148,10 +142,7 @@ declare_observables(
         ),
         "path_major": ("m", "rms extent of the mean path, less its drift, along its long axis"),
         "path_minor": ("m", "rms extent of the mean path, less its drift, along its short axis"),
-        "path_tilt": (
-            "rad",
-            "angle of the long axis of the mean path with the horizontal, 0 to π",
-        ),
+        "path_tilt": ("rad", "angle of the long axis of the mean path with the horizontal, 0 to π"),
     },
     system="belt",
 )

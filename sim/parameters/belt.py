@@ -4,13 +4,7 @@ import math
 from typing import Any, ClassVar, Literal
 
 from sim.parameters import roles
-from sim.parameters.common import (
-    MAX_PARTICLES,
-    MAX_STEPS,
-    Parameters,
-    Real,
-    broken_rule,
-)
+from sim.parameters.common import MAX_PARTICLES, MAX_STEPS, Parameters, Real, broken_rule
 from sim.parameters.roles import declare, numerics, reading
 
 #: Stiffness (g⟨m⟩/⟨d⟩) of the paper.
@@ -75,7 +69,7 @@ class BeltParameters(Parameters):
     )
 
     system: Literal["belt"] = declare("belt", description="which of the systems")
-    frequency: Real = roles.frequency("Gallas, Eqs. 1a, 1b")
+    frequency: Real = roles.frequency(equation="Gallas, Eqs. 1a, 1b")
     amplitude: Real = declare(
         1,
         symbol="A_z",
@@ -104,7 +98,9 @@ class BeltParameters(Parameters):
         id_part="damping",
         ge=0,
     )
-    shear_damping: Real = roles.shear_damping("shear friction coefficient", id_part="shear")
+    shear_damping: Real = roles.shear_damping(
+        description="shear friction coefficient", id_part="shear"
+    )
     stiffness: Real = declare(
         STIFFNESS,
         symbol="Y",
@@ -183,7 +179,7 @@ class BeltParameters(Parameters):
         equation="Gallas, Sec. 3",
         gt=0,
     )
-    gravity: Real = roles.gravity(10, "Gallas, Sec. 2")
+    gravity: Real = roles.gravity(10, equation="Gallas, Sec. 2")
     phase: Real = declare(
         0,
         symbol="φ0",
@@ -201,7 +197,7 @@ class BeltParameters(Parameters):
         le=1_000_000,
     )
     samples_per_cycle: int = roles.samples_per_cycle(
-        "samples of the observables in one cycle (divides steps_per_cycle)"
+        description="samples of the observables in one cycle (divides steps_per_cycle)"
     )
     slice_height: Real = numerics(
         1,
@@ -214,31 +210,31 @@ class BeltParameters(Parameters):
         le=10,
     )
     phase_0_profiles: bool = roles.extra(
-        "also average the profiles at the beginning of the cycle alone, when the "
+        description="also average the profiles at the beginning of the cycle alone, when the "
         "belt is at its mean height and rises",
         equation="Gallas, Sec. 3, Fig. 5",
     )
     fluctuation_profiles: bool = roles.extra(
-        "also keep the granular temperature about the mean velocity at each phase of "
-        "the cycle, of which there are samples_per_cycle",
+        description="also keep the granular temperature about the mean velocity at each phase of "
+        "the cycle, of which there are samples_per_cycle"
     )
     belt_forces: bool = roles.extra(
-        "also keep the forces on the belt and when it is touched, as time series",
+        description="also keep the forces on the belt and when it is touched, as time series"
     )
-    trajectory: Real = roles.trajectory(roles.CYCLES)
+    trajectory: Real = roles.trajectory(scale=roles.CYCLES)
     transient: Real = roles.transient(
         45,
-        roles.CYCLES,
+        scale=roles.CYCLES,
         description="length discarded before averaging",
         equation="Gallas, Sec. 2: 9·10⁴ steps",
     )
     average: Real = roles.average(
         45,
-        roles.CYCLES,
+        scale=roles.CYCLES,
         description="length averaged over",
         equation="Gallas, Sec. 2: 9·10⁴ steps",
     )
-    limit: Real = roles.limit(1500, roles.CYCLES)
+    limit: Real = roles.limit(1500, scale=roles.CYCLES)
     settle_velocity_squared: Real = numerics(
         1e-8,
         symbol="⟨v²⟩",

@@ -4,15 +4,15 @@ An option goes by its name and the hash of the plug-in that it is from (``hertz.
 points say, and so their ids and run files. An edited one is another one.
 """
 
-import operator
 import re
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache
 from keyword import iskeyword
-from typing import Annotated, Any, ClassVar, Literal, Self, get_args
+from math import inf
+from typing import Annotated, Any, Literal, Self, get_args
 
-from pydantic import BeforeValidator, Field, create_model
+from pydantic import BeforeValidator, Field, create_model, model_validator
 
 from sim.base.additions import (
     NAME,
@@ -23,22 +23,37 @@ from sim.base.additions import (
     plugin_options,
     shipped,
 )
-from sim.base.errors import in_short
-from sim.base.plugins import (
-    require_function,
-    require_line,
-    require_names,
-    require_number,
-    require_unit,
-)
-from sim.parameters.common import CHOICES, Parameters, Real
+from sim.base.plugins import Declared, Line, Names, Unit, Words, allowed, declared
+from sim.parameters.common import CHOICES, Parameters, Real, broken_rule
 from sim.parameters.roles import Declaration, Role, declare
 from sim.parameters.variables import reserved_names
 
-_RANGE = {"gt": operator.gt, "ge": operator.ge, "lt": operator.lt, "le": operator.le}
-
 #: Names in files of runs and studies that are neither parameters nor observed.
 _ELSEWHERE = {"system", "study", "point", "series", "name", "figures", "caveat", "replicate"}
+
+
+#: What an option adds as a parameter.
+_MADE = allowed(
+    "what talus.parameter makes",
+    lambda one: isinstance(getattr(one, "json_schema_extra", None), Declaration),
+)
+
+
+class _Parameter(Declared):
+    default: float = Field(allow_inf_nan=False)
+    unit: Unit
+    description: Words
+    symbol: Line
+    gt: float = -inf
+    ge: float = -inf
+    lt: float = inf
+    le: float = inf
+
+    @model_validator(mode="after")
+    def _has_default_in_range(self) -> Self:
+        if not (self.gt < self.default < self.lt and self.ge <= self.default <= self.le):
+            raise broken_rule("default", self.default, "a number in its own range")
+        return self
 
 
 def parameter(
@@ -57,40 +72,27 @@ def parameter(
     **interval
         Any of ``gt``, ``ge``, ``lt``, ``le``.
     """
-    if unknown := interval.keys() - _RANGE.keys():
-        raise AdditionError(f"parameter: no {sorted(unknown)[0]}; a range has gt, ge, lt, le")
-    for what, value in ({"default": default} | interval).items():
-        require_number(f"parameter: {what}", value)
-    if not all(_RANGE[name](default, bound) for name, bound in interval.items()):
-        raise AdditionError(f"parameter: default {default:g} is outside its own range")
-    require_unit("parameter: unit", unit)
-    require_line("parameter: description", description)
-    require_line("parameter: symbol", symbol, empty=True)
-    return declare(
-        float(default), unit=unit, description=description, symbol=symbol, added=True, **interval
-    )
+    given = {"default": default, "unit": unit, "description": description, "symbol": symbol}
+    one = declared(_Parameter, "parameter", **given, **interval)
+    return declare(**one.model_dump(exclude_unset=True), added=True)
 
 
-@dataclass(frozen=True)
-class Option:
+class Option(Declared):
     """An option of a choice.
 
     ``description`` says what it is, in a few words. ``make`` gives the engine its numbers;
     ``parameters`` are its own, and ``owns`` names those of Talus that have an effect with it alone.
     """
 
-    description: str
+    description: Line
     make: Callable[..., Any]
-    parameters: Mapping[str, Any]
-    owns: tuple[str, ...]
-
-    #: Number of arguments of each of its functions.
-    argument_counts: ClassVar[Mapping[str, int]] = {"make": 1}
+    parameters: dict[str, Annotated[Any, _MADE]]
+    owns: Names
 
     @property
     def compiled_by_hand(self) -> tuple[str, ...]:
         """Functions that are missing because the type that ``make`` returns has compiled bodies."""
-        return ()
+        return tuple(name for name, value in vars(self).items() if value is None)
 
 
 @dataclass(frozen=True)
@@ -127,35 +129,27 @@ class Choice:
         role, kept = field.json_schema_extra.role, name in models[0].fixed_parameters
         return cls(name, field.description, models, get_args(field.annotation), role, kept)
 
-    def add(self, name: str, option: Option) -> None:
+    def add(self, name: str, kind: type[Option], **fields: Any) -> None:
         """Add an option of the plug-in that is being loaded.
 
         Raises
         ------
         AdditionError
-            When its functions are none, or its parameters not those that `parameter` makes. What
-            ships has a description, and alone may have functions that are compiled by hand.
+            When a field is not of its type, or the name of a parameter is in use. What ships has a
+            description, and alone may have functions that are compiled by hand.
         """
-        what, parameters = f"{self.name} {name}", option.parameters
-        require_line(f"{what}: description", option.description, empty=not is_of_talus())
-        require_names(f"{what}: owns", option.owns)
-        for key, number in option.argument_counts.items():
-            if not (is_of_talus() and key in option.compiled_by_hand):
-                require_function(f"{what}: {key}", getattr(option, key), number)
-        if not isinstance(parameters, Mapping):
-            allowed = "a mapping of names to what talus.parameter makes"
-            raise AdditionError(f"{what}: parameters is {allowed}: got {in_short(parameters)}")
-        for key, one in parameters.items():
+        what = f"{self.name} {name}"
+        option = declared(kind, what, **fields)
+        if is_of_talus() and not option.description:
+            raise AdditionError(f"{what}: description: got ''; allowed: text, not empty")
+        if missing := () if is_of_talus() else option.compiled_by_hand:
+            raise AdditionError(f"{what}: {missing[0]}: got nothing; allowed: a function")
+        for key in option.parameters:
             self._require_free(what, key)
-            if not isinstance(getattr(one, "json_schema_extra", None), Declaration):
-                allowed = "what talus.parameter makes"
-                raise AdditionError(f"{what}: parameters.{key} is {allowed}: got {in_short(one)}")
-        option = replace(option, parameters=dict(parameters), owns=tuple(option.owns))
         add(self.name, name, option, self.usual)
 
-    def _require_free(self, what: str, name: Any) -> None:
-        """Refuse the name of a parameter that others have; ``what`` declares it."""
-        if not (isinstance(name, str) and re.fullmatch(NAME, name)) or iskeyword(name):
+    def _require_free(self, what: str, name: str) -> None:
+        if not re.fullmatch(NAME, name) or iskeyword(name):
             raise AdditionError(f"{what}: parameter {name!r}: a name has letters a-z, digits and _")
         taken = {*dir(Parameters), *Parameters.__class_vars__, *_ELSEWHERE} | reserved_names()
         if name in taken.union(*((*dir(one), *one.model_fields) for one in self.models)):
@@ -163,9 +157,8 @@ class Choice:
         for kind in CHOICES:
             for other, one in plugin_options(kind).items():
                 if name in one.parameters:
-                    raise AdditionError(
-                        f"{what}: parameter {name}: {kind} {plain_name(other)} has it"
-                    )
+                    owner = f"{kind} {plain_name(other)}"
+                    raise AdditionError(f"{what}: parameter {name}: {owner} has it")
 
     def describe(self) -> None:
         """Write what the options that ship are into the declarations of the systems."""
@@ -222,7 +215,6 @@ def _extended(
 
 
 def _field(base: type[Parameters], choice: Choice, options: tuple[str, ...]) -> tuple[Any, Any]:
-    """Return type and declaration of a choice with more options."""
     options_by_name = {plain_name(option): option for option in options}
 
     def coded(value: Any) -> Any:
@@ -234,5 +226,5 @@ def _field(base: type[Parameters], choice: Choice, options: tuple[str, ...]) -> 
     else:
         usual = choice.usual[0]
         said = declare(usual, description=text, role=choice.role, compiled=True, added=True)
-    allowed: Any = Literal[tuple(dict.fromkeys((*choice.usual, *options)))]
-    return Annotated[allowed, BeforeValidator(coded)], said
+    names: Any = Literal[tuple(dict.fromkeys((*choice.usual, *options)))]
+    return Annotated[names, BeforeValidator(coded)], said

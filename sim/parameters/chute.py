@@ -39,12 +39,12 @@ class ChuteParameters(SphereParameters):
         default_factory=lambda values: min(4 + 1.2 * values["depth"], 30),
     )
     transient: Real = roles.transient(
-        300, TIME, description="time discarded before averaging", equation="Walton, Sec. 1"
+        300, scale=TIME, description="time discarded before averaging", equation="Walton, Sec. 1"
     )
     average: Real = roles.average(
-        200, TIME, description="time averaged over", equation="Walton, Sec. 1"
+        200, scale=TIME, description="time averaged over", equation="Walton, Sec. 1"
     )
-    limit: Real = roles.limit(3000, TIME)
+    limit: Real = roles.limit(3000, scale=TIME)
     sample_interval: Real = numerics(
         0.25,
         symbol="Δt_s",
@@ -53,7 +53,7 @@ class ChuteParameters(SphereParameters):
         gt=0,
         le=100,
     )
-    trajectory: Real = roles.trajectory(TIME)
+    trajectory: Real = roles.trajectory(scale=TIME)
 
     @property
     def time_unit(self) -> float:

@@ -111,11 +111,7 @@ class Parameters(BaseModel):
     """
 
     model_config = ConfigDict(
-        frozen=True,
-        extra="forbid",
-        strict=True,
-        allow_inf_nan=False,
-        validate_default=True,
+        frozen=True, extra="forbid", strict=True, allow_inf_nan=False, validate_default=True
     )
     sampling_key: ClassVar[str]
     boundaries: ClassVar[tuple[str, ...]]
@@ -152,16 +148,10 @@ class Parameters(BaseModel):
         def rate(self) -> float: ...
 
     seed: int = numerics(
-        1,
-        description="seed of the first replicate's initial state",
-        ge=0,
-        le=2**32 - 1,
+        1, description="seed of the first replicate's initial state", ge=0, le=2**32 - 1
     )
     replicates: int = amount(
-        1,
-        description="independent runs from different initial states",
-        ge=1,
-        le=1000,
+        1, description="independent runs from different initial states", ge=1, le=1000
     )
 
     start_from: str = numerics(
@@ -176,7 +166,7 @@ class Parameters(BaseModel):
     )
 
     trajectory_contacts: bool = roles.extra(
-        "also keep the contacts in each frame of the trajectory: partners and forces",
+        description="also keep the contacts in each frame of the trajectory: partners and forces"
     )
 
     # Not an amount: ids of points and names of curves distinguish the protocols.
@@ -255,7 +245,6 @@ class Parameters(BaseModel):
         return float(canonical_number(self.mass / sphere_volume(self.diameter)))
 
     def _samples_in(self, length: float) -> int:
-        """Return the samples in a length of a run, a multiple of ``time_unit``, rounded."""
         return round(length * self.time_unit / (self.sample_steps * self.time_step))
 
     @property
@@ -368,7 +357,6 @@ class Parameters(BaseModel):
             raise broken_rule("limit", self.limit, allowed)
 
     def _require_feasible_trajectory(self) -> None:
-        """Raise for a trajectory without any frame, too large, or with contacts but no frames."""
         if self.trajectory_contacts and not self.trajectory:
             allowed = "false without a trajectory, whose frames have them"
             raise broken_rule("trajectory_contacts", self.trajectory_contacts, allowed)

@@ -29,7 +29,7 @@ class ConveyorParameters(SphereParameters):
     # No paper prescribes it.
     sliding_direction: SlidingDirection = declare("slip", **SLIDING)
     system: Literal["conveyor"] = declare("conveyor", description="which of the systems")
-    frequency: Real = roles.frequency("ω = 2πf")
+    frequency: Real = roles.frequency(equation="ω = 2πf")
     amplitude: Real = declare(
         1,
         symbol="A_z",
@@ -93,26 +93,23 @@ class ConveyorParameters(SphereParameters):
         description="solid spheres, or discs that move in the plane of x and z alone",
         compiled=True,
     )
-    rotation: bool = declare(
-        True,
-        description="whether the particles rotate",
-    )
+    rotation: bool = declare(True, description="whether the particles rotate")
     initial_velocity: Real = roles.initial_velocity(
         0,
         scale="√(gσ)",
         description="velocity along the plane of all particles when the vibration starts",
     )
     samples_per_cycle: int = roles.samples_per_cycle(
-        "samples of the observables in one cycle", le=1000
+        description="samples of the observables in one cycle", le=1000
     )
     transient: Real = roles.transient(
         60,
-        roles.CYCLES,
+        scale=roles.CYCLES,
         description="length discarded before averaging, the fall onto the plane included",
     )
-    average: Real = roles.average(60, roles.CYCLES, description="length averaged over")
-    limit: Real = roles.limit(1500, roles.CYCLES)
-    trajectory: Real = roles.trajectory(roles.CYCLES)
+    average: Real = roles.average(60, scale=roles.CYCLES, description="length averaged over")
+    limit: Real = roles.limit(1500, scale=roles.CYCLES)
+    trajectory: Real = roles.trajectory(scale=roles.CYCLES)
 
     @property
     def time_unit(self) -> float:

@@ -1,23 +1,21 @@
 """Forms that the physics of a system suggests for an observable between points."""
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, field
 from importlib import import_module
-from typing import Any
+from typing import Annotated, Any
 
 from sim.base.additions import add, additions, attribute_errors_to, shipped
-from sim.base.plugins import require_function, require_line, require_one_of
-from sim.parameters.points import SYSTEMS
+from sim.base.plugins import Declared, Words, declared, require_one_of, takes
+from sim.parameters.observables import Systems
 
 #: Kind of the additions that are forms.
 _FORM = "form"
 
 #: Gives an array (n,) from the parameters of points, by name, each an array (n,) or one value.
-Column = Callable[[Mapping[str, Any]], Any]
+Column = Annotated[Callable[[Mapping[str, Any]], Any], takes(1)]
 
 
-@dataclass(frozen=True)
-class Form:
+class Form(Declared):
     """An observable as a scale times a smooth function of groups of parameters.
 
     Attributes
@@ -33,11 +31,11 @@ class Form:
     """
 
     name: str
-    systems: tuple[str, ...]
+    systems: Systems
     observable: str
-    meaning: str
+    meaning: Words
     scale: Column | None = None
-    inputs: Mapping[str, Column] = field(default_factory=dict)
+    inputs: dict[str, Column] = {}
 
 
 def form(
@@ -54,12 +52,16 @@ def form(
     The functions get the parameters of points by name, in the units of study files.
     """
     systems = (system,) if isinstance(system, str) else tuple(system)
-    for one in systems or ("",):
-        require_one_of(f"form {name}: system", one, SYSTEMS)
-    require_line(f"form {name}: meaning", meaning)
-    for column in (*(inputs or {}).values(), *([scale] if scale else [])):
-        require_function(f"form {name}", column, takes=1)
-    value = Form(name, systems, observable, meaning, scale, dict(inputs or {}))
+    value = declared(
+        Form,
+        f"form {name}",
+        name=name,
+        systems=systems,
+        observable=observable,
+        meaning=meaning,
+        scale=scale,
+        inputs=inputs or {},
+    )
     add(_FORM, name, value)
 
 

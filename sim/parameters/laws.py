@@ -2,20 +2,14 @@
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from importlib.util import find_spec
-from typing import Any, ClassVar
+from typing import Annotated, Any
+
+from pydantic import Field
 
 from sim.base.additions import attribute_errors_to, plain_name
 from sim.base.errors import InputError
-from sim.base.plugins import (
-    module_names,
-    require_count,
-    require_line,
-    require_names,
-    require_positive,
-    require_switch,
-)
+from sim.base.plugins import Line, Names, module_names, takes
 from sim.parameters.belt import BeltParameters
 from sim.parameters.choices import Choice, Option
 from sim.parameters.chute import ChuteParameters
@@ -29,37 +23,25 @@ __all__ = ["LAW", "SMALL_OVERLAP", "Law", "law"]
 LAW = Choice.declared("law", ChuteParameters, ConveyorParameters)
 
 
-@dataclass(frozen=True)
+#: Numbers of its own that a law remembers of a contact unless it says another number, and at most.
+USUALLY_REMEMBERED, MOST_REMEMBERED = 4, 32
+
+
 class Law(Option):
     """A contact law: see `law`."""
 
-    force: Callable[..., Any] | None
-    energy: Callable[..., Any] | None
-    collision_time: Callable[[Any], float]
-    remembers: int
+    make: Annotated[Callable[..., Any], takes(2)]
+    force: Annotated[Callable[..., Any], takes(8)] | None
+    energy: Annotated[Callable[..., Any], takes(6)] | None
+    collision_time: Annotated[Callable[[Any], float], takes(1)]
+    remembers: int = Field(ge=0, le=MOST_REMEMBERED)
     one_mass: bool
-    max_overlap: float
-    variants: Mapping[type, tuple[Callable[..., Any], int]]
-
-    argument_counts: ClassVar[Mapping[str, int]] = {
-        "make": 2,
-        "force": 8,
-        "energy": 6,
-        "collision_time": 1,
-    }
-
-    @property
-    def compiled_by_hand(self) -> tuple[str, ...]:
-        """Force and energy, where both are missing."""
-        return ("force", "energy") if self.force is self.energy is None else ()
+    max_overlap: float = Field(gt=0)
+    variants: dict[type, tuple[Callable[..., Any], int]]
 
     def of(self, kind: type) -> tuple[Callable[..., Any] | None, int]:
         """Return the force of a type that ``make`` gives, and how many numbers it remembers."""
         return self.variants.get(kind, (self.force, self.remembers))
-
-
-#: Numbers of its own that a law remembers of a contact unless it says another number, and at most.
-USUALLY_REMEMBERED, MOST_REMEMBERED = 4, 32
 
 
 def law(
@@ -120,30 +102,36 @@ def law(
         Types of what ``make`` returns that have another ``force``, with it and how many numbers
         that gives to remember. It may call ``force``.
     """
-    require_count(f"law {name}: remembers", remembers, MOST_REMEMBERED)
-    require_switch(f"law {name}: one_mass", one_mass)
-    require_positive(f"law {name}: max_overlap", max_overlap)
-    numbers = int(remembers), one_mass, float(max_overlap)
-    option = description, make, parameters or {}, owns
-    functions = force, energy, collision_time
-    LAW.add(name, Law(*option, *functions, *numbers, dict(variants or {})))
+    LAW.add(
+        name,
+        Law,
+        description=description,
+        make=make,
+        force=force,
+        energy=energy,
+        collision_time=collision_time,
+        parameters=parameters or {},
+        remembers=remembers,
+        one_mass=one_mass,
+        max_overlap=max_overlap,
+        owns=owns,
+        variants=variants or {},
+    )
 
 
 #: The choice of an engine.
 ENGINE = Choice.declared("engine", ChuteParameters, ConveyorParameters)
 
 
-@dataclass(frozen=True)
 class Engine(Option):
     """An engine: see `flow_engine`."""
 
-    refuses: Callable[[Any], Iterable[tuple[str, str]]]
-    lacks: tuple[str, ...]
-    module: str
-    package: str
-    speed: float
-
-    argument_counts: ClassVar[Mapping[str, int]] = {"make": 3, "refuses": 1}
+    make: Annotated[Callable[..., Any], takes(3)]
+    refuses: Annotated[Callable[[Any], Iterable[tuple[str, str]]], takes(1)]
+    lacks: Names
+    module: Line
+    package: Line
+    speed: float = Field(gt=0)
 
 
 def flow_engine(
@@ -184,13 +172,19 @@ def flow_engine(
     owns : tuple of str
         Parameters of Talus that have an effect with this engine alone.
     """
-    lacks = tuple(lacks)
-    require_names(f"engine {name}: lacks", lacks)
-    require_line(f"engine {name}: module", module, empty=True)
-    require_line(f"engine {name}: package", package, empty=not module)
-    require_positive(f"engine {name}: speed", speed)
-    option = description, make, parameters or {}, owns
-    ENGINE.add(name, Engine(*option, refuses, lacks, module, package, float(speed)))
+    ENGINE.add(
+        name,
+        Engine,
+        description=description,
+        make=make,
+        refuses=refuses,
+        lacks=tuple(lacks),
+        module=module,
+        package=package,
+        speed=speed,
+        parameters=parameters or {},
+        owns=owns,
+    )
 
 
 def engine_of(parameters: Any) -> Engine:
@@ -228,18 +222,11 @@ MOTION = Choice(
 )
 
 
-@dataclass(frozen=True)
 class Motion(Option):
     """A motion: see `motion`."""
 
-    state: Callable[..., Any] | None
-
-    argument_counts: ClassVar[Mapping[str, int]] = {"make": 1, "state": 2}
-
-    @property
-    def compiled_by_hand(self) -> tuple[str, ...]:
-        """The function ``state``, where it is missing."""
-        return () if self.state else ("state",)
+    make: Annotated[Callable[..., Any], takes(1)]
+    state: Annotated[Callable[..., Any], takes(2)] | None
 
 
 def motion(
@@ -273,4 +260,5 @@ def motion(
     owns : tuple of str
         Parameters of Talus that have an effect with it alone: under other motions they are refused.
     """
-    MOTION.add(name, Motion(description, make, parameters or {}, owns, state))
+    own = {"make": make, "state": state, "parameters": parameters or {}, "owns": owns}
+    MOTION.add(name, Motion, description=description, **own)

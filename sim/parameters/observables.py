@@ -4,28 +4,41 @@ Those that ship are in `sim.measures`; plug-ins add more.
 """
 
 from collections.abc import Callable, Collection, Iterator, Mapping
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from sim.base.additions import add
 from sim.base.plugins import (
+    Declared,
+    Unit,
+    Words,
+    allowed,
+    declared,
     require_function,
-    require_line,
     require_one_of,
-    require_unit,
 )
 from sim.parameters.points import SYSTEMS
-from sim.parameters.variables import (
-    OBSERVABLE,
-    Measuring,
-    Observable,
-    observed,
-    reserved_names,
-)
+from sim.parameters.variables import OBSERVABLE, Measuring, Observable, observed, reserved_names
 
 _Measuring = TypeVar("_Measuring", bound=Measuring)
 
 #: Names in a dataset that are neither observables nor parameters.
 _OF_DATASETS = {"point", "replicate", "series", "figures", "caveat", "particles", "boundaries"}
+
+
+#: Systems, one at least.
+Systems = Annotated[
+    tuple[str, ...],
+    allowed(
+        f"one of {', '.join(SYSTEMS)}",
+        lambda names: names and all(isinstance(one, str) and one in SYSTEMS for one in names),
+    ),
+]
+
+
+class _Observable(Declared):
+    system: Systems
+    unit: Unit
+    meaning: Words
 
 
 def observable(
@@ -52,21 +65,19 @@ def observable(
         A parameter without which runs do not record what the function needs.
     """
     systems = (system,) if isinstance(system, str) else tuple(system)
-    for one in systems or ("",):
-        require_one_of(f"observable {name}: system", one, SYSTEMS)
-    require_unit(f"observable {name}: unit", unit)
-    require_line(f"observable {name}: meaning", meaning)
+    what = f"observable {name}"
+    declared(_Observable, what, system=systems, unit=unit, meaning=meaning)
     if asked_by:
         fields = [field for one in systems for field in SYSTEMS[one].model_fields]
-        require_one_of(f"observable {name}: asked_by", asked_by, fields)
+        require_one_of(f"{what}: asked_by", asked_by, fields)
 
-    def declared(measure: _Measuring) -> _Measuring:
-        require_function(f"observable {name}", measure, takes=1)
+    def register(measure: _Measuring) -> _Measuring:
+        require_function(what, measure, takes=1)
         variable = observed(name, unit, meaning, systems, asked_by)
         add(OBSERVABLE, name, Observable(variable, measure), _taken())
         return measure
 
-    return declared
+    return register
 
 
 def declare_observables(
@@ -81,7 +92,6 @@ def declare_observables(
 
 
 def _taken() -> Iterator[str]:
-    """Yield the names that variables of datasets, and what plots show, have already."""
     yield from reserved_names()
     yield from _OF_DATASETS
     for model in SYSTEMS.values():

@@ -75,7 +75,6 @@ SYSTEMS: dict[str, type[Parameters]] = {
 
 
 def _update_systems() -> None:
-    """Rebuild `SYSTEMS` with the laws and motions of the loaded plug-ins."""
     SYSTEMS.update(
         chute=extended(ChuteParameters, LAW, ENGINE),
         belt=extended(BeltParameters, MOTION),
@@ -320,7 +319,7 @@ def require_compatible_source(parameters: Parameters, source: Parameters, where:
         raise InputError.of_value(where, "start_from", parameters.start_from, allowed)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class FieldRow(Declaration):
     """One parameter, ready for documentation and file attributes.
 

@@ -1,7 +1,7 @@
 """Declarations of parameters, and the roles of parameters that follow from them."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cache, partial
 from types import MappingProxyType
 from typing import Any, Literal, cast
@@ -17,65 +17,18 @@ Role = Literal["physics", "reading", "numerics", "amount"]
 _WRITTEN = {"1": "", "degree": "°", "N m-1": " N/m", "m s-2": " m/s²"}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Declaration:
     """Declaration of a parameter besides its type, range, default and meaning.
 
-    See `declare` for the attributes. As pydantic's ``json_schema_extra`` it adds symbol, unit,
-    scale and equation to the JSON schema.
-    """
+    As pydantic's ``json_schema_extra`` it adds symbol, unit, scale and equation to the JSON schema.
 
-    symbol: str
-    unit: str
-    scale: str
-    equation: str
-    role: Role
-    id_part: str
-    compiled: bool
-    changes_start: bool
-    added: bool
-    allowed: str
-
-    def __call__(self, schema: dict[str, Any]) -> None:
-        """Add symbol, unit, scale and equation to the JSON schema of the parameter."""
-        shown = ("symbol", "unit", "scale", "equation")
-        schema.update({name: getattr(self, name) for name in shown})
-
-    @property
-    def unit_text(self) -> str:
-        """Unit as people write it behind a number, with the space before it, if any."""
-        return _WRITTEN.get(self.unit, f" {self.unit}")
-
-
-def declare(
-    default: Any = ...,
-    *,
-    description: str,
-    symbol: str = "",
-    unit: str = "",
-    scale: str = "",
-    equation: str = "",
-    role: Role = "physics",
-    id_part: str = "",
-    compiled: bool = False,
-    changes_start: bool = False,
-    added: bool = False,
-    allowed: str = "",
-    **options: Any,
-) -> Any:
-    """Declare one parameter.
-
-    Parameters
+    Attributes
     ----------
-    default : object
-        Value when omitted; leave out when ``default_factory`` is among the options.
-    description : str
-        Meaning, one sentence without full stop; also the long name in output files.
     symbol : str
         Symbol of the parameter in the paper.
     unit : str
-        Unit of the stored number as UDUNITS (CF) reads it. Omitted, it is ``"1"``, that of pure
-        numbers, and ``""`` for choices and switches.
+        Unit of the stored number as UDUNITS (CF) reads it.
     scale : str
         For pure numbers, the quantity of which they are multiples (``"⟨d⟩"``, ``"g"``).
     equation : str
@@ -96,14 +49,47 @@ def declare(
         canonical form, id and run file of old and new points omit it.
     allowed : str
         The allowed values in words, where type and range are not enough.
-    **options
-        Ranges and defaults for pydantic's ``Field``.
     """
-    is_pure = bool(scale) or type(default) in (int, float)
-    unit = unit or ("1" if is_pure else "")
-    declaration = Declaration(
-        symbol, unit, scale, equation, role, id_part, compiled, changes_start, added, allowed
-    )
+
+    symbol: str = ""
+    unit: str
+    scale: str = ""
+    equation: str = ""
+    role: Role = "physics"
+    id_part: str = ""
+    compiled: bool = False
+    changes_start: bool = False
+    added: bool = False
+    allowed: str = ""
+
+    def __call__(self, schema: dict[str, Any]) -> None:
+        """Add symbol, unit, scale and equation to the JSON schema of the parameter."""
+        shown = ("symbol", "unit", "scale", "equation")
+        schema.update({name: getattr(self, name) for name in shown})
+
+    @property
+    def unit_text(self) -> str:
+        """Unit as people write it behind a number, with the space before it, if any."""
+        return _WRITTEN.get(self.unit, f" {self.unit}")
+
+
+def declare(default: Any = ..., *, description: str, unit: str = "", **options: Any) -> Any:
+    """Declare one parameter.
+
+    Parameters
+    ----------
+    default : object
+        Value when omitted; leave out when ``default_factory`` is among the options.
+    description : str
+        Meaning, one sentence without full stop; also the long name in output files.
+    unit : str
+        Omitted, it is ``"1"``, that of pure numbers, and ``""`` for choices and switches.
+    **options
+        Other attributes of `Declaration`; ranges and defaults for pydantic's ``Field``.
+    """
+    own = {one.name: options.pop(one.name) for one in fields(Declaration) if one.name in options}
+    is_pure = "scale" in own or type(default) in (int, float)
+    declaration = Declaration(unit=unit or ("1" if is_pure else ""), **own)
     if "default_factory" not in options:
         options["default"] = default
     return Field(description=description, json_schema_extra=declaration, **options)
@@ -174,98 +160,48 @@ def id_parts(model: type[BaseModel]) -> Mapping[str, str]:
 
 
 def _names(model: type[BaseModel], has_role: Callable[[Declaration], bool]) -> tuple[str, ...]:
-    """Return the parameters whose declaration passes a test."""
     return tuple(name for name, row in declarations(model).items() if has_role(row))
 
 
-# Parameters of several systems: one declaration each, to which a system adds what is its own.
-#
-# ``own`` are options of `sim.parameters.roles.declare`: source, meaning, range.
-
+# Parameters of several systems: one declaration each, to which a system adds what is its own, as
+# default, source and range.
 
 #: Scale of times of shaken systems.
 CYCLES = "cycles"
 
+frequency = partial(
+    declare,
+    20,
+    symbol="f",
+    unit="Hz",
+    description="frequency of the vibration",
+    gt=0,
+    id_part="frequency",
+)
+angle = partial(
+    declare, symbol="θ", unit="degree", description="inclination of the plane", ge=0, lt=90
+)
+gravity = partial(declare, symbol="g", unit="m s-2", description="gravitational acceleration", gt=0)
+shear_damping = partial(declare, 50, symbol="γ_s", scale="g", equation="Gallas, Eq. 4", ge=0)
+initial_velocity = partial(numerics, symbol="V0", changes_start=True, ge=0)
+samples_per_cycle = partial(numerics, 20, ge=1)
+transient = partial(numerics, symbol="t_tr", ge=0)
+average = partial(amount, symbol="t_av", gt=0)
+limit = partial(
+    amount,
+    symbol="t_max",
+    description="longest run of the converged protocol, whose cost `points` tells",
+    gt=0,
+)
+trajectory = partial(
+    numerics,
+    0,
+    symbol="Δt_f",
+    description="time from one frame of the trajectory, which has the state of every particle, "
+    "to the next (0: none); in whole samples",
+    added=True,
+    ge=0,
+)
 
-def frequency(equation: str) -> Any:
-    """Declare the frequency of a vibration."""
-    return declare(
-        20,
-        symbol="f",
-        unit="Hz",
-        description="frequency of the vibration",
-        equation=equation,
-        id_part="frequency",
-        gt=0,
-    )
-
-
-def angle(default: float, **own: Any) -> Any:
-    """Declare the inclination of a plane."""
-    description = "inclination of the plane"
-    return declare(default, symbol="θ", unit="degree", description=description, ge=0, lt=90, **own)
-
-
-def gravity(default: float, equation: str) -> Any:
-    """Declare the gravitational acceleration."""
-    description = "gravitational acceleration"
-    return declare(
-        default, symbol="g", unit="m s-2", description=description, equation=equation, gt=0
-    )
-
-
-def shear_damping(description: str, **own: Any) -> Any:
-    """Declare the coefficient of the drag along surfaces."""
-    equation = "Gallas, Eq. 4"
-    return declare(
-        50, symbol="γ_s", scale="g", description=description, equation=equation, ge=0, **own
-    )
-
-
-def initial_velocity(default: Any = ..., *, scale: str, **own: Any) -> Any:
-    """Declare the velocity of all particles at the start."""
-    return numerics(default, symbol="V0", scale=scale, changes_start=True, ge=0, **own)
-
-
-def samples_per_cycle(description: str, **own: Any) -> Any:
-    """Declare how often a shaken system is sampled."""
-    return numerics(20, description=description, ge=1, **own)
-
-
-def transient(default: float, scale: str, **own: Any) -> Any:
-    """Declare the length of a run before averaging."""
-    return numerics(default, symbol="t_tr", scale=scale, ge=0, **own)
-
-
-def average(default: float, scale: str, **own: Any) -> Any:
-    """Declare the length of the window of averages."""
-    return amount(default, symbol="t_av", scale=scale, gt=0, **own)
-
-
-def limit(default: float, scale: str) -> Any:
-    """Declare the length at which the converged protocol ends."""
-    return amount(
-        default,
-        symbol="t_max",
-        scale=scale,
-        description="longest run of the converged protocol, whose cost `points` tells",
-        gt=0,
-    )
-
-
-def trajectory(scale: str) -> Any:
-    """Declare the interval of the frames of a trajectory."""
-    return numerics(
-        0,
-        symbol="Δt_f",
-        scale=scale,
-        description="time from one frame of the trajectory, which has the state of every particle, "
-        "to the next (0: none); in whole samples",
-        added=True,
-        ge=0,
-    )
-
-
-def extra(description: str, **own: Any) -> Any:
-    """Declare a switch by which a run records more; it changes no flow."""
-    return numerics(False, description=description, added=True, **own)
+#: A switch by which a run records more; it changes no flow.
+extra = partial(numerics, False, added=True)

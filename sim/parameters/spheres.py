@@ -138,7 +138,9 @@ class SphereParameters(Parameters):
         equation="Walton, Eq. 1",
         gt=0,
     )
-    shear_damping: Real = roles.shear_damping("shear friction coefficient of law: drag", added=True)
+    shear_damping: Real = roles.shear_damping(
+        description="shear friction coefficient of law: drag", added=True
+    )
     attraction: Literal["kept", "clipped"] = declare(
         "kept",
         description="a dashpot that would pull at the end of a contact does so, or the normal "
@@ -220,7 +222,7 @@ class SphereParameters(Parameters):
         equation="Walton, Sec. 3: various degrees of roughness",
         added=True,
     )
-    gravity: Real = roles.gravity(9.8, "Walton, Sec. 3")
+    gravity: Real = roles.gravity(9.8, equation="Walton, Sec. 3")
     initial_packing: Real = numerics(
         0.32,
         symbol="φ0",
@@ -254,7 +256,8 @@ class SphereParameters(Parameters):
         ge=0.01,
     )
     stress_profiles: bool = roles.extra(
-        "also keep profiles of stress, spin and slip, and how the profiles change with time",
+        description="also keep profiles of stress, spin and slip, and how the profiles change with "
+        "time",
         compiled=True,
     )
     overlap_limit: Real = numerics(
@@ -304,11 +307,7 @@ class SphereParameters(Parameters):
         added=True,
     )
     ranks: int = numerics(
-        1,
-        description="processes of one run of another engine, by MPI",
-        added=True,
-        ge=1,
-        le=4096,
+        1, description="processes of one run of another engine, by MPI", added=True, ge=1, le=4096
     )
 
     @classmethod
@@ -391,7 +390,6 @@ class SphereParameters(Parameters):
 
     @property
     def _area(self) -> float:
-        """Area of the cell in squared diameters."""
         return self.cell * self._breadth
 
     @property

@@ -196,7 +196,7 @@ def test_the_motions_are_what_each_says_of_itself(tmp_path):
 )
 def test_what_ships_says_what_it_is(declare, functions):
     with (
-        pytest.raises(AdditionError, match="one: description is text, not empty: got ''"),
+        pytest.raises(AdditionError, match="one: description: got ''; allowed: text, not empty"),
         attribute_additions_to(TALUS),
     ):
         declare("one", **dict.fromkeys(functions, print))

@@ -310,5 +310,4 @@ def density_near_belt(place: Place, height: float) -> UFloat:
 
 
 def _pair_label(place: Place) -> str:
-    """Return the damping and shear damping of a place."""
     return f"({place['damping']:g}g, {place['shear_damping']:g}g)"

@@ -108,7 +108,6 @@ def far_shape_change(free: Place, blocked: Place, min_share: float) -> UFloat:
 
 
 def _is_far(blocked: Place) -> np.ndarray:
-    """True per column that is far from the obstacle, which is in the middle."""
     column = blocked.profile("column_velocity")[1]
     width = blocked["width"] * blocked["diameter"]
     return np.abs(column - 0.5 * width) > FAR_DISTANCE * blocked["diameter"]

@@ -75,7 +75,6 @@ def _scan_onset(evidence: Evidence, threshold: float, **where: Any) -> Onset:
 
 
 def _boundary_onset(evidence: Evidence, **where: Any) -> Onset:
-    """Return the onset from a boundary found by refinement."""
     frequency = evidence.boundary("belt", "transport", "frequency", seeds=True, **where)
     return Onset(frequency)
 
@@ -158,7 +157,6 @@ def g3(
 
 
 def _check_onset(onset: Onset, label: str, low: float, high: float) -> Check:
-    """Return the check that an onset lies between two frequencies (Hz)."""
     quantity = f"onset at {label}, {onset.protocol} runs"
     check = within(quantity, onset.frequency, low, high, onset.places, "Hz")
     return _mark_coarse(check, onset)
@@ -227,13 +225,7 @@ def g5(
 
 
 def g6(
-    evidence: Evidence,
-    *,
-    threshold: float,
-    low: float,
-    high: float,
-    gamma: float,
-    max_error: float,
+    evidence: Evidence, *, threshold: float, low: float, high: float, gamma: float, max_error: float
 ) -> list[Check]:
     """At A_z = 0.5⟨d⟩ the onset is at 18 Hz (a), and Γ there is 0.8 (b), both within margins."""
     allowed = gamma - max_error, gamma + max_error
@@ -246,7 +238,6 @@ def g6(
 
 
 def _check_gamma(onset: Onset, place: Place, label: str, low: float, high: float) -> Check:
-    """Return the check that Γ at an onset lies between two bounds."""
     quantity = f"Γ at the onset{label}, {onset.protocol} runs"
     return _mark_coarse(within(quantity, _gamma(onset, place), low, high, onset.places), onset)
 

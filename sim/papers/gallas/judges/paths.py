@@ -69,7 +69,6 @@ def _ellipses(
     max_drift: float,
     min_axis_ratio: float,
 ) -> list[Check]:
-    """Check for closed paths (drift over long axis), no lines, tilted with the vibration."""
     line = complete_line(evidence, "vibration_angle", angles, frequency=frequency)
     ellipse, steeper = line.values()
     usual, steep = angles

@@ -148,6 +148,12 @@ def reason_incomparable(places: Sequence[Place], compare_cells: bool = True) -> 
     return ""
 
 
+def reason_unranked(places: Sequence[Place], compare_cells: bool = True) -> str:
+    """Return why flows cannot be ranked, or not against each other; empty if they can."""
+    reasons = [*map(reason_unrankable, places), reason_incomparable(places, compare_cells)]
+    return next(filter(None, reasons), "")
+
+
 def withhold_unsettled(checks: Iterable[Check], places: Iterable[Place]) -> list[Check]:
     """Return checks on means over the window; those on unsettled flows decide nothing.
 

@@ -97,27 +97,16 @@ def w24(evidence: Evidence, *, min_share: float) -> list[Check]:
         raise Untestable(f"no steady {evidence.protocol} flow of the base case with replicates")
     checks = []
     for n, place in flows.items():
-        friction_power, collision_power = (
-            place.values("frictional_power"),
-            place.values("normal_power"),
-        )
+        friction_power = place.values("frictional_power")
+        collision_power = place.values("normal_power")
         weight = place["particles"] * place["mass"] * driving_acceleration(place)
         total = replicate_mean(
             (friction_power + collision_power) / (weight * place.values("velocity"))
         )
-        share, label = (
-            replicate_mean(friction_power / (friction_power + collision_power)),
-            f"n = {n:g}",
-        )
-        checks.append(
-            within(
-                f"share of friction in the losses, {label}",
-                share,
-                min_share,
-                1 - min_share,
-                [place],
-            )
-        )
+        share = replicate_mean(friction_power / (friction_power + collision_power))
+        label = f"n = {n:g}"
+        quantity = f"share of friction in the losses, {label}"
+        checks.append(within(quantity, share, min_share, 1 - min_share, [place]))
         checks.append(reported(f"share of collisions in them, {label}", 1 - share, [place]))
         quantity = f"dissipated power over N m g V sin θ, {label}"
         checks += remove_votes([within(quantity, total, 1 - POWER, 1 + POWER, [place])])

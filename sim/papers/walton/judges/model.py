@@ -183,7 +183,6 @@ def _before_impact(partner: str, speed: np.ndarray, gap: np.ndarray) -> tuple[np
 
 
 def _law(reading: Reading, **changes: float) -> WaltonBraun:
-    """Return the law between the chute's spheres, with changed parameters."""
     values: dict[str, Any] = {**changes, **reading}
     p = ChuteParameters(**values)
     return law_of(p, Partners(p.friction, 0.5 * p.mass, p.time_step))

@@ -67,12 +67,7 @@ def w10(evidence: Evidence, *, min_mass_share: float) -> list[Check]:
 
 
 def w11(
-    evidence: Evidence,
-    *,
-    min_share: float,
-    depths: Sequence[float],
-    cell: float,
-    majority: float,
+    evidence: Evidence, *, min_share: float, depths: Sequence[float], cell: float, majority: float
 ) -> list[Check]:
     """Share of the runs of deep flows in cells of one width that ride as a plug.
 

@@ -21,6 +21,7 @@ from sim.papers.walton.judges.chute import (
     flows_of_one_age,
     reason_incomparable,
     reason_unrankable,
+    reason_unranked,
     select_replicated,
     withhold_unsettled,
 )
@@ -107,11 +108,7 @@ def _compare_order(evidence: Evidence, name: str, **change: float) -> list[Check
     first, second = (place.values("crystalline_share") for place in (usual, control))
     check = outranks(quantity, first, second, [usual, control])
     cells_differ = usual["cell"] != control["cell"]
-    moving = (
-        reason_unrankable(usual)
-        or reason_unrankable(control)
-        or reason_incomparable([usual, control], compare_cells=not cells_differ)
-    )
+    moving = reason_unranked([usual, control], compare_cells=not cells_differ)
     state_reports = report_states("usual", [usual]) + report_states(f"with {name}", [control])
     return [*withhold([check], moving), *state_reports]
 
@@ -276,8 +273,8 @@ def _sensitive(evidence: Evidence, depth: float, stiffnesses: tuple[float, float
                 f"share of pairs with a deeper shear layer, {label}", depths[1], depths[0], pair
             ),
         ]
-        reason = reason_unrankable(soft) or reason_unrankable(stiff) or reason_incomparable(pair)
-        checks += _limit_votes(withhold(rank_checks, reason), stiffness == stiffnesses[0])
+        ranked = withhold(rank_checks, reason_unranked(pair))
+        checks += _limit_votes(ranked, stiffness == stiffnesses[0])
         checks += report_states(f"{SOFT} N/m, n = {depth:g}", [soft])
         checks += report_states(f"{stiffness:g} N/m, n = {depth:g}", [stiff])
     return checks
@@ -302,13 +299,9 @@ def w22(
                 f"share of pairs more agitated with {value:g} N/m than {softest} N/m, n = {n:g}"
             )
             first, second = (_agitation(place, layer) for place in (stiff, soft))
-            reason = (
-                reason_unrankable(soft)
-                or reason_unrankable(stiff)
-                or reason_incomparable([soft, stiff])
-            )
-            withheld_checks = withhold([outranks(quantity, first, second, [stiff, soft])], reason)
-            checks += _limit_votes(withheld_checks, value == stiffness)
+            check = outranks(quantity, first, second, [stiff, soft])
+            ranked = withhold([check], reason_unranked([soft, stiff]))
+            checks += _limit_votes(ranked, value == stiffness)
     return checks
 
 

@@ -256,19 +256,16 @@ def _resting_beds(place: Place, min_rest: float) -> int:
 
 
 def _sweep(evidence: Evidence, depth: float, **where: float) -> dict[float, Place]:
-    """Return the flows of a depth by their friction over tan θ."""
     line = evidence.line("chute", "friction", depth=depth, cell=CELLS[depth], **where)
     return {mu / tan(radians(place["angle"])): place for mu, place in line.items()}
 
 
 def _report_arrested(place: Place, min_rest: float) -> Check:
-    """Report how many beds of a flow have come to rest."""
     resting = _resting_beds(place, min_rest)
     return reported_share(f"beds at rest, {_rough_label(place)}", resting, place.completed, [place])
 
 
 def _rough_label(place: Place) -> str:
-    """Return the label of a flow of the sweeps over friction."""
     return f"μ = {place['friction']:g}, n = {place['depth']:g}, V0 = {place['initial_velocity']:g}"
 
 
@@ -351,7 +348,6 @@ def _check_starts(
 
 
 def _report_start_states(evidence: Evidence, depth: float) -> list[Check]:
-    """Report the states of a deep flow by its start."""
     line = evidence.line("chute", "initial_velocity", depth=depth, cell=CELLS[depth])
     reports = []
     for start, place in line.items():
