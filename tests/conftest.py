@@ -37,14 +37,15 @@ if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):
 # fifth of the time.
 gc.set_threshold(100_000, 50, 100)
 
-#: Files and folders that run first, in this order. Two compile the loops of all others, one for
-#: each worker; figures need no loops. Slow files come early: at the end a worker would wait.
+#: Files and folders that run first, in this order. Three compile the loops of all others, which two
+#: workers would else compile at the same time; figures need no loops, and tests of laws come after
+#: the golden points. Slow files come early: at the end a worker would wait.
 ORDER = (
     "engine/dynamics/test_chute_reference.py",
     "engine/dynamics/test_belt_reference.py",
+    "golden/",
     "figures/",
     "workflow/",
-    "golden/",
     "conformance/",
     "engine/systems/",
     "engine/contact/",

@@ -120,9 +120,11 @@ def found(tmp_path_factory) -> Callable[[str], tuple[FigureSpec, Path]]:
 
 @pytest.fixture(autouse=True)
 def small(monkeypatch) -> None:
-    """Let pictures of animations, which take long, be small."""
+    """Let pictures of animations, which take long, be few and small."""
     monkeypatch.setattr(animation, "CHUTE_PIXELS", 50)
     monkeypatch.setattr(animation, "BELT_PIXELS", 50)
+    monkeypatch.setattr(animation, "FRAMES", 3)
+    monkeypatch.setattr(animation, "EVERY", 13)
 
 
 def with_completed(dataset: Path, replicates: int | None) -> Path:
@@ -140,7 +142,17 @@ def with_completed(dataset: Path, replicates: int | None) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("wanted", "state"), [*product(FORMS, ["all"]), *product(A_FORM, ["one", "none"])]
+    ("wanted", "state"),
+    [
+        *product(FORMS, ["all"]),
+        *product(OWN_FORMS, ["one"]),
+        *product(A_FORM, ["none"]),
+        *(
+            pytest.param(wanted, "one", marks=pytest.mark.long)
+            for wanted in A_FORM
+            if wanted not in OWN_FORMS
+        ),
+    ],
 )
 def test_a_kind_draws_its_picture_data_and_caption(wanted, state, found, tmp_path):
     spec, dataset = found(wanted)
@@ -153,7 +165,7 @@ def test_a_kind_draws_its_picture_data_and_caption(wanted, state, found, tmp_pat
         assert np.ptp(np.asarray(picture.convert("L"))) > 100
     if spec.animated:
         with Image.open(other) as moving:
-            assert moving.n_frames in range(20, 41) or state == "none"
+            assert moving.n_frames > 1 or state == "none"
             assert moving.info.get("loop", 0) == 0 and width > 2 * moving.width
             assert other.stat().st_size < LARGEST
     else:

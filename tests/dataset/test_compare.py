@@ -55,6 +55,7 @@ def test_means_that_lie_apart_are_told_from_chance():
     assert first.difference.half_width < 0.015
 
 
+@pytest.mark.long
 def test_equal_means_are_called_different_no_more_often_than_said():
     false = [any(compared(side(), side()).is_real) for _ in range(300)]
     assert np.mean(false) < 0.09

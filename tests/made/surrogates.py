@@ -1,18 +1,31 @@
 """Made-up samples of surrogates: known functions of known points, with known noise."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 
 import numpy as np
+import pytest
 import xarray as xr
 from scipy.stats import qmc
 
 from sim.study.design import Axis
 from sim.study.surrogate import SurrogateSpec
+from sim.surrogates import indices, posterior
 from sim.surrogates.fitting import fit_surrogate
 from sim.surrogates.surrogate import Surrogate
 
 #: Parameters of a made-up chute.
 AXES = (Axis("friction", 0.2, 0.8), Axis("depth", 2.0, 10.0), Axis("stiffness", 1e2, 1e4, "log"))
+
+
+@contextmanager
+def rough_answers() -> Iterator[None]:
+    """Let chains and samples be short: for tests of what is told, not of numbers."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(posterior, "_STEPS", 200)
+        patch.setattr(posterior, "LONG_ENOUGH", 4)
+        patch.setattr(indices, "_REALISATIONS", 2)
+        yield
 
 
 def smooth(x: np.ndarray) -> np.ndarray:

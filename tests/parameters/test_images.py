@@ -43,7 +43,7 @@ def test_a_cell_narrower_than_a_bump_and_the_largest_particle_is_refused(shape, 
         parse_point({**given_values, "cell": max(3, least - 1e-6)}, "study.yaml")
 
 
-@pytest.mark.parametrize("system", ["chute", "conveyor"])
+@pytest.mark.parametrize("system", [pytest.param("chute", marks=pytest.mark.long), "conveyor"])
 def test_largest_diameters_are_those_of_many_particles(system):
     values = {"system": system, "depth": 40, "cell": 10, "diameter_spread": 0.4}
     flow = build(parse_point(values | ({"shape": "disc"} if system == "conveyor" else {}), "p"), 0)

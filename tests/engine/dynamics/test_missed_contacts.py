@@ -20,6 +20,9 @@ from tests.engine_motion.spheres import SphereMotion
 FAR = 40 * RADIUS
 SIZE = 2 * RADIUS
 
+#: Every step is looked at, which takes long.
+SEEDS = [0, pytest.param(1, marks=pytest.mark.long)]
+
 
 def follow_spheres(motion: SphereMotion, radius, steps: int) -> tuple[set, int, int]:
     """Advance step by step; return who met, how often a list outlived its plain skin, and lists.
@@ -59,7 +62,7 @@ def profile(kind: str, height):
     return {"linear": height, "wavy": 2 * np.sin(height), "split": 2 * np.sign(height - 2.0)}[kind]
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("kind", ["linear", "wavy", "split"])
 @pytest.mark.parametrize(
     ("skin", "agitation", "threads"), [(0.1, 0.02, 1), (0.3, 0.1, 2), (0.8, 0.02, 1)]
@@ -104,7 +107,7 @@ def test_no_contact_is_missed_where_the_mean_flow_alone_brings_spheres_together(
     assert outlived_steps > 20
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("skin", [0.1, 0.5])
 def test_no_contact_of_two_beams_that_meet_head_on_is_missed(skin, seed):
     """All use up their half of the skin at the same time, which is the worst that may happen."""
@@ -153,7 +156,7 @@ def crowd(seed: int, spacing: float, kind: str, integrator, skin: float):
     return DiskMotion(position, velocity, **options), radius
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("integrator", [Gear, Verlet])
 @pytest.mark.parametrize(("kind", "spacing"), [("layers", 1.0), ("beams", 1.4)])
 @pytest.mark.parametrize("skin", [0.1, 0.3])
