@@ -14,7 +14,7 @@ EXAMPLES = ROOT / "docs" / "examples"
 #: Plug-ins, each with the suite of what it registers and which of its tests are run.
 PLUGINS = {
     EXAMPLES / "base_slip.py": ("test_observables.py", "base_slip"),
-    EXAMPLES / "boxes.py": ("test_plots.py", "boxes"),
+    EXAMPLES / "boxes.py": ("test_plots.py", "boxes and all"),
 }
 
 #: Loops under a motion and a second law take a minute to compile, and neither knows of the other.

@@ -1,13 +1,17 @@
 """A study continued elsewhere from a dataset: only points that the dataset lacks are run."""
 
+import shutil
 from pathlib import Path
 
 import pytest
 import xarray as xr
 
+from sim.claims.verdict_files import write as write_claims
 from sim.dataset.adopted import adopt
 from sim.dataset.build import build
 from sim.dataset.rounds import read_round
+from sim.figures.render import draw_figures
+from sim.report import page
 from sim.study.load import load_study
 from sim.surrogates.rounds import write_round
 from tests.golden import CLOCK
@@ -24,11 +28,15 @@ plots: [{name: velocity, x: frequency, y: velocity}]
 
 @pytest.fixture(scope="module")
 def finished_tree(tmp_path_factory) -> Path:
-    """Return a folder with a finished study, its dataset, and a dataset of half of its points."""
+    """Return a folder with a finished study, its dataset, and a dataset of half of its points.
+
+    Its runs are made up.
+    """
     tree = tmp_path_factory.mktemp("straight")
     (tree / "small.yaml").write_text(STUDY % 2)
-    process = snakemake(tree, "dataset", study="small.yaml")
-    assert process.returncode == 0, process.stderr
+    for point in load_study(tree / "small.yaml", tree / "results").points.values():
+        write_run(tree / "results/small/runs", point.parameters)
+    build(tree / "small.yaml", tree / "results")
     (tree / "half.yaml").write_text((STUDY % 2).replace(", 40, 50", ""))
     build(tree / "half.yaml", tree / "results", finished=tree / "half.nc")
     return tree
@@ -45,23 +53,32 @@ def test_only_what_the_dataset_has_not_is_run(finished_tree, tmp_path):
     dry_run = plan(tmp_path, study="small.yaml")
     assert frequencies(dry_run) == {"40", "50"}
     assert jobs(dry_run)["dataset"] == jobs(dry_run)["warm"] == 1
-    process = snakemake(tmp_path, study="small.yaml")
+    process = snakemake(tmp_path, "dataset", study="small.yaml")
     assert process.returncode == 0, process.stderr
     assert "4 points: 2 done, 2 adopted" in process.stderr
-    assert len(list((results / "small" / "runs").glob("*.nc"))) == 2
-    assert planned_jobs(tmp_path, study="small.yaml") == {}
+    run_files = list((results / "small" / "runs").glob("*.nc"))
+    assert len(run_files) == 2
+    assert planned_jobs(tmp_path, "dataset", study="small.yaml") == {}
+    straight = tmp_path / "straight"
+    shutil.copytree(finished_tree / "results", straight)
+    for file in run_files:
+        shutil.copy(file, straight / "small" / "runs")
+    build(path, straight)
     groups = [None, "natural", "si", "belt"]
     for group in groups:
         one, other = (
-            xr.load_dataset(tree / "results/small/dataset.nc", group=group)
-            for tree in (tmp_path, finished_tree)
+            xr.load_dataset(folder / "small/dataset.nc", group=group)
+            for folder in (results, straight)
         )
         times = [name for name in CLOCK if name in one]
         xr.testing.assert_equal(one.drop_vars(times), other.drop_vars(times))
-    page = (results / "small" / "report.html").read_text()
+    made = results / "small"
+    draw_figures(["velocity"], made / "dataset.nc", made / "figures", code="x", study_path=path)
+    write_claims([], "small", made)
+    text = page.build(path, results).read_text()
     (adopted_file,) = (results / "small" / "adopted").iterdir()
-    assert page.count("; adopted") == 2
-    assert f"2 points from dataset {adopted_file.stem}, run 20" in page
+    assert text.count("; adopted") == 2
+    assert f"2 points from dataset {adopted_file.stem}, run 20" in text
     # More of each point is none of the dataset's; pages need run files.
     (tmp_path / "more.yaml").write_text(STUDY % 3)
     assert len(frequencies(plan(tmp_path, study="more.yaml"))) == 4
