@@ -31,6 +31,13 @@ def test_intervals_hold_the_truth_of_made_up_materials():
     assert total == 2 * MATERIALS and held >= 17
 
 
+@pytest.fixture
+def shorter(monkeypatch) -> None:
+    """Let chains be shorter, where a test asks for no small interval."""
+    monkeypatch.setattr(posterior, "_STEPS", 400)
+    monkeypatch.setattr(posterior, "LONG_ENOUGH", 20)
+
+
 @pytest.fixture(scope="module")
 def groups():
     return calibrate(made_measurements(1)[1])
@@ -68,7 +75,7 @@ def test_chains_are_long_enough_or_say_that_they_are_not(groups, monkeypatch):
     assert text.startswith("its chains are ") and text.endswith("too short for its intervals")
 
 
-def test_what_no_parameters_give_is_no_narrow_posterior():
+def test_what_no_parameters_give_is_no_narrow_posterior(shorter):
     groups = calibrate(made_measurements(1, shift=3.0)[1])
     assert "posterior" not in groups and groups["observed_data"].attrs["outcome"] == "no fit"
     (sentence,) = outcome_sentences(groups)
@@ -92,7 +99,7 @@ def line(depths=(2.0, 3.0, 4.0), scales=("linear",) * 3, bounds=None, **options)
     return Calibration(made, ranges, {"depth": depths}, values, errors, "velocity", **options)
 
 
-def test_data_inform_the_parameter_that_matters_alone():
+def test_data_inform_the_parameter_that_matters_alone(shorter):
     groups = calibrate(line())
     rows = summarize(groups).set_index("parameter")
     assert rows["informed"].to_dict() == {"slope": True, "idle": False}
@@ -101,14 +108,14 @@ def test_data_inform_the_parameter_that_matters_alone():
     assert outcome_sentences(groups)[1].startswith("idle is not determined (0.0")
 
 
-def test_the_next_experiment_is_where_the_slope_shows_most():
+def test_the_next_experiment_is_where_the_slope_shows_most(shorter):
     candidates = calibrate(line())["predictions_constant_data"]
     best = candidates.isel(candidate=int(np.argmax(candidates["narrowing"].values)))
     assert best["depth"] == 4.0 and 0 < best["narrowing"] < 1
     assert candidates["depth"].min() == 2 and candidates["depth"].max() == 4
 
 
-def test_an_uncertain_surrogate_gives_wider_posteriors():
+def test_an_uncertain_surrogate_gives_wider_posteriors(shorter):
     made = line()
     unsure = replace(made, predictor=replace(made.predictor, error=0.3))
     narrow, wide = (
@@ -117,7 +124,7 @@ def test_an_uncertain_surrogate_gives_wider_posteriors():
     assert wide > 2 * narrow
 
 
-def test_parameters_are_even_in_their_scale():
+def test_parameters_are_even_in_their_scale(shorter):
     bounds = [(0.01, 100), (0, 1), (1, 9)]
     made = line(depths=(2.0,), scales=("log", "linear", "linear"), bounds=bounds)
     vague = replace(made, errors=np.array([1e4]))
@@ -125,7 +132,7 @@ def test_parameters_are_even_in_their_scale():
     assert np.log10(slope).mean() == pytest.approx(0, abs=0.2)
 
 
-def test_measurements_without_conditions_are_calibrated_too():
+def test_measurements_without_conditions_are_calibrated_too(shorter):
     made = MadePredictor(lambda slope: slope, [(0, 2)], parameters=("slope",))
     values, errors = np.array([1.0, 1.1, 1.05]), np.full(3, 0.1)
     groups = calibrate(Calibration(made, {"slope": (0.0, 2.0)}, {}, values, errors, "velocity"))

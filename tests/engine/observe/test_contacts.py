@@ -25,7 +25,8 @@ from tests.engine_motion.spheres import SphereMotion
 SMALL = {"depth": 2, "cell": 5, "stress_profiles": True}
 READINGS = [
     {},
-    {"tangential_exponent": 1, "overlap_memory": "reset"},
+    # Takes long to compile; springs and dashpots are another law.
+    pytest.param({"tangential_exponent": 1, "overlap_memory": "reset"}, marks=pytest.mark.long),
     {"law": "spring_dashpot"},
     {"threads": 2},
     {"diameter_spread": 0.3},

@@ -52,7 +52,7 @@ def transport_of_a_block(friction: float, strength: float, ratio: float, steps: 
     ("friction", "strength", "ratio", "law"),
     [
         (0.4, 0.8, 1.0, "walton_braun"),
-        (0.2, 0.9, 2.0, "walton_braun"),
+        pytest.param(0.2, 0.9, 2.0, "walton_braun", marks=pytest.mark.long),
         pytest.param(0.4, 0.8, 1.0, "hertz", marks=pytest.mark.long),
         pytest.param(0.4, 0.8, 1.0, "spring_dashpot", marks=pytest.mark.long),
         pytest.param(0.2, 0.9, 2.0, "hertz", marks=pytest.mark.long),
@@ -134,7 +134,7 @@ COMBINED = [
 
 
 #: Laws whose work other tests have; compiling them for a plane that moves takes long.
-RARE = ("spring_dashpot", "drag")
+RARE = ("spring_dashpot", "hertz", "drag")
 
 
 @pytest.mark.parametrize(

@@ -32,8 +32,8 @@ def test_half_a_layer_accelerates_as_spheres_that_roll_alone():
     [
         ({"depth": 1.24}, 4.5),
         pytest.param({"depth": 2.5}, 4.5, marks=pytest.mark.long),
-        ({"depth": 1.24, "sliding_direction": "slip"}, 4.5),
-        ({"depth": 1.24, "law": "spring_dashpot"}, 4.5),
+        pytest.param({"depth": 1.24, "sliding_direction": "slip"}, 4.5, marks=pytest.mark.long),
+        pytest.param({"depth": 1.24, "law": "spring_dashpot"}, 4.5, marks=pytest.mark.long),
         pytest.param({"depth": 1.24, "law": "hertz"}, 4.5, marks=pytest.mark.long),
         ({"depth": 1.24, "law": "drag"}, 0.12),
     ],
@@ -100,7 +100,7 @@ def test_the_ledger_converges_with_the_time_step():
         {"belt_ghost": "centred"},
         {"obstacle": 1.5},
         {"shear_damping": 0},
-        {"integrator": "verlet"},
+        pytest.param({"integrator": "verlet"}, marks=pytest.mark.long),
     ],
 )
 def test_the_belt_does_the_work_that_damping_takes(values):
