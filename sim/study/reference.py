@@ -143,10 +143,11 @@ def _observables() -> list[str]:
             if any(name in names for names in shown_by()[kind].values())
         ]
         needs = f" (needs `{observable.asked_by}`)" if observable.asked_by else ""
-        meaning = observable.meaning.removesuffix(", mean of all particles") + needs
-        row = (f"`{name}`", " ".join(letters), observable.unit, meaning)
+        unit = f", {observable.unit}" if observable.unit != "1" else ""
+        meaning = observable.meaning.removesuffix(", mean of all particles") + unit + needs
+        row = (f"`{name}`", "".join(letters), meaning)
         rows.setdefault(_of(systems), {})[name] = row
-    return _sections("Observables", ("observable", "shown", "unit", "meaning"), rows)
+    return _sections("Observables", ("observable", "shown", "meaning"), rows)
 
 
 def _figures() -> list[str]:
@@ -157,7 +158,7 @@ def _figures() -> list[str]:
         other = {key: each for key, each in spec.taken.items() if str(each) != usual.get(key)}
         only = [f"{key} {each}" for key, each in other.items()]
         if len(other) < len(spec.taken):
-            only.append("else the paper's" if other else "the paper's")
+            only.append("…")
         row = (
             f"`{name}`",
             spec.title,
