@@ -159,15 +159,11 @@ def _figures() -> list[str]:
         only = [f"{key} {each}" for key, each in other.items()]
         if len(other) < len(spec.taken):
             only.append("…")
-        row = (
-            f"`{name}`",
-            spec.title,
-            ", ".join(spec.axes),
-            ", ".join(spec.curves),
-            "; ".join(only),
-        )
+        curves = f" ({', '.join(spec.curves)})" if spec.curves else ""
+        vary = ", ".join(spec.axes) + curves
+        row = (f"`{name}`", spec.title, vary, "; ".join(only))
         rows.setdefault(f"the {spec.system}", {})[name] = row
-    headings = ("figure", "shows", "points must vary", "curves vary", "takes only")
+    headings = ("figure", "shows", "points vary (curves)", "takes only")
     return _sections("Figures", headings, rows)
 
 
@@ -180,15 +176,15 @@ def _parameters() -> list[str]:
     rows: dict[str, dict[str, Sequence[str]]] = {}
     for (name, row), each in systems.items():
         rows.setdefault(_of(each), {})[name] = row
-    headings = ("parameter", "symbol", "unit", "allowed", "default", "meaning")
+    headings = ("parameter", "symbol (unit)", "allowed", "default", "meaning")
     return _sections("Parameters", headings, rows)
 
 
 def _parameter(row: FieldRow) -> Sequence[str]:
+    unit = row.scale or ("" if row.unit == "1" else row.unit)
     return (
         f"`{row.name}`",
-        row.symbol,
-        row.scale or ("" if row.unit == "1" else row.unit),
+        f"{row.symbol} ({unit})" if row.symbol and unit else row.symbol or unit,
         row.allowed.removeprefix("a number ").removeprefix("one of "),
         _default(row.default),
         f"{row.description} ({row.equation})" if row.equation else row.description,
