@@ -14,6 +14,7 @@ from mkdocs.structure.pages import Page
 from pygments.formatters import HtmlFormatter
 
 from docs.site.pages import commands, licences, variables
+from docs.site.paper_pages import published_claims, verdicts_page
 
 ROOT = Path(__file__).parents[2]
 
@@ -29,6 +30,8 @@ SITE_PAGES = {
 LINK_TARGETS = SITE_PAGES | {
     "docs/site/pages.py": "reference/variables.md",
     "requirements.lock": "reference/licences.md",
+    "results/published/paper_gallas/verdicts.csv": "verdicts.md",
+    "results/published/paper_walton/verdicts.csv": "verdicts.md",
 }
 
 #: Pages generated from the code, and their functions.
@@ -36,6 +39,7 @@ GENERATED_PAGES = {
     "reference/commands.md": commands,
     "reference/licences.md": licences,
     "reference/variables.md": variables,
+    "verdicts.md": lambda: verdicts_page(published_claims(ROOT / "results" / "published")),
 }
 
 #: Style sheet of the colours of code.

@@ -1,6 +1,7 @@
-"""Pages of docs/ on both papers, made of what is published: results in words, and all verdicts.
+"""Pages on both papers, made of what is published: results in words, and all verdicts.
 
-``python -m docs.site.paper_pages results`` and ``verdicts`` write them to the standard output.
+``python -m docs.site.paper_pages`` writes the first to the standard output. The second is on the
+site alone.
 """
 
 import json
@@ -11,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import jinja2
+import xarray as xr
 
 from sim.report.claims import VERDICTS, count_verdicts, read_claims
 from sim.report.numbers import value_with_interval
@@ -32,36 +34,36 @@ explains the words. Each claim has four verdicts:
 - *now*: by the present rules, on these runs and on beds and readings added since
   ([how often they err](validation.md#how-often-the-judge-is-right)).
 
-The last column has the change since the second round, and then the reason for the restated
-criterion. A verdict that changed since the second round is bold. It may hold under a condition ("at
-K1 = 1,000 N/m"). Letters are the statements of a claim with several. *By number of ours* has the
-verdict as a function of a number that the paper does not give.
+A verdict that changed since the second round is bold. It may hold under a condition ("at K1 =
+1,000 N/m"). Letters are the statements of a claim with several. *By number of ours* has the verdict
+as a function of a number that the paper does not give.
 
-Sentences, criteria and evidence are in the reports
+Sentences, criteria, reasons and evidence are in the reports
 ([Walton](../results/published/paper_walton/report.html),
 [Gallas](../results/published/paper_gallas/report.html)). Verdicts by reading and protocol are in
 `verdicts.csv` beside them.
-
-`python -m docs.site.paper_pages verdicts > docs/verdicts.md` makes this page from both
-`claims.json`.
 """
 
 
-def main(page: str, published: Path = PUBLISHED) -> str:
-    """Return a page, ``results`` or ``verdicts``, of the published studies of both papers."""
+def main(published: Path = PUBLISHED) -> str:
+    """Return the page of results of the published studies of both papers."""
     folders = {paper: published / f"paper_{paper}" for paper in papers()}
-    claims = [
+    runs = {}
+    for paper, folder in folders.items():
+        told = json.loads((folder / "provenance.json").read_text(encoding="utf-8"))
+        with xr.open_dataset(folder / "dataset.nc") as dataset:
+            hours = float(dataset["loop_time"].sum()) / 3600
+        runs[paper] = {"points": told["points"], "runs": told["runs"], "hours": hours}
+    return results_page({claim["id"]: claim for claim in published_claims(published)}, runs)
+
+
+def published_claims(published: Path = PUBLISHED) -> list[dict[str, Any]]:
+    """Return the claims of the published studies of both papers."""
+    return [
         claim
-        for folder in folders.values()
-        for claim in read_claims(folder / "claims.json", replaceable=False)
+        for paper in papers()
+        for claim in read_claims(published / f"paper_{paper}" / "claims.json", replaceable=False)
     ]
-    if page == "verdicts":
-        return verdicts_page(claims)
-    runs = {
-        paper: json.loads((folder / "provenance.json").read_text(encoding="utf-8"))
-        for paper, folder in folders.items()
-    }
-    return results_page({claim["id"]: claim for claim in claims}, runs)
 
 
 def results_page(
@@ -74,7 +76,7 @@ def results_page(
     claims : mapping
         The claims of both papers, as `sim.report.claims.read_claims` returns them, by id.
     runs : mapping
-        ``provenance.json`` of the published studies, by the short name of the paper.
+        Points, runs and hours of processor time in the loops over time steps, by paper.
 
     Raises
     ------
@@ -157,8 +159,8 @@ def verdicts_page(claims: Sequence[Mapping[str, Any]]) -> str:
     for name, paper in papers().items():
         rows = [_row(claim) for claim in claims if claim["paper"] == name]
         heads = (
-            "| claim | first | second round | referee | now | by number of ours | why |\n"
-            "| --- | --- | --- | --- | --- | --- | --- |"
+            "| claim | first | second round | referee | now | by number of ours |\n"
+            "| --- | --- | --- | --- | --- | --- |"
         )
         parts.append("\n".join([f"## {paper.author}\n", heads, *rows, ""]))
     return "\n".join(parts)
@@ -205,10 +207,9 @@ def _row(claim: Mapping[str, Any]) -> str:
         f"{number['value']:g}: {number['verdict']}" for number in claim["by_number"]
     )
     title = f"{claim['id']} {claim['title']}"
-    why = " ".join(filter(None, (second["why"], first["why"] and f"At first: {first['why']}")))
-    cells = title, first["verdict"], second["verdict"], second["referee"], verdict, numbers, why
+    cells = title, first["verdict"], second["verdict"], second["referee"], verdict, numbers
     return f"| {' | '.join(cells)} |"
 
 
 if __name__ == "__main__":
-    sys.stdout.write(main(sys.argv[1]))
+    sys.stdout.write(main())

@@ -1,7 +1,7 @@
 """JSON schema and parameter reference: derived from the models, written to ``config/``."""
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -59,38 +59,21 @@ def reference_text() -> str:
     # The entries have the same keys in every system, so the first one stands for all.
     file = file_models()
     entries = next(iter(file.systems.values()))
-    parts = [
-        "### Keys of a study",
-        _keys_table(file.study),
-        "### Keys of a series",
-        _keys_table(entries.series),
-        "### Keys of a design",
-        _keys_table(DesignFile),
-        "### Keys of the values of a parameter in a design",
-        _keys_table(Distribution),
-        "### Keys of a boundary",
-        _keys_table(entries.boundary),
-        "### Keys of a surrogate",
-        _keys_table(SurrogateFile),
-        "### Keys of a sensitivity",
-        _keys_table(SensitivityFile),
-        "### Keys of a calibration",
-        _keys_table(CalibrateFile),
-        "### Keys of a plot",
-        _keys_table(PlotFile),
-        "### Keys of data beside a plot's own",
-        _keys_table(BesideFile),
-        "### Keys of an override",
-        _keys_table(entries.override),
-        "### Keys of `defaults`",
-        _keys_table(file.defaults),
-        "### Keys of `readings`",
-        _keys_table(file.readings),
-    ]
-    parts += ["### Observables", _observables_table(), "### Figures", _figures_table()]
-    for name, model in SYSTEMS.items():
-        rows = [row for row in field_info(model).values() if row.name != "system"]
-        parts += [f"### Parameters of the {name}", _parameters_table(rows)]
+    models: dict[str, type[BaseModel]] = {
+        "a study": file.study,
+        "a series": entries.series,
+        "a design": DesignFile,
+        "the values of a parameter in a design": Distribution,
+        "a boundary": entries.boundary,
+        "a surrogate": SurrogateFile,
+        "a sensitivity": SensitivityFile,
+        "a calibration": CalibrateFile,
+        "a plot": PlotFile,
+        "data beside a plot's own": BesideFile,
+        "an override": entries.override,
+    }
+    parts = [part for of, model in models.items() for part in (f"### Keys of {of}", _keys(model))]
+    parts += [*_observables(), *_figures(), *_parameters()]
     return "\n\n".join(parts) + "\n"
 
 
@@ -134,80 +117,96 @@ def write(folder: Path) -> None:
         raise InputError(f"{error.filename or folder}: {error.strerror}") from None
 
 
-def _keys_table(model: type[BaseModel]) -> str:
+def _keys(model: type[BaseModel]) -> str:
     rows = [
-        (f"`{name}`", "yes" if field.is_required() else "no", field.description or "")
+        (f"`{name}`{', required' * field.is_required()}", field.description or "")
         for name, field in model.model_fields.items()
     ]
-    return _table(("key", "required", "meaning"), rows)
+    return _table(("key", "meaning"), rows)
 
 
-def _observables_table() -> str:
-    entries: dict[str, dict[str, Any]] = {}
-    for system in SYSTEMS:
-        for kind, observables in shown_by().items():
-            for observable in observables[system].values():
-                entry = entries.setdefault(
-                    observable.name, {"observable": observable, "kinds": {}, "systems": {}}
-                )
-                entry["kinds"][kind] = entry["systems"][system] = True
-    rows = [
-        (
-            f"`{name}`",
-            ", ".join(entry["kinds"]),
-            ", ".join(entry["systems"]),
-            entry["observable"].unit,
-            entry["observable"].meaning.removesuffix(", mean of all particles"),
-            f"`{entry['observable'].asked_by}`" if entry["observable"].asked_by else "",
-        )
-        for name, entry in entries.items()
+#: Letters of what an observable is, and a kind of plot that shows such.
+_SHOWN = {"n": "curves", "p": "profiles", "t": "time_series"}
+
+
+def _observables() -> list[str]:
+    rows: dict[str, dict[str, Sequence[str]]] = {}
+    found = {
+        name: observable
+        for kind in shown_by().values()
+        for of_system in kind.values()
+        for name, observable in of_system.items()
+    }
+    for name, observable in found.items():
+        systems = [one for one in SYSTEMS if any(name in kind[one] for kind in shown_by().values())]
+        letters = [
+            letter
+            for letter, kind in _SHOWN.items()
+            if any(name in names for names in shown_by()[kind].values())
+        ]
+        needs = f" (needs `{observable.asked_by}`)" if observable.asked_by else ""
+        unit = f", {observable.unit}" if observable.unit != "1" else ""
+        meaning = observable.meaning.removesuffix(", mean of all particles") + unit + needs
+        row = (f"`{name}`", "".join(letters), meaning)
+        rows.setdefault(_of(systems), {})[name] = row
+    return _sections("Observables", ("observable", "shown", "meaning"), rows)
+
+
+def _figures() -> list[str]:
+    rows: dict[str, dict[str, Sequence[str]]] = {}
+    for name, spec in FIGURES.items():
+        fields = field_info(SYSTEMS[spec.system])
+        usual = {key: _default(field.default) for key, field in fields.items()}
+        other = {key: each for key, each in spec.taken.items() if str(each) != usual.get(key)}
+        only = [f"{key} {each}" for key, each in other.items()]
+        if len(other) < len(spec.taken):
+            only.append("…")
+        curves = f" ({', '.join(spec.curves)})" if spec.curves else ""
+        vary = ", ".join(spec.axes) + curves
+        row = (f"`{name}`", spec.title, vary, "; ".join(only))
+        rows.setdefault(f"the {spec.system}", {})[name] = row
+    headings = ("figure", "shows", "points vary (curves)", "takes only")
+    return _sections("Figures", headings, rows)
+
+
+def _parameters() -> list[str]:
+    systems: dict[tuple[str, Sequence[str]], list[str]] = {}
+    for system, model in SYSTEMS.items():
+        for name, one in field_info(model).items():
+            if name != "system":
+                systems.setdefault((name, _parameter(one)), []).append(system)
+    rows: dict[str, dict[str, Sequence[str]]] = {}
+    for (name, row), each in systems.items():
+        rows.setdefault(_of(each), {})[name] = row
+    headings = ("parameter", "symbol (unit)", "allowed", "default", "meaning")
+    return _sections("Parameters", headings, rows)
+
+
+def _parameter(row: FieldRow) -> Sequence[str]:
+    unit = row.scale or ("" if row.unit == "1" else row.unit)
+    return (
+        f"`{row.name}`",
+        f"{row.symbol} ({unit})" if row.symbol and unit else row.symbol or unit,
+        row.allowed.removeprefix("a number ").removeprefix("one of "),
+        _default(row.default),
+        f"{row.description} ({row.equation})" if row.equation else row.description,
+    )
+
+
+def _of(systems: Sequence[str]) -> str:
+    return "all systems" if len(systems) == len(SYSTEMS) else "the " + " and ".join(systems)
+
+
+def _sections(
+    what: str, headings: Sequence[str], rows: Mapping[str, Mapping[str, Sequence[str]]]
+) -> list[str]:
+    """Return headings and tables, one of each for the systems that share rows."""
+    shared = sorted(rows, key=lambda of: (of != "all systems", " and " not in of))
+    return [
+        part
+        for of in shared
+        for part in (f"### {what} of {of}", _table(headings, rows[of].values()))
     ]
-    return _table(("observable", "shown by", "system", "unit", "meaning", "needs"), rows)
-
-
-def _figures_table() -> str:
-    return _table(
-        (
-            "figure",
-            "shows",
-            "of",
-            "system",
-            "its points must vary",
-            "its curves vary",
-            "it takes only",
-        ),
-        [
-            (
-                f"`{spec.name}`",
-                spec.title,
-                spec.paper,
-                spec.system,
-                ", ".join(spec.axes),
-                ", ".join(spec.curves),
-                "; ".join(f"{name} {values}" for name, values in spec.taken.items()),
-            )
-            for spec in FIGURES.values()
-        ],
-    )
-
-
-def _parameters_table(rows: Iterable[FieldRow]) -> str:
-    headings = ("parameter", "symbol", "unit", "allowed", "default", "meaning", "source")
-    return _table(
-        headings,
-        [
-            (
-                f"`{row.name}`",
-                row.symbol,
-                row.scale or ("" if row.unit == "1" else row.unit),
-                row.allowed,
-                _default(row.default),
-                row.description,
-                row.equation,
-            )
-            for row in rows
-        ],
-    )
 
 
 def _default(value: Any) -> str:
