@@ -13,13 +13,23 @@ from sim.dataset.compare import Comparison, Mean, Pair, compare, read_side
 from sim.parameters import SYSTEMS
 from sim.parameters.words import setting
 from sim.report.points import align_table
+from sim.report.second_opinion import ask
 
 _HEADINGS = ("point", "A", "B", "B - A", "p", "")
 _RIGHT = {"p"}
 
 
-def show(first: Path, second: Path, quantity: str, ignored: Sequence[str], format: str) -> str:
+def show(
+    first: Path,
+    second: Path | None,
+    quantity: str = "velocity",
+    ignored: Sequence[str] = (),
+    format: str = "text",
+    **opinion: Any,
+) -> str:
     """Return the comparison of two runs or two studies as ``text`` or ``json``.
+
+    Without a second it is what another engine says of a study, see `sim.report.second_opinion.ask`.
 
     Raises
     ------
@@ -27,10 +37,12 @@ def show(first: Path, second: Path, quantity: str, ignored: Sequence[str], forma
         When a file cannot be read or lacks the quantity, when an ignored parameter is unknown, or
         when they have no point in common.
     """
+    if second is None:
+        return "\n".join(ask(first, **opinion))
     parameters = {name for model in SYSTEMS.values() for name in model.model_fields}
     for name in ignored:
         if name not in parameters:
-            raise InputError.of_value("--ignore", "", name, "a parameter of the chute or the belt")
+            raise InputError.of_value("--ignore", "", name, "a parameter of a system")
     (first_side, unit), (second_side, _) = (read_side(path, quantity) for path in (first, second))
     comparison = compare(first_side, second_side, ignored)
     if format == "json":

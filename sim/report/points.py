@@ -39,9 +39,17 @@ _RIGHT = {"particles", "steps", "core time"}
 _NOTHING: Mapping[str, Any] = {}
 
 
-def show(study_path: Path, results: Path, format: str) -> str:
-    """Return the points of a study as ``table`` or ``json``, after warnings on standard error."""
-    study = load_study(study_path, None)
+def show(path: Path, results: Path, format: str, as_point: bool = False) -> str:
+    """Return the points of a study as ``table`` or ``json``, after warnings on standard error.
+
+    Of a run file it is what the file holds, or with ``as_point`` the point file that makes it.
+    """
+    if path.suffix == ".nc":
+        # It needs the libraries of run files.
+        from sim.report.info import describe as describe_run
+
+        return describe_run(path, as_point)
+    study = load_study(path, None)
     require_start_files(study)
     for warning in warnings(study, results):
         print(f"warning: {warning}", file=sys.stderr)

@@ -209,7 +209,8 @@ def ask(study_path: Path, results: Path, share: float, cores: int, engine: str =
 
 def _run(points: list[Parameters], study: Study, folder: Path, cores: int) -> bool:
     """Run points as the jobs of the workflow do; return whether one could not be run."""
-    command = [sys.executable, str(Path(__file__).parents[1] / "__main__.py"), "batch", str(folder)]
+    program = str(Path(__file__).parents[1] / "__main__.py")
+    command = [sys.executable, program, "job", "batch", str(folder)]
     plugins = {VARIABLE: os.pathsep.join(plugin.pinned_name for plugin in study.plugins)}
     environment = os.environ | (plugins if study.plugins else {})
     parts = [points[number::cores] for number in range(cores)]

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.base.errors import InputError, count_text, duration, printable
+from sim.base.program import program
 from sim.engine.shared_runs import describe
 from sim.report.points import align_table
 from sim.report.status import ENDED_STATES, PointStatus, StudyStatus, survey
@@ -29,8 +30,17 @@ _RIGHT = {"done", "rate", "elapsed", "time left"}
 _HASH = 9
 
 
-def show(study_path: Path | None, results: Path, format: str, watch: float | None) -> None:
+def show(
+    study_path: Path | None,
+    results: Path,
+    format: str,
+    watch: float | None,
+    orphans: bool = False,
+    remove: bool = False,
+) -> list[str] | None:
     """Print the progress of a study as ``text`` or ``json``; every ``watch`` seconds until its end.
+
+    With ``orphans`` return lines on runs of no point of it instead, see `list_orphans`.
 
     Raises
     ------
@@ -41,7 +51,10 @@ def show(study_path: Path | None, results: Path, format: str, watch: float | Non
         raise InputError.of_value("--watch", "", watch, f"a number in [1, {DAY}]")
     if results.exists() and not results.is_dir():
         raise InputError.of_value("--results", "", str(results), "a folder")
-    study = load_study(study_path or DEFAULT_STUDY, None)
+    study_path = study_path or DEFAULT_STUDY
+    if orphans:
+        return list_orphans(study_path, results, remove)
+    study = load_study(study_path, None)
     is_terminal = sys.stdout.isatty()
     width = shutil.get_terminal_size().columns if is_terminal else None
     while True:
@@ -49,7 +62,7 @@ def show(study_path: Path | None, results: Path, format: str, watch: float | Non
         text = printable(as_json(status) if format == "json" else as_text(status, width))
         print(f"{CLEAR}{text}" if is_terminal and watch else text, flush=True)
         if watch is None or status.is_over:
-            return
+            return None
         time.sleep(watch)
 
 
@@ -176,7 +189,8 @@ def _closing_lines(status: StudyStatus) -> list[str]:
     if outdated:
         lines.append(f"of other numerics, to be run again: {count_text(outdated, 'point')}")
     if status.orphans:
-        lines.append(f"runs of no point of the study: {len(status.orphans):,} (sim orphans)")
+        how = f"{program()} status --orphans lists them"
+        lines.append(f"runs of no point of the study: {len(status.orphans):,}; {how}")
     return lines
 
 
