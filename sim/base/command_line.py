@@ -100,7 +100,7 @@ COMMANDS: dict[str, tuple[str, str, Sequence[Parameter]]] = {
         ],
     ),
     "status": (
-        "sim.report.status_table:show",
+        "sim.report.status:show",
         "Show how far a study is.",
         [
             _argument("study_path", "[STUDY.yaml]", required=False, help="default: config/quick"),

@@ -13,8 +13,7 @@ from tqdm import tqdm
 
 from sim.base.errors import InputError, duration
 from sim.base.plugins import NOTICE
-from sim.report.status import survey
-from sim.report.status_table import as_text
+from sim.report.status import as_text, survey
 from sim.study.cost import estimate
 from sim.study.load import Study
 
