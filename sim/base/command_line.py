@@ -168,7 +168,7 @@ COMMANDS: dict[str, tuple[str, str, Sequence[Parameter]]] = {
             _option("--of quantity", "QUANTITY", "any number of a replicate", default="velocity"),
             _option("--ignore ignored", "PARAMETER", "may differ in pairs, too", multiple=True),
             TEXT,
-            _option("--engine", "NAME", "that is asked; default: the only other one"),
+            _option("--engine", "NAME", "that is asked; default: the only other one", default=""),
             _option("--share", "SHARE", "of the points known to both", type=float, default=0.05),
             _option("--cores", "N", "runs at a time of the engine", type=int, default=1),
             RESULTS,
