@@ -55,6 +55,9 @@ def _file(name: str, metavar: str, help: str = "", **more: Any) -> Option:
 
 
 STUDY = _argument("study_path", "STUDY.yaml")
+ANY_STUDY = _argument("study_path", "[STUDY.yaml]", required=False)
+DATASET = _argument("dataset_path", "DATASET.nc")
+CORES = _option("--cores", "N", "cores to use", type=int)
 RESULTS = _file("--results", "FOLDER", "folder of all results", default="results")
 TEXT = _option("--format", type=Choice(("text", "json")), default="text")
 TABLE = _option("--format", type=Choice(("table", "json")), default="table")
@@ -74,10 +77,10 @@ COMMANDS: dict[str, tuple[str, str, Sequence[Parameter]]] = {
     ),
     "study": (
         "sim.study.command:study",
-        "Check a study and run it with Snakemake.",
+        "Check a study and run it with Snakemake, on all cores or those of a profile.",
         [
             STUDY,
-            _option("--cores", "N", "cores to use; default: all, or those of a profile", type=int),
+            CORES,
             _option("--profile", "NAME", "slurm, or the folder of a profile of Snakemake"),
             _option("-n --dry-run", help="list what would be run, and run nothing"),
             _argument(
@@ -101,9 +104,9 @@ COMMANDS: dict[str, tuple[str, str, Sequence[Parameter]]] = {
     ),
     "status": (
         "sim.report.status:show",
-        "Show how far a study is.",
+        "Show how far a study is, by default config/quick.yaml.",
         [
-            _argument("study_path", "[STUDY.yaml]", required=False, help="default: config/quick"),
+            ANY_STUDY,
             RESULTS,
             TEXT,
             _option("--watch", "SECONDS", "show it again and again until it is over", type=float),
@@ -176,15 +179,16 @@ COMMANDS: dict[str, tuple[str, str, Sequence[Parameter]]] = {
     ),
     "decide": (
         "sim.report.decide:decide",
-        "Add the replicates that open questions need.",
-        [STUDY, RESULTS, _option("--cores", "N", "run study and rounds on N cores", type=int)],
+        "Add the replicates that open questions need; with --cores run study and rounds in turns, "
+        "until nothing is to be added.",
+        [STUDY, RESULTS, CORES],
     ),
     "figure": (
         "sim.figures.render:draw_figures",
         "Draw figures from a dataset.",
         [
             _argument("names", "NAME...", str, nargs=-1, required=True, help="such as walton_2"),
-            _argument("dataset_path", "DATASET.nc"),
+            DATASET,
             _file("-o --output out_folder", "FOLDER", required=True),
             _file("--study study_path", "STUDY.yaml", "study with plots of its own"),
             PROCESSES,
@@ -220,7 +224,7 @@ JOBS: dict[str, tuple[str, Sequence[Parameter]]] = {
     "warm": (
         "sim.__main__:warm",
         [
-            _argument("study_path", "[STUDY.yaml]", required=False),
+            ANY_STUDY,
             PROCESSES,
             _option("--clean", help="remove compiled code instead"),
         ],
@@ -232,7 +236,7 @@ JOBS: dict[str, tuple[str, Sequence[Parameter]]] = {
     ),
     "adopt": (
         "sim.dataset.adopted:adopt",
-        [STUDY, RESULTS, _argument("dataset_path", "DATASET.nc")],
+        [STUDY, RESULTS, DATASET],
     ),
     "dataset": (
         "sim.dataset.build:build",
