@@ -24,10 +24,8 @@ from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any
 
-from sim.base.additions import plugin_code_error
-from sim.base.command_line import INPUT_ERROR, parse
+from sim.base.command_line import COMPLETE, INPUT_ERROR, parse
 from sim.base.errors import InputError, printable
-from sim.base.plugins import load_from_environment
 from sim.base.program import __version__, program
 
 SYSTEM_ERROR = 1
@@ -67,12 +65,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # A log that cannot be written, as on a full disk, is no reason for a traceback.
     logging.raiseExceptions = False
     words = sys.argv[1:] if arguments is None else arguments
-    if not words:
+    if not words and COMPLETE not in os.environ:
         print(START.format(version=__version__, program=program()), end="", file=sys.stderr)
         return INPUT_ERROR
     try:
         options = parse(words)
-        load_from_environment()
         code = _call(options.pop("function"), options)
         if sys.stdout:
             sys.stdout.flush()
@@ -93,6 +90,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         is_name = isinstance(error, OSError) and error.errno == errno.ENAMETOOLONG
         return INPUT_ERROR if is_name else SYSTEM_ERROR
     except Exception as error:
+        from sim.base.additions import plugin_code_error
+
         if input_error := plugin_code_error(error):
             print(f"error: {input_error}", file=sys.stderr)
             return INPUT_ERROR
@@ -110,6 +109,10 @@ def _flush_or_discard() -> None:
 
 def _call(function: str, options: dict[str, Any]) -> int:
     """Call the function of a command, print its result, and return the exit code."""
+    # Imported here, as help and the completion of a line need no plug-in.
+    from sim.base.plugins import load_from_environment
+
+    load_from_environment()
     answer = resolve_name(function)(**options)
     if isinstance(answer, int):
         return answer
@@ -120,21 +123,20 @@ def _call(function: str, options: dict[str, Any]) -> int:
     return 0
 
 
-def warm(study_path: Path | None, processes: int) -> None:
-    """Compile the code for the points of a study, by default for those of all systems."""
+def warm(study_path: Path | None, processes: int, clean: bool) -> str | None:
+    """Compile the code for the points of a study, or of all systems; or remove compiled code."""
+    from sim.engine import command, identity
     from sim.parameters import SYSTEMS
+    from sim.study.load import load_study
 
-    if study_path is None:
-        points = [model() for model in SYSTEMS.values()]
-    else:
-        from sim.study.load import load_study
-
+    if clean:
+        return identity.remove_cache()
+    points = [model() for model in SYSTEMS.values()]
+    if study_path is not None:
         points = [point.parameters for point in load_study(study_path, None).points.values()]
-
-    from sim.engine.command import warm
-
     logging.basicConfig(format="%(message)s", level=logging.INFO, stream=sys.stderr)
-    warm(points, processes)
+    command.warm(points, processes)
+    return None
 
 
 if __name__ == "__main__":

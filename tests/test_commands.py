@@ -11,8 +11,8 @@ from pkgutil import resolve_name
 import pytest
 
 from sim.__main__ import main
-from sim.base.command_line import COMMANDS, parse, parser
-from tests.made.processes import ROOT, program
+from sim.base.command_line import COMMANDS, EARLIER_NAMES, JOBS, parse
+from tests.made.processes import ROOT, program, refusal
 
 STUDY = """\
 study: mine
@@ -340,7 +340,7 @@ LINES = {
     "compare": ["compare", "a.nc", "b.nc"],
     "figure": ["figure", "walton_2", "x.nc", "-o", "folder"],
     "publish": ["publish", "x.yaml", "--to", "folder"],
-} | {name: [name] for name in ("status", "schema", "warm", "bench", "clean")}
+} | {name: [name] for name in ("status", "schema", "warm", "clean")}
 
 
 @pytest.mark.parametrize("words", [["points", "config/quick.yaml"], ["--print-completion", "bash"]])
@@ -351,9 +351,9 @@ def test_an_output_that_is_full_is_one_line(words):
     assert "No space left on device" in done.stderr
 
 
-@pytest.mark.parametrize("name", COMMANDS)
+@pytest.mark.parametrize("name", [*COMMANDS, *EARLIER_NAMES])
 def test_every_command_has_a_function_that_takes_its_options(name):
-    options = vars(parser("talus").parse_args(LINES.get(name, [name, "x.yaml"])))
+    options = parse(LINES.get(name, [name, "x.yaml"]))
     signature(resolve_name(options.pop("function"))).bind(**options)
 
 
@@ -366,28 +366,34 @@ def test_the_program_alone_says_how_to_start():
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["points"], "the following arguments are required: STUDY.yaml; python -m sim points -h"),
-        (["run", "x.yaml"], "the following arguments are required: -o/--output; "),
-        (["stduy", "x.yaml"], "stduy: unknown command; did you mean study? python -m sim -h"),
-        (["--versoin"], "--versoin: unknown option; did you mean --version? "),
-        (["study", "x.yaml", "--dryrun"], "--dryrun: unknown option; did you mean --dry-run? "),
-        (["points", "x.yaml", "y.yaml"], "y.yaml: one word too many; python -m sim points -h"),
-        (["export", "x.nc", "--to", "vkt"], "argument --to: invalid choice: 'vkt' (choose from "),
+        (["points"], "Missing argument 'STUDY.yaml|RUN.nc'. python -m sim points -h tells more"),
+        (["run", "x.yaml"], "Missing option '-o' / '--output'. "),
+        (["stduy", "x.yaml"], "No such command 'stduy'. Did you mean 'study'? python -m sim -h "),
+        (["--versoin"], "No such option '--versoin'. Did you mean '--version'? "),
+        (["study", "x.yaml", "--dryrun"], "No such option '--dryrun'. Did you mean '--dry-run'? "),
+        (["points", "x.yaml", "y.yaml"], "Got unexpected extra argument (y.yaml) "),
+        (["job"], "Missing command. python -m sim job -h tells more"),
+        (["export", "x.nc", "--to", "vkt"], "Invalid value for '--to': 'vkt' is not one of "),
     ],
 )
 def test_a_command_line_that_is_wrong_is_one_line(words, message, capsys):
-    with pytest.raises(SystemExit) as ended:
-        parse(words)
-    (line,) = capsys.readouterr().err.splitlines()
-    assert ended.value.code == 2
-    assert line.startswith(f"error: {message}")
+    assert refusal(capsys, *words).startswith(f"error: {message}")
+
+
+def test_twelve_commands_are_listed_and_those_of_the_workflow_apart(capsys):
+    for words, listed in (([], COMMANDS), (["job"], JOBS)):
+        with pytest.raises(SystemExit) as ended:
+            main([*words, "-h"])
+        (text,) = re.findall(r"Commands:\n((?:  .*\n)+)", capsys.readouterr().out)
+        assert ended.value.code == 0 and re.findall(r"^  (\S+)", text, re.M) == list(listed)
+    assert len(COMMANDS) == 12
 
 
 def test_a_dry_run_is_handed_to_snakemake():
-    for words in (["-n"], ["--dry-run"], ["--", "--dry-run"]):
-        options = parse(["study", "x.yaml", *words, *(["--", "-q"] if "--" not in words else [])])
-        assert options["extra"][0] == "--dry-run"
-    assert parse(["study", "x.yaml"])["extra"] == []
+    for words in (["-n"], ["--dry-run"]):
+        options = parse(["study", "x.yaml", *words, "--", "-q", "--keep-going"])
+        assert options["dry_run"] and options["extra"] == ("-q", "--keep-going")
+    assert parse(["study", "x.yaml"])["extra"] == ()
 
 
 def test_compiled_code_is_removed_and_nothing_else(tmp_path):
@@ -399,7 +405,7 @@ def test_compiled_code_is_removed_and_nothing_else(tmp_path):
     (tmp_path / "202611251234" / "code.nbi").touch()
     (tmp_path / "ba9876543210").symlink_to(tmp_path / "mine")
     folder = os.environ | {"TALUS_CACHE_DIR": str(tmp_path)}
-    done = program("clean", env=folder)
+    done = program("job", "warm", "--clean", env=folder)
     assert done.stdout == f"{tmp_path}: 2 MB of compiled code removed\n"
     assert sorted(path.name for path in tmp_path.iterdir()) == [
         "202611251234",
@@ -408,7 +414,10 @@ def test_compiled_code_is_removed_and_nothing_else(tmp_path):
         "mine",
     ]
     assert (
-        program("clean", env=os.environ | {"TALUS_CACHE_DIR": str(tmp_path / "no")}).returncode == 0
+        program(
+            "job", "warm", "--clean", env=os.environ | {"TALUS_CACHE_DIR": str(tmp_path / "no")}
+        ).returncode
+        == 0
     )
 
 

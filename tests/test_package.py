@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from sim import __version__
-from tests.made.processes import ROOT
+from tests.made.processes import ROOT, program
 from tests.made.project import copy_tree, jobs, planned_jobs
 
 LISTED = """\
@@ -171,17 +171,15 @@ def nothing_to_do(talus) -> bool:
 
 @pytest.mark.parametrize("shell", ["bash", "zsh"])
 def test_the_shell_completes_commands_and_files(shell, capsys):
-    pytest.importorskip("shtab")
     from sim.__main__ import main
 
     with pytest.raises(SystemExit) as ended:
         main(["--print-completion", shell])
     script = capsys.readouterr().out
-    assert ended.value.code == 0 and "boundaries" in script and "talus" in script
-    if shell == "bash" and shutil.which("bash"):
-        asked = "COMP_WORDS=(talus st); COMP_CWORD=1; _shtab_talus; echo ${COMPREPLY[@]}"
-        said = subprocess.check_output(["bash", "-c", f"{script}\n{asked}"], text=True)
-        assert set(said.split()) == {"status", "study"}
+    assert ended.value.code == 0 and "_TALUS_COMPLETE" in script
+    asked = {"_TALUS_COMPLETE": f"{shell}_complete", "COMP_WORDS": "talus st", "COMP_CWORD": "1"}
+    said = program(env=os.environ | asked).stdout
+    assert "status" in said and "study" in said and "points" not in said
 
 
 PYTHON = """\

@@ -10,7 +10,7 @@ import yaml
 
 import sim
 from docs.site.pages import commands, licences, variables
-from sim.base.command_line import COMMANDS
+from sim.base.command_line import COMMANDS, JOBS
 from sim.parameters import SYSTEMS, field_info
 from tests.made.figures import make_built_study
 from tests.made.processes import ROOT
@@ -42,8 +42,9 @@ def listed(held: str | list) -> list[str]:
 
 def test_all_commands_are_told_with_their_options():
     text = commands()
-    assert re.findall(r"^## ([\w-]+)$", text, re.MULTILINE) == list(COMMANDS)
-    assert "usage: talus export" in text and "--replicate N" in text
+    names = [*COMMANDS, *(f"job {name}" for name in JOBS)]
+    assert re.findall(r"^## ([\w -]+)$", text, re.MULTILINE) == names
+    assert "Usage: talus export" in text and "--replicate N" in text
 
 
 def test_every_package_that_studies_need_has_its_licence():

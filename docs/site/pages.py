@@ -1,17 +1,15 @@
 """Pages of the site that are generated: commands, variables of files, licences of packages."""
 
-import argparse
 from collections.abc import Iterable, Mapping, Sequence
-from functools import partial
 from importlib.metadata import Distribution, distribution
 from pathlib import Path
 
-from sim.base.command_line import COMMANDS, parser
+import click
+
+from sim.base.command_line import COMMANDS
+from sim.base.command_line import commands as parser
 from sim.parameters import SYSTEMS
 from sim.parameters.variables import Variable, observable_variables, variables_of
-
-#: Formatter of help with lines of 90 characters, independent of the terminal.
-HELP = partial(argparse.HelpFormatter, width=90)
 
 #: Packages that studies need, with their versions.
 LOCK = Path(__file__).parents[2] / "requirements.lock"
@@ -45,20 +43,21 @@ DERIVED = {
 
 def commands() -> str:
     """Return the reference of the command line."""
-    talus_parser = parser("talus")
-    (subcommands,) = (
-        action for action in talus_parser._actions if isinstance(action, argparse._SubParsersAction)
-    )
+    talus = parser()
+    job = talus.commands["job"]
+    assert isinstance(job, click.Group)
     parts = [
         "# Commands",
         "`talus COMMAND`, where the package is installed and in the repository after `make setup`."
         " Exit codes: 0, 1 (an error of the system), 2 (input that cannot be used), 3 (a run blew"
         " up), 130 and 143 (ended by a signal).",
-        _table(("command", ""), [(f"[`{n}`](#{n})", text) for n, (_, text) in COMMANDS.items()]),
+        _table(("command", ""), [(f"[`{n}`](#{n})", text) for n, (_, text, _) in COMMANDS.items()]),
     ]
-    for name, subparser in subcommands.choices.items():
-        subparser.formatter_class = HELP
-        parts += [f"## {name}", f"```text\n{subparser.format_help().rstrip()}\n```"]
+    jobs = {f"job {name}": command for name, command in job.commands.items()}
+    for name, command in {**talus.commands, **jobs}.items():
+        if command is not job:
+            context = click.Context(command, info_name=f"talus {name}", terminal_width=90)
+            parts += [f"## {name}", f"```text\n{command.get_help(context).rstrip()}\n```"]
     return "\n\n".join(parts) + "\n"
 
 

@@ -130,7 +130,7 @@ def _read_text(path: str | Path, source: str) -> str:
     except UnicodeDecodeError:
         if Path(source).suffix == ".nc":
             problem = "a netCDF file, where a YAML file is expected"
-            raise InputError(f"{source}: {problem}; talus info describes a run") from None
+            raise InputError(f"{source}: {problem}; talus points describes a run") from None
         raise InputError(f"{source}: not a text file (UTF-8 expected)") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error

@@ -134,7 +134,7 @@ def _lengths(parameters: Parameters) -> dict[str, float]:
 def _log_file(parameters: Parameters, output: Path, status: str) -> None:
     """Log where a run is, and of one that failed how to see it again."""
     if status == "failed":
-        command = shlex.join(["python", "-m", "sim", "info", str(output), "--point"])
+        command = shlex.join(["python", "-m", "sim", "points", str(output), "--point"])
         log.warning("%s: its point, to see the failure again: %s", point_id(parameters), command)
     log.info("%s: written", output)
 

@@ -9,7 +9,7 @@ from typing import Any
 import jinja2
 from uncertainties import ufloat
 
-from sim.base.errors import duration, percent
+from sim.base.errors import count_text, duration, percent
 
 #: Relative width of an interval below which it does not set the digits of its value.
 _EXACT = 1e-4
@@ -130,10 +130,11 @@ def template(name: str) -> jinja2.Template:
     """Return a template of a page; undefined names raise an error."""
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(TEMPLATES),
-        autoescape=True,
+        autoescape=name.endswith(".html.j2"),
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
     environment.filters |= {"duration": duration, "percent": percent, "quoted": shlex.quote}
+    environment.filters["count_text"] = count_text
     return environment.get_template(name)

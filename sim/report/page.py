@@ -29,6 +29,7 @@ from sim.report.claims import (
     reading_tables,
     tests_a_paper,
 )
+from sim.report.compare import opinions_of
 from sim.report.explorer import compressed, drawing_program, explorer_data
 from sim.report.numbers import template
 from sim.report.runs import (
@@ -40,7 +41,6 @@ from sim.report.runs import (
     varied_columns,
     varied_parameters,
 )
-from sim.report.second_opinion import opinions_of
 from sim.study.load import Study, load_study
 from sim.study.paper_values import paper_values
 from sim.study.papers import papers

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import psutil
+from tabulate import tabulate
 
 from sim.base.errors import InputError, count_text, duration
 from sim.base.files import require_writable
@@ -39,9 +40,17 @@ _RIGHT = {"particles", "steps", "core time"}
 _NOTHING: Mapping[str, Any] = {}
 
 
-def show(study_path: Path, results: Path, format: str) -> str:
-    """Return the points of a study as ``table`` or ``json``, after warnings on standard error."""
-    study = load_study(study_path, None)
+def show(path: Path, results: Path, format: str, as_point: bool = False) -> str:
+    """Return the points of a study as ``table`` or ``json``, after warnings on standard error.
+
+    Of a run file it is what the file holds, or with ``as_point`` the point file that makes it.
+    """
+    if path.suffix == ".nc":
+        # It needs the libraries of run files.
+        from sim.report.info import describe as describe_run
+
+        return describe_run(path, as_point)
+    study = load_study(path, None)
     require_start_files(study)
     for warning in warnings(study, results):
         print(f"warning: {warning}", file=sys.stderr)
@@ -181,16 +190,9 @@ def align_table(
     headings: Sequence[str], rows: Sequence[tuple[str, ...]], right: Container[str]
 ) -> list[str]:
     """Return a table as lines; the columns with headings in ``right`` are right-aligned."""
-    columns = list(zip(headings, *rows, strict=True))
-    widths = [max(map(len, column)) for column in columns]
-    lines = []
-    for row in (headings, *rows):
-        cells = [
-            cell.rjust(width) if heading in right else cell.ljust(width)
-            for cell, width, heading in zip(row, widths, headings, strict=True)
-        ]
-        lines.append("  ".join(cells).rstrip())
-    return lines
+    sides = ["right" if heading in right else "left" for heading in headings]
+    table = tabulate(rows, headings, "plain", colalign=sides, disable_numparse=True)
+    return [line.rstrip() for line in table.splitlines()]
 
 
 def _design_lines(study: Study) -> list[str]:

@@ -1,29 +1,37 @@
-"""The progress of a study: the state of every point, from the files in its folder of results."""
+"""The progress of a study, from the files in its folder of results, and runs of no point of it."""
 
+import json
 import re
 import socket
+import sys
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 from functools import cache
 from itertools import chain
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import psutil
 
+from sim.base.errors import InputError, count_text, duration, printable
 from sim.base.files import is_of_system
+from sim.base.program import program
 from sim.base.seals import UNREADABLE
 from sim.dataset.adopted import AdoptedPoint, AdoptedPoints
 from sim.dataset.replicates import caveat_of_run
 from sim.dataset.rounds import points_of_rounds, rounds_to_come
 from sim.dataset.run_file import summary_of
 from sim.engine.identity import NUMERICS, numerics_of
-from sim.engine.progress import CREDIT, Progress, may_end_early, progress_file, read_progress
-from sim.engine.shared_runs import SharedRun, find_runs
+from sim.engine.progress import CREDIT, Progress, progress_file, read_progress
+from sim.engine.shared_runs import SharedRun, describe, find_runs
 from sim.engine.stored_run import has_enough
 from sim.parameters import Parameters, amounts, point_id
-from sim.study.cost import PROCESS_TIME, estimate
+from sim.report.numbers import template
+from sim.report.points import align_table
+from sim.study.cost import estimate
 from sim.study.extra_amounts import (
     ExtraAmounts,
     other_engines,
@@ -31,7 +39,7 @@ from sim.study.extra_amounts import (
     twins,
     with_extra_amounts,
 )
-from sim.study.load import Study
+from sim.study.load import DEFAULT_STUDY, Study, load_study
 from sim.surrogates.answers import summary_lines
 
 STATES = ("done", "failed", "adopted", "running", "interrupted", "waiting")
@@ -48,6 +56,10 @@ RUN_FILES = re.compile(r"([^.].*)\.nc|\.([^.].*)\.nc\.(?:state|progress)")
 #: Seconds by which the start of a process may seem later than it was: the kernel gives its boot
 #: time in whole seconds.
 START_ERROR = 2.0
+
+#: Control sequence that clears a terminal, and seconds of a day.
+CLEAR = "\x1b[H\x1b[2J"
+DAY = 86_400
 
 
 @dataclass(frozen=True)
@@ -109,14 +121,10 @@ class StudyStatus:
     points : dict
         `PointStatus` by id, in the order of the study.
     core_seconds_left : float
-        Estimate for all points that are not done, failed, adopted or run by another study, on one
-        core.
-    longest_left : float
-        Longest time (s) that one of those points still needs on its own threads.
-    at_most : bool
-        Whether these times are upper bounds, because runs may end early.
+        Core time of the points that are missing: the estimated one, times measured over estimated
+        time of the points that are done.
     rounds_left : int
-        Rounds whose points are not known yet, one where their number is open; these times do not
+        Rounds whose points are not known yet, one where their number is open; this time does not
         include them.
     orphans : tuple of str
         Points no longer in the study that have run files, or states of a stopped run. Empty while
@@ -131,8 +139,6 @@ class StudyStatus:
     title: str
     points: dict[str, PointStatus]
     core_seconds_left: float
-    longest_left: float
-    at_most: bool
     rounds_left: int = 0
     orphans: tuple[str, ...] = ()
     budget: Budget | None = None
@@ -170,7 +176,7 @@ class StudyStatus:
         """Estimated seconds to the end on the cores that are used now; None while none is used."""
         if self.is_over:
             return 0.0
-        return max(self.core_seconds_left / self.cores, self.longest_left) if self.cores else None
+        return self.core_seconds_left / self.cores if self.cores else None
 
 
 def survey(study: Study, results: str | Path = "results") -> StudyStatus:
@@ -210,13 +216,12 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
     every = (twins(study, other).values() for other in other_engines().values())
     known = points.keys() | set(map(point_id, chain.from_iterable(every)))
     orphans = () if to_come else tuple(sorted(stored - known))
-    time_left = _time_left(points, parameters)
     budget = _budget(study.decide.budget, points, extra) if study.decide else None
     return StudyStatus(
         study.name,
         study.title,
         points,
-        *time_left,
+        _core_seconds_left(points, parameters),
         to_come,
         orphans,
         budget,
@@ -303,55 +308,154 @@ def _read_ended(path: Path, changed: int, parameters: Parameters) -> PointStatus
     )
 
 
-def _time_left(
+def _core_seconds_left(
     points: Mapping[str, PointStatus], parameters: Mapping[str, Parameters]
-) -> tuple[float, float, bool]:
-    """Return `core_seconds_left`, `longest_left` and `at_most` of a study."""
-    factors = _factors(points, parameters)
-    total, longest, at_most = 0.0, 0.0, False
+) -> float:
+    """Return the core time of missing points, see `StudyStatus`."""
+    measured, estimated, missing = 0.0, 0.0, 0.0
     for key, point in points.items():
-        if point.state in ENDED_STATES or (point.shared and point.shared.is_enough):
-            continue
-        values = parameters[key]
-        seconds_left = (
-            point.progress.remaining_seconds
-            if point.progress and point.state == "running"
-            else None
-        )
-        if seconds_left is None:
-            factor = factors.get(_kind(values))
-            core_seconds = PROCESS_TIME + _computing_seconds(values) * (factor or 1.0)
-            is_bound = factor is None
-        else:
-            core_seconds, is_bound = seconds_left * point.threads, True
-        total += core_seconds
-        longest = max(longest, core_seconds / point.threads)
-        at_most |= is_bound and may_end_early(values)
-    return total, longest, at_most
-
-
-def _factors(
-    points: Mapping[str, PointStatus], parameters: Mapping[str, Parameters]
-) -> dict[tuple[str, bool], float]:
-    """Return by kind the ratio of measured to estimated time, over the points that are done."""
-    measured: dict[tuple[str, bool], float] = {}
-    estimated: dict[tuple[str, bool], float] = {}
-    for key, point in points.items():
+        cost = estimate(parameters[key]).core_seconds
         if point.state == "done" and point.core_seconds > 0:
-            kind, computing = _kind(parameters[key]), _computing_seconds(parameters[key])
-            measured[kind] = measured.get(kind, 0.0) + point.core_seconds
-            estimated[kind] = estimated.get(kind, 0.0) + computing
-    return {kind: measured[kind] / estimated[kind] for kind in measured}
+            measured, estimated = measured + point.core_seconds, estimated + cost
+        elif point.state not in ENDED_STATES and not (point.shared and point.shared.is_enough):
+            done = point.progress.done / point.progress.total if point.progress else 0.0
+            missing += cost * max(0.0, 1.0 - done)
+    return missing * (measured / estimated if estimated else 1.0)
 
 
-def _kind(parameters: Parameters) -> tuple[str, bool]:
-    """Return the kind of a point: points of one kind share the ratio in `_factors`."""
-    return parameters.system, may_end_early(parameters)
+def show(
+    study_path: Path | None,
+    results: Path,
+    format: str,
+    watch: float | None,
+    orphans: bool = False,
+    remove: bool = False,
+) -> list[str] | None:
+    """Print the progress of a study as ``text`` or ``json``; every ``watch`` seconds until its end.
 
+    With ``orphans`` return lines on runs of no point of it instead, see `list_orphans`.
 
-def _computing_seconds(parameters: Parameters) -> float:
-    """Return the estimated core seconds of a run without the start of its process.
-
-    The times in run files exclude that start, too.
+    Raises
+    ------
+    InputError
+        When ``watch`` is out of range, or ``results`` is not a folder.
     """
-    return estimate(parameters).core_seconds - PROCESS_TIME
+    if watch is not None and not 1 <= watch <= DAY:
+        raise InputError.of_value("--watch", "", watch, f"a number in [1, {DAY}]")
+    if results.exists() and not results.is_dir():
+        raise InputError.of_value("--results", "", str(results), "a folder")
+    if remove and not orphans:
+        raise InputError.of_value("--remove", "", remove, "with --orphans")
+    study = load_study(study_path or DEFAULT_STUDY, results if orphans else None)
+    if orphans:
+        return list_orphans(study, results, remove)
+    while True:
+        status = survey(study, results)
+        text = printable(as_json(status) if format == "json" else as_text(status))
+        print(f"{CLEAR}{text}" if sys.stdout.isatty() and watch else text, flush=True)
+        if watch is None or status.is_over:
+            return None
+        time.sleep(watch)
+
+
+def as_text(status: StudyStatus) -> str:
+    """Return counts, running and failed points, and the time left as text."""
+    rows = [
+        (
+            point.state,
+            f"{point.progress.percent} %",
+            f"{point.progress.rate / 1e6:.1f}",
+            duration(point.progress.elapsed),
+            point.progress.remaining_time if point.state == "running" else "-",
+            key,
+        )
+        for state in ("running", "interrupted")
+        for key, point in status.points.items()
+        if point.state == state and point.progress
+    ]
+    headings = ("state", "done", "rate", "elapsed", "time left", "point")
+    points = status.points.items()
+    text = template("status.txt.j2").render(
+        status=status,
+        counts=", ".join(f"{count:,} {state}" for state, count in status.counts.items() if count),
+        started=align_table(headings, rows, set(headings[1:5])),
+        failed=[f"{k}: {' '.join(p.reason.split())}" for k, p in points if p.state == "failed"],
+        outdated=sum(point.outdated for _, point in points),
+        shared=describe(point.shared for _, point in points if point.shared),
+        program=program(),
+    )
+    return text.strip()
+
+
+def as_json(status: StudyStatus) -> str:
+    """Return the counts, every point and the time left (s; null while nothing runs) as JSON."""
+    budget = status.budget
+    document = {
+        "study": status.name,
+        "title": status.title,
+        "counts": status.counts,
+        "caveats": status.caveats,
+        "points": [_point_entry(key, point) for key, point in status.points.items()],
+        "cores": status.cores,
+        "core_seconds": status.core_seconds,
+        "core_seconds_left": status.core_seconds_left,
+        "seconds_left": status.seconds_left,
+        "rounds_left": status.rounds_left,
+        "orphans": status.orphans,
+        "budget": budget
+        and {"hours": budget.hours, "spent": budget.spent, "left": budget.hours_left},
+        "answers": status.answers,
+    }
+    return json.dumps(document, indent=2, ensure_ascii=False)
+
+
+def _point_entry(key: str, point: PointStatus) -> dict[str, Any]:
+    entry: dict[str, Any] = {"id": key, "state": point.state}
+    if point.progress:
+        entry |= point.progress.model_dump(include={"done", "total", "elapsed", "at_most"})
+        entry["particle_steps_per_second"] = point.progress.rate
+        entry["seconds_left"] = point.progress.remaining_seconds
+    if point.shared:
+        entry["shared"] = str(point.shared.path)
+    if point.state in ENDED_STATES:
+        entry |= {"core_seconds": point.core_seconds, "outdated": point.outdated}
+        entry |= {"reason": point.reason} if point.reason else {}
+        entry |= {"caveat": point.caveat} if point.caveat else {}
+    return entry
+
+
+def list_orphans(study: Study, results: Path, remove: bool) -> list[str]:
+    """Return a line per orphaned run of a study with its size, and a line with the total.
+
+    Parameters
+    ----------
+    study : Study
+        The study.
+    results : Path
+        Folder of all results.
+    remove : bool
+        Also remove run files, states and logs of these points.
+
+    Raises
+    ------
+    InputError
+        When rounds of refinement are still to come, as these may need any of the present runs.
+    """
+    status = survey(study, results)
+    if status.rounds_left:
+        allowed = "a study whose rounds of refinement are known; run it first"
+        key = "boundaries" if study.boundaries else "surrogate"
+        raise InputError.of_value(study.path, key, f"{status.rounds_left} to come", allowed)
+    folder, sizes = results / study.name, {}
+    for name in status.orphans:
+        run = folder / "runs" / f"{name}.nc"
+        others = (run.with_name(f".{run.name}.{kind}") for kind in ("state", "progress"))
+        log = folder / "logs" / "runs" / f"{name}.log"
+        files = [path for path in (run, *others, log) if path.exists()]
+        sizes[name] = sum(path.stat().st_size for path in files) / 1e6
+        for path in files if remove else ():
+            path.unlink()
+    word = "removed" if remove else "of no point of the study; --remove removes them"
+    total = f"{count_text(len(sizes), 'run')}, {sum(sizes.values()):.1f} MB: {word}"
+    lines = [f"{name}  {size:.1f} MB" for name, size in sizes.items()]
+    return [*lines, total] if lines else ["none"]

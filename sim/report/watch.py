@@ -1,32 +1,26 @@
-"""Output of a running workflow: a line per finished point or failed job, a bar on a terminal."""
+"""Output of a running workflow: a line per failed point or job, and a bar on a terminal."""
 
 import logging
 import os
 import sys
 import threading
 import time
-from collections.abc import Callable, Container, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
 from tqdm import tqdm
 
-from sim.base.errors import InputError, duration
+from sim.base.errors import InputError
 from sim.base.plugins import NOTICE
-from sim.report.status import survey
-from sim.report.status_table import as_text
-from sim.study.cost import estimate
+from sim.report.status import as_text, survey
 from sim.study.load import Study
 
 #: Seconds between two checks of the folder of runs.
 PAUSE = 1.0
 
-#: Most points for which each gets a line without a terminal. With more points, only failures do,
-#: and the progress of the study is written after every twentieth part.
-FEW_POINTS = 30
-
 #: Format of the bar on a terminal.
-BAR_FORMAT = "{desc}: {n_fmt} of {total_fmt} points |{bar:30}| {postfix}"
+BAR_FORMAT = "{desc}: {n_fmt} of {total_fmt} points |{bar:30}| {remaining} left{postfix}"
 
 #: The event of a failed job in Snakemake's log.
 EVENT = "job_error"
@@ -57,38 +51,29 @@ class Watch(threading.Thread):
         The study. Points of rounds of refinement are reported once they have run files.
     folder : Path
         Its results: ``runs`` and ``logs/runs``.
-    sources : container of str
+    sources : iterable of str
         Ids of points that come from adopted datasets, which need no run.
     """
 
-    def __init__(self, study: Study, folder: Path, sources: Container[str] = ()):
+    def __init__(self, study: Study, folder: Path, sources: Iterable[str] = ()):
         super().__init__(daemon=True)
         self._study, self._folder = study, folder
         self._runs, self._logs = folder / "runs", folder / "logs" / "runs"
-        self._estimates = {
-            point.id: estimate(point.parameters).core_seconds
-            for point in study.points.values()
-            if point.id not in sources
-        }
+        self._points = study.points.keys() - set(sources)
         self._ended = threading.Event()
-        self._start_time = time.monotonic()
         self._inodes = self._read_run_files()
         self._failed_count = 0
-        present = self._inodes.keys() & self._estimates.keys()
-        self._seconds_left = sum(self._estimates[name] for name in self._estimates.keys() - present)
-        self._seconds_done = 0.0
-        self._twentieths_written = 20 * len(present) // max(1, len(self._estimates))
         self._bar = tqdm(
             desc=study.name,
-            total=len(self._estimates),
-            initial=len(present),
+            total=len(self._points),
+            initial=len(self._points & self._inodes.keys()),
             bar_format=BAR_FORMAT,
             file=sys.stderr,
             disable=not sys.stderr.isatty(),
         )
 
     def run(self) -> None:
-        """Report finished points at intervals of `PAUSE`."""
+        """Report points at intervals of `PAUSE`."""
         while not self._ended.wait(PAUSE):
             self._report()
 
@@ -136,55 +121,23 @@ class Watch(threading.Thread):
         return inodes
 
     def _report(self) -> None:
-        """Write a line for each point that has finished since the last check, and move the bar."""
+        """Write a line for each point that has failed since the last check, and move the bar."""
         inodes = self._read_run_files()
+        for name in inodes.keys() - self._inodes.keys():
+            self._bar.update(name in self._points)
         for name in inodes:
-            if self._inodes.get(name) != inodes[name]:
-                line = self._result_line(name)
-                failed = "failed" in line
-                self._failed_count += failed
-                if failed or not self._bar.disable or len(self._estimates) <= FEW_POINTS:
-                    self.write(line)
-                if name not in self._inodes:
-                    seconds = self._estimates.get(name, 0.0)
-                    self._seconds_left, self._seconds_done = (
-                        self._seconds_left - seconds,
-                        self._seconds_done + seconds,
-                    )
-                    self._bar.update(name in self._estimates)
+            if self._inodes.get(name) != inodes[name] and "failed" in (line := self._line(name)):
+                self._failed_count += 1
+                self.write(line)
         self._inodes |= inodes
-        self._bar.set_postfix_str(self._state_text())
-        finished, total = len(inodes.keys() & self._estimates.keys()), len(self._estimates)
-        if (
-            self._bar.disable
-            and total > FEW_POINTS
-            and 20 * finished // total > self._twentieths_written
-        ):
-            self._twentieths_written = 20 * finished // total
-            print(
-                f"{self._study.name}: {finished} of {total} points, {self._state_text()}",
-                file=sys.stderr,
-            )
+        self._bar.set_postfix_str(f"{self._failed_count} failed")
 
-    def _result_line(self, name: str) -> str:
-        """Return the last line with the result in the log of a run."""
+    def _line(self, name: str) -> str:
+        """Return the last line with the result in the log of a run, empty without one."""
         with suppress(OSError):
             lines = (self._logs / f"{name}.log").read_text(encoding="utf-8").splitlines()
-            results = [line for line in lines if line.startswith(f"{name}: ")]
-            if results:
-                return results[-1]
-        return f"{name}: done"
-
-    def _state_text(self) -> str:
-        """Write how many points are running and have failed, and the estimated time left."""
-        running = sum(1 for _ in self._runs.glob(".*.progress"))
-        text = f"{running} running, {self._failed_count} failed"
-        if self._seconds_done > 0 and self._seconds_left > 0:
-            seconds = (
-                (time.monotonic() - self._start_time) * self._seconds_left / self._seconds_done
-            )
-            text += f", about {duration(seconds)} left"
-        return text
+            return next((x for x in reversed(lines) if x.startswith(f"{name}: ")), "")
+        return ""
 
 
 def is_news(record: logging.LogRecord) -> bool:

@@ -75,7 +75,9 @@ def _template_texts() -> dict[str, str]:
     return {name: texts[name] for name in sorted(texts) if "\nparts:" not in texts[name]}
 
 
-def study(study_path: Path, cores: int | None, profile: str | None, extra: Sequence[str]) -> int:
+def study(
+    study_path: Path, cores: int | None, profile: str | None, dry_run: bool, extra: Sequence[str]
+) -> int:
     """Check a study, then replace this process by the Snakemake that runs it in the current folder.
 
     Signals and exit code are therefore Snakemake's own.
@@ -88,6 +90,8 @@ def study(study_path: Path, cores: int | None, profile: str | None, extra: Seque
         Number of cores to use; by default the number in the profile, else all cores.
     profile : str, optional
         Folder of a Snakemake profile, or the name of one that comes with Talus.
+    dry_run : bool
+        Have Snakemake list what it would run, and run nothing.
     extra : sequence of str
         Further arguments for Snakemake.
 
@@ -101,6 +105,8 @@ def study(study_path: Path, cores: int | None, profile: str | None, extra: Seque
     if str(study_path) == "-":
         raise InputError.of_value("study", "", "-", "a file: Snakemake reads it again and again")
     load_study(study_path)
+    if dry_run:
+        extra = ["--dry-run", *extra]
     if profile:
         own = package_folder("workflow") / "profiles" / profile
         extra = ["--profile", str(own if own.is_dir() else profile), *extra]

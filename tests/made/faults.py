@@ -149,12 +149,12 @@ def _import_all() -> None:
     import sklearn.gaussian_process  # noqa: F401
 
     import sim.surrogates.inquiries  # noqa: F401
-    from sim.base.command_line import COMMANDS
+    from sim.base.command_line import COMMANDS, JOBS
     from sim.engine.command import _compile
     from sim.parameters import BeltParameters
     from sim.study.validate import file_models
 
-    for function, _ in COMMANDS.values():
+    for function, *_ in (*COMMANDS.values(), *JOBS.values()):
         resolve_name(function)
     file_models()
     _compile([BeltParameters(beads=10, width=5)])

@@ -13,6 +13,7 @@ import pytest
 
 from sim.__main__ import main
 from sim.base.command_line import parse
+from sim.base.errors import InputError
 from sim.engine import run_file
 from sim.engine.systems.recorder import Record
 from sim.parameters import Parameters, point_id
@@ -309,7 +310,7 @@ def test_a_write_that_fails_leaves_nothing(run, monkeypatch):
 def test_the_command_line_knows_the_formats():
     for to in FORMATS:
         assert parse(["export", "run.nc", "--to", to])["to"] == to
-    with pytest.raises(SystemExit):
+    with pytest.raises(InputError):
         parse(["export", "run.nc", "--to", "pdb"])
 
 

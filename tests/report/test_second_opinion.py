@@ -11,8 +11,8 @@ from sim.dataset.build import build as build_dataset
 from sim.dataset.compare import Mean, Pair
 from sim.engine.run import run_point
 from sim.parameters import parse_point, point_id
+from sim.report.compare import Opinion, ask
 from sim.report.page import build as build_report
-from sim.report.second_opinion import Opinion, ask
 from sim.report.status import survey
 from sim.study.extra_amounts import twin_of, twins
 from sim.study.load import load_study

@@ -8,15 +8,17 @@ import sys
 
 import pytest
 
+from sim.__main__ import main
+from sim.base.errors import duration
 from sim.engine.command import warm
 from sim.engine.identity import NUMERICS
 from sim.engine.progress import read_progress
 from sim.parameters import canonical_values, parse_point, point_id
-from sim.report.status import STATES
-from sim.report.status_table import as_json, as_text
-from sim.study.cost import PROCESS_TIME, estimate
+from sim.report.status import STATES, as_json, as_text
+from sim.study.cost import estimate
 from tests.made.folder import BOUNDED, EARLIER, LATER, STUDY, Folder
-from tests.made.processes import start_run, wait_until
+from tests.made.netcdf import edit_file
+from tests.made.processes import refusal, start_run, wait_until
 from tests.made.runs import FAILURE, write_run
 
 
@@ -172,46 +174,23 @@ def test_runs_of_other_numerics_are_counted(folder):
 
 def test_time_left_follows_what_done_points_took(folder):
     """The runs of `write_run` took 1.5 s, whatever was estimated."""
-    parameters = [folder.study.points[key].parameters for key in folder.ids]
-    computing = [estimate(one).core_seconds - PROCESS_TIME for one in parameters]
+    first, *others = (estimate(folder.study.points[key].parameters) for key in folder.ids)
     folder.finish(folder.ids[0])
-    chutes = sum(PROCESS_TIME + 1.5 * one / computing[0] for one in computing[1:3])
-    belts = sum(PROCESS_TIME + one for one in computing[3:])
-    assert folder.survey().core_seconds_left == pytest.approx(chutes + belts)
+    left = 1.5 / first.core_seconds * sum(one.core_seconds for one in others)
+    assert folder.survey().core_seconds_left == pytest.approx(left)
 
 
-def test_a_run_that_ended_early_says_nothing_of_full_lengths(tmp_path):
-    text = STUDY + "  - {name: known, system: chute, base: {protocol: converged}}\n"
-    folder = Folder(tmp_path, text)
-    before = folder.survey().core_seconds_left
-    converged = folder.ids[-1]
-    folder.finish(converged)
-    cost = estimate(folder.study.points[converged].parameters).core_seconds
-    assert folder.survey().core_seconds_left == pytest.approx(before - cost)
-
-
-def test_time_left_is_on_the_cores_in_use(folder):
+def test_time_left_is_on_the_cores_in_use_and_of_what_runs_have_left(folder):
     for key in folder.ids[:2]:
         folder.write_progress(key)
     for key in folder.ids[2:]:
         folder.finish(key)
     status = folder.survey()
-    # 500 steps of 100 particles at 5,000 particle-steps per second.
-    assert (status.cores, status.core_seconds_left, status.seconds_left) == (2, 20.0, 10.0)
-    assert "time left about 10.0 s on 2 cores" in as_text(status)
-    folder.write_progress(folder.ids[0], done=0)
-    assert folder.survey().seconds_left == 20.0
-
-
-def test_time_left_of_runs_that_may_end_early_is_a_bound(tmp_path):
-    text = STUDY.replace("title:", "defaults: {chute: {protocol: converged}}\ntitle:")
-    folder = Folder(tmp_path, text)
-    assert "left at most" in as_text(folder.survey())
-    folder.finish(folder.ids[0])
-    assert "left about" in as_text(folder.survey())
-    folder.write_progress(folder.ids[1], at_most=True)
-    text = as_text(folder.survey())
-    assert "time left at most" in text and "at most 10.0 s" in text
+    half = [estimate(folder.study.points[key].parameters).core_seconds / 2 for key in folder.ids]
+    left = sum(half[:2]) * 4.5 / sum(half[2:]) / 2
+    assert (status.cores, status.core_seconds_left) == (2, pytest.approx(left))
+    assert status.seconds_left == pytest.approx(left / 2)
+    assert f"time left about {duration(left / 2)} on 2 cores" in as_text(status)
 
 
 def test_points_of_later_rounds_belong_to_the_study(tmp_path):
@@ -243,3 +222,156 @@ def test_a_killed_run_was_interrupted(tmp_path):
         process.communicate()
     assert folder.state(key) == "interrupted"
     assert "interrupted" in as_text(folder.survey())
+
+
+def test_text_is_a_short_aligned_table_of_what_has_started_and_failed(tmp_path):
+    folder = Folder(tmp_path, STUDY.replace("[1, 2, 3]", str([1 + n / 10 for n in range(30)])))
+    for number, key in enumerate(folder.ids[:30]):
+        folder.write_progress(key) if number % 2 else folder.finish(key, failed=[0])
+    lines = as_text(folder.survey()).splitlines()
+    table = [line for line in lines if line.startswith("running ")]
+    assert len(table) == 8 and {line.index("chute-") for line in table} == {
+        len("running    50 %     0.0     10.0 s  about 10.0 s  ")
+    }
+    assert "and 7 more" in lines and "and 10 more" in lines and len(lines) <= 24
+
+
+def test_a_study_that_is_over_says_what_it_took(folder):
+    for key in folder.ids:
+        folder.finish(key)
+    status = folder.survey()
+    assert status.is_over and status.seconds_left == 0.0
+    assert as_text(status) == "made: A made-up study\n5 points: 5 done\n\n" + (
+        "time of all runs 7.5 s, with compiling and waiting"
+    )
+
+
+def test_points_with_a_caveat_are_counted(folder):
+    leaking = {"energy_residual": ("replicate", [-0.012], {"units": "1"})}
+    folder.finish(folder.ids[0], arrays=leaking)
+    path = folder.finish(folder.ids[3])
+    with edit_file(path) as run:
+        run.caveat = "the time step is long"
+    folder.finish(folder.ids[4])
+    status = folder.survey()
+    assert "5 points: 3 done, 2 waiting; 2 with a caveat" in as_text(status)
+    document = json.loads(as_json(status))
+    assert document["caveats"] == 2
+    told = [point.get("caveat", "") for point in document["points"]]
+    assert "energy does not add up" in told[0]
+    assert told[1:] == ["", "", "the time step is long", ""]
+
+
+def test_json_holds_every_point(folder):
+    folder.finish(folder.ids[0])
+    folder.finish(folder.ids[1], failed=[0])
+    folder.write_progress(folder.ids[2])
+    document = json.loads(as_json(folder.survey()))
+    assert document["counts"]["waiting"] == 2
+    assert [point["id"] for point in document["points"]] == folder.ids
+    _, failed, running, *_ = document["points"]
+    assert failed["reason"] == FAILURE
+    assert (running["done"], running["total"], running["seconds_left"]) == (500, 1000, 10.0)
+    assert document["seconds_left"] > 0
+
+
+def test_the_command_shows_a_study_until_it_is_over(folder, capsys):
+    for key in folder.ids:
+        folder.finish(key)
+    options = ["--results", str(folder.results)]
+    assert main(["status", str(folder.file), *options, "--watch", "5"]) == 0
+    assert "5 points: 5 done" in capsys.readouterr().out
+    assert main(["status", str(folder.file), *options, "--format", "json"]) == 0
+    assert json.loads(capsys.readouterr().out)["counts"]["done"] == 5
+
+
+def test_the_study_is_the_default_one_when_none_is_named(tmp_path, capsys):
+    assert main(["status", "--results", str(tmp_path)]) == 0
+    assert capsys.readouterr().out.startswith("quick: ")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["none.yaml"], "none.yaml: no such file"),
+        (["--watch", "0"], "--watch: got 0; allowed: a number in [1, 86400]"),
+        (["--watch", "nan"], "--watch: got nan; allowed: a number in [1, 86400]"),
+        (["--results", "README.md"], "--results: got 'README.md'; allowed: a folder"),
+        (["--remove"], "--remove: got true; allowed: with --orphans"),
+    ],
+)
+def test_mistakes_give_one_line(arguments, words, capsys):
+    assert words in refusal(capsys, "status", *arguments)
+
+
+@pytest.mark.parametrize("content", ["[", "[1]", '{"extra": {"system": "chute", "depth": -1}}'])
+def test_an_unreadable_round_gives_one_line(tmp_path, capsys, content):
+    folder = Folder(tmp_path, BOUNDED)
+    rounds = folder.results / "made" / "rounds"
+    rounds.mkdir(parents=True)
+    (rounds / "1.json").write_text(content)
+    assert "1.json" in refusal(capsys, "status", folder.file, "--results", folder.results)
+
+
+@pytest.fixture
+def shrunk(tmp_path) -> Folder:
+    """A study of which every point is run, and then one value is taken out."""
+    made = Folder(tmp_path)
+    for key in made.ids:
+        run = made.finish(key)
+        run.with_name(f".{run.name}.state").write_bytes(bytes(1000))
+    return Folder(tmp_path, STUDY.replace("[1, 2, 3]", "[1, 3]"))
+
+
+def run_orphans(folder: Folder, *options: str) -> int:
+    return main(
+        ["status", "--orphans", str(folder.file), "--results", str(folder.results), *options]
+    )
+
+
+def test_orphans_are_told_and_left_alone(shrunk, capsys):
+    before = sorted(path.name for path in shrunk.runs.iterdir())
+    status = shrunk.survey()
+    (orphan,) = status.orphans
+    assert orphan.startswith("chute-depth2-")
+    assert "runs of no point of the study: 1" in as_text(status)
+    assert f'"{orphan}"' in as_json(status)
+    assert run_orphans(shrunk) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith(orphan) and lines[-1].startswith("1 run, 0.")
+    assert sorted(path.name for path in shrunk.runs.iterdir()) == before
+
+
+def test_orphans_are_removed_when_told_to(shrunk, capsys):
+    (orphan,) = shrunk.survey().orphans
+    assert run_orphans(shrunk, "--remove") == 0
+    left = {path.name for path in shrunk.runs.iterdir()}
+    assert left == {name for key in shrunk.ids for name in (f"{key}.nc", f".{key}.nc.state")}
+    assert not any(orphan in name for name in left)
+    capsys.readouterr()
+    assert run_orphans(shrunk, "--remove") == 0
+    assert capsys.readouterr().out == "none\n"
+
+
+def test_what_a_run_that_was_stopped_has_left_is_removed_too(tmp_path, capsys):
+    made = Folder(tmp_path)
+    kept, gone = made.ids[0], made.ids[1]
+    for key in (kept, gone):
+        made.write_progress(key)
+        (made.runs / f".{key}.nc.state").write_bytes(bytes(1000))
+    folder = Folder(tmp_path, STUDY.replace("[1, 2, 3]", "[1, 3]"))
+    assert run_orphans(folder) == 0
+    assert capsys.readouterr().out.startswith(f"{gone}  0.0 MB\n1 run, ")
+    assert run_orphans(folder, "--remove") == 0
+    left = {f".{kept}.nc.state", f".{kept}.nc.progress"}
+    assert {path.name for path in folder.runs.iterdir()} == left
+
+
+def test_nothing_is_an_orphan_while_rounds_are_to_come(tmp_path, capsys):
+    made = Folder(tmp_path)
+    made.finish(made.ids[0])
+    bounded = Folder(tmp_path, BOUNDED)
+    assert bounded.survey().orphans == ()
+    assert run_orphans(bounded, "--remove") == 2
+    assert "boundaries: got '" in capsys.readouterr().err
+    assert (made.runs / f"{made.ids[0]}.nc").exists()

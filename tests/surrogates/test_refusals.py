@@ -16,8 +16,7 @@ from sim.dataset.rounds import read_round
 from sim.figures.render import draw_figures
 from sim.report.predict import predict
 from sim.report.results import load
-from sim.report.status import survey
-from sim.report.status_table import as_text
+from sim.report.status import as_text, survey
 from sim.study.load import load_study
 from sim.surrogates import answers, inquiries
 from sim.surrogates.answers import Refusal, refusal_in, save_refusal

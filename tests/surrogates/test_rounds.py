@@ -10,8 +10,7 @@ from sim.dataset.build import build
 from sim.dataset.results import load_current, load_results
 from sim.dataset.rounds import points_of_rounds, read_round, round_files, rounds_to_come
 from sim.report.results import load
-from sim.report.status import survey
-from sim.report.status_table import as_text
+from sim.report.status import as_text, survey
 from sim.study.load import load_study
 from sim.surrogates import inquiries
 from sim.surrogates.rounds import write_round

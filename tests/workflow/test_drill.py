@@ -118,9 +118,9 @@ class Drill:
             return "workflow"
         if words and Path(words[0]).name == "bash":
             return "shell"
-        if words[2:4] != ["sim", "batch"]:
+        if words[2:5] != ["sim", "job", "batch"]:
             return "other"
-        for checkpoint in (self.tree / words[4] / "runs").glob(".*.state"):
+        for checkpoint in (self.tree / words[5] / "runs").glob(".*.state"):
             with suppress(FileNotFoundError):
                 if checkpoint.stat().st_mtime > process.create_time():
                     return "computing batch"

@@ -28,4 +28,4 @@ rule claims:
         numerics=numerics_mark(),
         code=room_code("papers", "judge"),
     shell:
-        'python -m sim claims "$TALUS_STUDY" > {log} 2>&1'
+        'python -m sim job claims "$TALUS_STUDY" > {log} 2>&1'

@@ -25,4 +25,4 @@ rule dataset:
         title=STUDY.title,
         code=room_code("dataset", "observable"),
     shell:
-        'python -m sim dataset "$TALUS_STUDY" --processes {threads} > {log} 2>&1'
+        'python -m sim job dataset "$TALUS_STUDY" --processes {threads} > {log} 2>&1'

@@ -18,4 +18,4 @@ rule questions:
         questions=PLAN.questions,
         code=room_code("surrogates", "observable"),
     shell:
-        'python -m sim questions "$TALUS_STUDY" > {log} 2>&1'
+        'python -m sim job questions "$TALUS_STUDY" > {log} 2>&1'

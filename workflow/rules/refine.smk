@@ -20,7 +20,7 @@ checkpoint refine:
         questions=PLAN.questions,
         code=room_code("surrogates", "observable") if PLAN.questions else room_code("dataset"),
     shell:
-        'python -m sim refine "$TALUS_STUDY" {wildcards.round} > {log} 2>&1'
+        'python -m sim job refine "$TALUS_STUDY" {wildcards.round} > {log} 2>&1'
 
 
 rule boundaries:
@@ -44,4 +44,4 @@ rule boundaries:
         boundaries=PLAN.boundary_searches,
         code=room_code("dataset"),
     shell:
-        'python -m sim boundaries "$TALUS_STUDY" > {log} 2>&1'
+        'python -m sim job boundaries "$TALUS_STUDY" > {log} 2>&1'

@@ -22,7 +22,7 @@ if STUDY.pages:
             folder=subpath(output[0], parent=True),
             code=room_code("report"),
         shell:
-            "python -m sim page {input:q} --output {params.folder} --report ../report.html"
+            "python -m sim job page {input:q} --output {params.folder} --report ../report.html"
             " --processes {threads} --code {params.code} > {log} 2>&1"
 
 
@@ -52,4 +52,4 @@ rule report:
         plugins=[str(plugin) for plugin in STUDY.plugins],
         code=room_code("report"),
     shell:
-        'python -m sim report "$TALUS_STUDY" > {log} 2>&1'
+        'python -m sim job report "$TALUS_STUDY" > {log} 2>&1'

@@ -18,7 +18,7 @@ rule warm:
     params:
         numerics=numerics_mark(),
     shell:
-        'python -m sim warm "$TALUS_STUDY" --processes {threads} 2>&1 | tee {log} && echo {params.numerics:q} > {output}'
+        'python -m sim job warm "$TALUS_STUDY" --processes {threads} 2>&1 | tee {log} && echo {params.numerics:q} > {output}'
 
 
 # A run may outlive the Snakemake that started it. Snakemake would take the file that it writes
@@ -34,7 +34,7 @@ rule warm:
 # on SIGTERM would not wait until the run has saved its state.
 RUN = (
     "rm -f {params.backups:q}; "
-    "exec python -m sim batch {params.folder} <<< {params.points:q} 2> {log}"
+    "exec python -m sim job batch {params.folder} <<< {params.points:q} 2> {log}"
 )
 
 

@@ -1,4 +1,4 @@
-"""``python -m sim bench``: speed, threads, start-up and memory of the engine on this machine."""
+"""``python -m benchmarks.engine``: speed, threads, start-up, memory of the engine."""
 
 import os
 import statistics
@@ -167,8 +167,12 @@ def _run_in_child(code: str, *arguments: str, **environment: str) -> str:
     return subprocess.run(
         [sys.executable, "-c", code, *arguments],
         env=os.environ | environment,
-        cwd=Path(__file__).parents[2],
+        cwd=Path(__file__).parents[1],
         check=True,
         capture_output=True,
         text=True,
     ).stdout
+
+
+if __name__ == "__main__":
+    main()
