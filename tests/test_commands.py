@@ -1,7 +1,6 @@
 """Every mistake in a study, a point or a folder: one line, exit code 2, nothing computed."""
 
 import os
-import re
 import subprocess
 import sys
 from inspect import signature
@@ -31,153 +30,6 @@ series:
     cases: [{frequency: 20}]
 """
 
-# What is replaced in STUDY, by what; the key and two pieces of the message.
-MISTAKES = {
-    "unknown key at the top": ("study: mine", "study: mine\ntitel: x", "titel", "mean title?"),
-    "parameter at the top": (
-        "study: mine",
-        "study: mine\nreplicates: 3",
-        "replicates",
-        "defaults.",
-    ),
-    "unknown key of a series": ("grid:", "gird:", "series[0].gird", "mean grid?"),
-    "unknown parameter": (
-        "friction: [",
-        "fricton: [",
-        "series[0].grid.fricton",
-        "did you mean friction",
-    ),
-    "unknown parameter in a case": (
-        "frequency",
-        "freqency",
-        "series[1].cases[0].freqency",
-        "mean frequency? ",
-    ),
-    "parameter of the other system": (
-        "{frequency: 20}",
-        "{depth: 5}",
-        "series[1].cases[0].depth",
-        "unknown key",
-    ),
-    "unknown system": ("system: belt", "system: blet", "series[1].system", "'blet'", "mean belt?"),
-    "no system": ("    system: belt\n", "", "series[1].system", "chute, belt"),
-    "no name": ("name: second\n    ", "", "series[1].name", "got nothing"),
-    "no study": ("study: mine\n", "", "study", "got nothing"),
-    "name that leaves the folder": (
-        "study: mine",
-        "study: ../mine",
-        "study",
-        "'../mine'",
-        "letters",
-    ),
-    "two series of one name": ("name: second", "name: first", "series[1].name", "'first'"),
-    "word for a number": ("0.7,", "high,", "series[0].grid.restitution[0]", "'high'", "[0.001, 1]"),
-    "point in an integer": (
-        "{frequency: 20}",
-        "{beads: 10.0}",
-        "series[1].cases[0].beads",
-        "got 10.0;",
-        "an integer in [1, 10000000]",
-    ),
-    "name of another folder": ("study: mine", "study: published", "study", "'published'"),
-    "number in quotes": ("0.7,", "'0.7',", "series[0].grid.restitution[0]", "'0.7'", "[0.001, 1]"),
-    "true for a number": ("0.7,", "true,", "series[0].grid.restitution[0]", "got true"),
-    "nothing for a number": ("0.7,", "null,", "series[0].grid.restitution[0]", "got nothing"),
-    "not a number": ("0.7,", ".nan,", "series[0].grid.restitution[0]", "nan", "finite"),
-    "infinite": ("[1, 2]", "[1, .inf]", "series[0].grid.depth[1]", "inf", "finite"),
-    "restitution 0": ("0.85", "0", "series[0].grid.restitution[1]", "got 0;", "[0.001, 1]"),
-    "one value for a list": ("[1, 2]", "1", "series[0].grid.depth", "a list of at least one"),
-    "empty list": ("[1, 2]", "[]", "series[0].grid.depth", "got []", "at least one"),
-    "empty grid": (
-        re.compile(r"grid:\n(      .*\n)+"),
-        "grid: {}\n",
-        "series[0].grid",
-        "at least one parameter",
-    ),
-    "grid of nothing": (
-        re.compile(r"grid:\n(      .*\n)+"),
-        "grid:\n",
-        "series[0].grid",
-        "got nothing",
-    ),
-    "no cases": ("[{frequency: 20}]", "[]", "series[1].cases", "at least one"),
-    "no series": (re.compile(r"series:\n(.*\n)+"), "series: []\n", "series", "at least one"),
-    "series of words": (re.compile(r"series:\n(.*\n)+"), "series: [a]\n", "series[0]", "a mapping"),
-    "unknown figure": ("walton_2", "walton_3", "series[0].figures[0]", "'walton_3'", "walton_2"),
-    "figure of the other system": (
-        "walton_2",
-        "gallas_1a",
-        "series[0].figures[0]",
-        "'gallas_1a'",
-        "a figure of the chute",
-    ),
-    "figure without a series": (
-        "study: mine",
-        "study: mine\nfigures: [walton_2, gallas_1c]",
-        "figures[1]",
-        "'gallas_1c'",
-        "a series of the study feeds",
-    ),
-    "rule between parameters": (
-        "{frequency: 20}",
-        "{width: 10, obstacle: 7.5}",
-        "series[1].cases[0].obstacle",
-        "got 7.5;",
-        "[0, 7)",
-    ),
-    "override of a gridded parameter": (
-        "figures:",
-        "overrides: [{when: {depth: [2]}, set: {depth: 3}}]\n    figures:",
-        "series[0].overrides[0].set.depth",
-        "other than grid.depth",
-    ),
-    "override that breaks a range": (
-        "figures:",
-        "overrides: [{when: {depth: [2]}, set: {cell: 1}}]\n    figures:",
-        "series[0].overrides[0].set.cell",
-        "got 1;",
-        ">= 3",
-    ),
-    "override without values": (
-        "figures:",
-        "overrides: [{when: {depth: [2]}}]\n    figures:",
-        "series[0].overrides[0].set",
-        "got nothing",
-    ),
-    "bad default": (
-        "study: mine",
-        "study: mine\ndefaults: {belt: {damping: -1}}",
-        "defaults.belt.damping",
-        "got -1;",
-        ">= 0",
-    ),
-    "duplicate key": ("study: mine", "study: mine\nstudy: yours", "study", "line 2", "line 1"),
-    "duplicate parameter": (
-        "      depth: [1, 2]",
-        "      depth: [1, 2]\n      depth: [3]",
-        "series[0].grid.depth",
-        "line 8",
-        "line 7",
-    ),
-}
-
-# The whole text of a file, and pieces of the message.
-UNREADABLE = {
-    "open bracket": ("study: mine\nseries: [\n", "line 3", "YAML"),
-    "tab": ("study: mine\n\tseries: []\n", "line 2", "YAML"),
-    "two documents": ("study: mine\n---\nstudy: yours\n", "line 2", "another document"),
-    "tag that does not fit": ("study: !!bool maybe\n", "YAML"),
-    "list": ("- study: mine\n", "a mapping"),
-    "word": ("study\n", "a mapping"),
-    "empty": ("", "empty"),
-    "comments": ("# nothing\n", "empty"),
-    "endless number": (f"study: {'1' * 5000}\n", "YAML"),
-    "deep": ("[" * 100_000, "nested"),
-    "key of two lines": ('"a\\nb": 1\n', r"'a\nb': unknown key"),
-    "long key": (f"{'a' * 500}: 1\n", "aaa...aaa", "unknown key"),
-    "tag of two lines": ("study: !a%0Ab x\n", "line 1", "YAML"),
-}
-
 
 @pytest.fixture
 def refuse(tmp_path, capsys, monkeypatch):
@@ -195,37 +47,6 @@ def refuse(tmp_path, capsys, monkeypatch):
         return err
 
     return refuse
-
-
-@pytest.mark.parametrize("mistake", MISTAKES)
-def test_mistakes_in_a_study(mistake, tmp_path, refuse):
-    old, new, key, *pieces = MISTAKES[mistake]
-    pattern = old if isinstance(old, re.Pattern) else re.compile(re.escape(old))
-    text, count = pattern.subn(lambda _: new, STUDY, count=1)
-    assert count == 1
-    (tmp_path / "mine.yaml").write_text(text)
-    message = refuse("points", "mine.yaml")
-    assert message.startswith(f"error: mine.yaml: {key}: ")
-    for piece in pieces:
-        assert piece in message
-    assert len(message) < 700
-
-
-def test_the_study_without_mistakes_is_accepted(tmp_path, capsys, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "mine.yaml").write_text(STUDY)
-    assert main(["points", "mine.yaml"]) == 0
-    assert "13 points" in capsys.readouterr().out
-
-
-@pytest.mark.parametrize("kind", UNREADABLE)
-def test_files_that_are_not_yaml(kind, tmp_path, refuse):
-    text, *pieces = UNREADABLE[kind]
-    (tmp_path / "mine.yaml").write_text(text)
-    message = refuse("points", "mine.yaml")
-    assert "mine.yaml: " in message
-    for piece in pieces:
-        assert piece in message
 
 
 @pytest.mark.parametrize("data", [b"\x89HDF\r\n\x1a\n\xff\xfe", b"study: a\x00b\n"])
@@ -292,25 +113,6 @@ def test_outputs_that_cannot_be_written(output, tmp_path, refuse):
     (tmp_path / "file").write_text("in the way")
     (tmp_path / "folder").mkdir()
     assert "--output: got " in refuse("run", "point.yaml", "-o", output)
-
-
-@pytest.mark.parametrize(
-    ("text", "pieces"),
-    [
-        ("system: chute\nrestitution: 1.5\n", ["restitution: got 1.5", "[0.001, 1]"]),
-        ("system: chute\nrestituton: 0.5\n", ["restituton: unknown key", "mean restitution?"]),
-        ("depth: 5\n", ["system: got nothing", "chute, belt"]),
-        ("system: chute\nsystem: belt\n", ["system: duplicate key on line 2"]),
-        ("[1]\n", ["a mapping"]),
-        (STUDY, ["a study, not a point; python -m sim study point.yaml runs it"]),
-    ],
-)
-def test_mistakes_in_a_point(text, pieces, tmp_path, refuse):
-    (tmp_path / "point.yaml").write_text(text)
-    message = refuse("run", "point.yaml", "-o", "run.nc")
-    assert message.startswith("error: point.yaml: ")
-    for piece in pieces:
-        assert piece in message
 
 
 def test_a_process_ends_without_a_traceback(tmp_path):

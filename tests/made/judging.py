@@ -7,7 +7,7 @@ from sim.claims.claim import claims
 from sim.claims.evidence import Evidence
 from sim.claims.judge import judge as judge_claims
 from sim.claims.judgement import Judgement
-from sim.claims.verdict import NOT_REPRODUCED, Check, combined_verdict
+from sim.claims.verdict import NOT_REPRODUCED, Check, Untestable, combined_verdict
 from tests.made.results import MadePoint, made_results
 
 
@@ -49,6 +49,19 @@ def by_part(checks: Sequence[Check]) -> dict[str, str]:
     return {
         name: combined_verdict(check for check in votes if check.part == name) for name in names
     }
+
+
+def letters(judge: Callable, world: Sequence | tuple[Sequence, Sequence]) -> str:
+    """Return the parts of a claim with R, N or I, as reproduced or not; "-" without a verdict.
+
+    A world is made-up points, or points and boundaries.
+    """
+    points, boundaries = world if isinstance(world, tuple) else (world, ())
+    try:
+        verdicts = by_part(checks_of(judge, points, boundaries))
+    except Untestable:
+        return "-"
+    return " ".join(f"{part}{verdict[0].upper()}" for part, verdict in verdicts.items())
 
 
 def failed_quantities(checks: Iterable[Check]) -> list[str]:

@@ -8,12 +8,8 @@ import pytest
 from sim.base.errors import InputError
 from sim.claims.evidence import Evidence
 from sim.claims.verdict import (
-    INCONCLUSIVE,
-    NOT_REPRODUCED,
-    REPORTED,
     REPRODUCED,
     RISK,
-    Untestable,
 )
 from sim.papers.gallas.judges.density import (
     compare_differences,
@@ -25,7 +21,7 @@ from sim.papers.gallas.judges.density import (
     g20,
     plateau_end,
 )
-from tests.made.judging import by_part, checks_of, headline_bounds, verdict_of
+from tests.made.judging import checks_of, headline_bounds, letters, verdict_of
 from tests.made.paper_belt import BEAD, density, paper_point
 from tests.made.results import made_results
 
@@ -57,15 +53,6 @@ def leaning(height):
     return 10 * shape / shape.sum() / BEAD**2
 
 
-def test_a_plateau_of_density():
-    assert verdict_of(g15, row((10,))) == REPRODUCED
-    for profile in (leaning, lambda height: block(height, 12 * BEAD)):
-        points = changed(row((10,)), profile, frequency=10)
-        assert verdict_of(g15, points) == NOT_REPRODUCED
-    with pytest.raises(Untestable, match="frequency 10"):
-        checks_of(g15, row((20,)))
-
-
 @pytest.mark.parametrize("slices", [1, 2])
 @pytest.mark.parametrize(("end", "fall"), [(9.0, 0.5), (8.6, 1.5), (9.4, 0.1)])
 def test_a_plateau_ends_where_the_density_begins_to_fall(slices, end, fall):
@@ -94,22 +81,6 @@ def test_grids_of_cells_and_of_points_count_other_beads():
     assert len(checks_of(g16, row((20, 60, 80)))) == 3
 
 
-def test_a_plateau_that_differs_from_bed_to_bed_decides_nothing():
-    heights = (np.arange(200) + 0.5) * BEAD
-    waves = [0.2, -0.2, 0.25, -0.1, 0.0]
-    uneven = [block(heights) * (1 + wave * np.sin(heights / BEAD * 2)) for wave in waves]
-    points = [paper_point(profiles={"number_density": np.array(uneven)}, frequency=10)]
-    assert checks_of(g15, points)[0].verdict == INCONCLUSIVE
-
-
-def test_hardly_a_bead_at_the_belt():
-    points = row((20, 60, 80))
-    assert verdict_of(g16, points) == REPRODUCED
-    assert verdict_of(g16, changed(points, block, frequency=60)) == NOT_REPRODUCED
-    with pytest.raises(Untestable, match="20, 60 and 80 Hz"):
-        checks_of(g16, row((20, 60)))
-
-
 def test_beads_at_the_belt_at_the_beginning_of_the_cycle_are_shown():
     """The paper's figure is one of a time mean."""
     early = {"number_density_at_phase_0": block}
@@ -123,45 +94,12 @@ def test_beads_at_the_belt_at_the_beginning_of_the_cycle_are_shown():
     assert verdict_of(g16, points) == REPRODUCED
 
 
-def parts(judge, points) -> dict[str, str]:
-    """Return the verdict on each part of a claim."""
-    return by_part(checks_of(judge, points))
-
-
 #: Densities of the bed at 80 Hz: more beads of the usual shape, and a thin layer with a gas.
 USUAL = density(paper_point(frequency=80).parameters)
 SMEARED = {
     "denser": lambda height: 2 * USUAL(height),
     "thinner": lambda height: 0.2 * block(height, 4 * BEAD) + 0.05 * USUAL(height),
 }
-
-
-@pytest.mark.parametrize(
-    ("profile", "wrong"),
-    [(USUAL, ""), (SMEARED["denser"], "a"), (SMEARED["thinner"], "b"), (block, "ab")],
-)
-def test_faster_shaking_smears_the_bed_and_one_sure_reversal_denies_it(profile, wrong):
-    """Over the four frequencies there is a trend, but the last step goes the other way."""
-    verdicts = parts(g17, changed(row(), profile, frequency=80))
-    assert verdicts == {part: NOT_REPRODUCED if part in wrong else REPRODUCED for part in "ab"}
-
-
-def test_beds_too_few_or_missing_are_not_known_to_smear():
-    # Two beds cannot show that no pair of frequencies is the other way.
-    verdicts = {"a": INCONCLUSIVE, "b": INCONCLUSIVE}
-    assert parts(g17, row(replicates=2, scatter=0.5)) == verdicts
-    with pytest.raises(Untestable, match="frequency 60"):
-        checks_of(g17, row((10, 20, 80)))
-
-
-def test_a_gas_above_the_bed():
-    points = row((10, 60, 80))
-    assert verdict_of(g18, points) == REPRODUCED
-    assert verdict_of(g18, changed(points, block, frequency=60)) == NOT_REPRODUCED
-    gas = paper_point(frequency=80).parameters
-    assert verdict_of(g18, changed(points, density(gas), frequency=10)) == NOT_REPRODUCED
-    with pytest.raises(Untestable, match="frequency 10"):
-        checks_of(g18, row((60, 80)))
 
 
 def angles(excess, noise=0.01, values=(30, 45, 60, 90)):
@@ -181,15 +119,6 @@ def angles(excess, noise=0.01, values=(30, 45, 60, 90)):
             paper_point(profiles={"number_density": values}, frequency=60, vibration_angle=angle)
         )
     return points
-
-
-def test_density_whatever_the_angle():
-    assert verdict_of(g19, angles(0.0, noise=0.003)) == REPRODUCED
-    assert verdict_of(g19, angles(0.2)) == NOT_REPRODUCED
-    # As large as the scatter of one bed.
-    assert verdict_of(g19, angles(0.025)) == INCONCLUSIVE
-    with pytest.raises(Untestable, match="vibration_angle 90"):
-        checks_of(g19, angles(0.0, values=(30, 45, 60)))
 
 
 def test_the_largest_difference_is_that_of_the_same_beds():
@@ -240,26 +169,6 @@ def friction(profiles=None, **rest):
     ]
 
 
-def test_less_friction_smears_the_bed():
-    assert parts(g20, friction()) == {"a": REPRODUCED, "b": REPRODUCED}
-    assert parts(g20, friction({(10, 10): block})) == dict.fromkeys("ab", NOT_REPRODUCED)
-    # A thin layer with as many beads at the belt.
-    thin = density(paper_point(frequency=80, shear_damping=400).parameters)
-    assert parts(g20, friction({(10, 10): thin})) == {"a": NOT_REPRODUCED, "b": REPRODUCED}
-    assert verdict_of(g20, friction(scatter=0.5)) == INCONCLUSIVE
-    with pytest.raises(Untestable, match="damping 50, shear_damping 100"):
-        checks_of(g20, friction()[:-1])
-
-
-def test_fewer_beads_at_the_belt_are_not_the_claim():
-    loose = density(friction()[0].parameters)
-    fewer = {(10, 10): lambda height: loose(height) * np.where(height < 2 * BEAD, 0.5, 1)}
-    checks = checks_of(g20, friction(fewer))
-    verdicts = [check.verdict for check in checks]
-    assert verdicts == [REPRODUCED, REPORTED] * 3 + [NOT_REPRODUCED, REPRODUCED]
-    assert by_part(checks) == {"a": REPRODUCED, "b": NOT_REPRODUCED}
-
-
 def test_a_gas_above_does_not_widen_the_layer():
     gas = {(50, 100): lambda height: block(height) + 5e4 * (height < 60 * BEAD)}
     checks = checks_of(g20, friction(gas))
@@ -267,3 +176,56 @@ def test_a_gas_above_does_not_widen_the_layer():
     spreads = [check for check in checks if check.what.startswith("standard deviation")]
     assert all(check.value > 0 for check in widths)
     assert min(check.value for check in spreads) < 0
+
+
+def uneven():
+    """Return densities with a wave of its own in each bed."""
+    height = (np.arange(200) + 0.5) * BEAD
+    waves = np.array([[0.2], [-0.2], [0.25], [-0.1], [0.0]])
+    return block(height) * (1 + waves * np.sin(height / BEAD * 2))
+
+
+#: Judges, the verdicts of their parts, and worlds that make them.
+WORLDS = [
+    (g15, "R", lambda: row((10,))),
+    (g15, "N", lambda: changed(row((10,)), leaning, frequency=10)),
+    (g15, "I", lambda: [paper_point(profiles={"number_density": uneven()}, frequency=10)]),
+    (g15, "-", lambda: row((20,))),
+    (g16, "R", lambda: row((20, 60, 80))),
+    (g16, "N", lambda: changed(row((20, 60, 80)), block, frequency=60)),
+    (g16, "I", lambda: row((20, 60, 80), scatter=20)),
+    (g16, "-", lambda: row((20, 60))),
+    (g17, "aR bR", lambda: row()),
+    (g17, "aN bR", lambda: changed(row(), SMEARED["denser"], frequency=80)),
+    (g17, "aR bN", lambda: changed(row(), SMEARED["thinner"], frequency=80)),
+    # Two beds cannot show that no pair of frequencies is the other way.
+    (g17, "aI bI", lambda: row(replicates=2, scatter=0.5)),
+    (g17, "-", lambda: row((10, 20, 80))),
+    (g18, "R", lambda: row((10, 60, 80))),
+    (g18, "N", lambda: changed(row((10, 60, 80)), block, frequency=60)),
+    (g18, "N", lambda: changed(row((10, 60, 80)), USUAL, frequency=10)),
+    (g18, "I", lambda: row((10, 60, 80), scatter=0.3, replicates=2)),
+    (g18, "-", lambda: row((60, 80))),
+    (g19, "R", lambda: angles(0.0, noise=0.003)),
+    (g19, "N", lambda: angles(0.2)),
+    # As large as the scatter of one bed.
+    (g19, "I", lambda: angles(0.025)),
+    (g19, "-", lambda: angles(0.0, values=(30, 45, 60))),
+    (g20, "aR bR", lambda: friction()),
+    (g20, "aN bN", lambda: friction({(10, 10): block})),
+    # A thin layer with as many beads at the belt.
+    (
+        g20,
+        "aN bR",
+        lambda: friction(
+            {(10, 10): density(paper_point(frequency=80, shear_damping=400).parameters)}
+        ),
+    ),
+    (g20, "aR bI", lambda: friction(scatter=0.5)),
+    (g20, "-", lambda: friction()[:-1]),
+]
+
+
+@pytest.mark.parametrize(("judge", "verdicts", "world"), WORLDS)
+def test_right_wrong_and_undecided_worlds(judge, verdicts, world):
+    assert letters(judge, world()) == verdicts

@@ -4,14 +4,11 @@ import numpy as np
 import pytest
 
 from sim.claims.verdict import (
-    INCONCLUSIVE,
     NOT_REPRODUCED,
     REPORTED,
-    REPRODUCED,
-    Untestable,
 )
 from sim.papers.gallas.judges.obstacle import g31, g33, g34
-from tests.made.judging import checks_of, verdict_of
+from tests.made.judging import checks_of, letters
 from tests.made.paper_belt import BEAD, paper_point, velocity
 
 SIZES = (0, 0.5, 1.5, 2.5)
@@ -29,28 +26,9 @@ def rows(velocities=None, sizes=SIZES, **rest):
     ]
 
 
-def test_an_obstacle_slows_the_flow():
-    assert verdict_of(g31, rows()) == REPRODUCED
-    assert verdict_of(g31, rows([0.3, 0.25, 0.1, 0.05])) == NOT_REPRODUCED
-    assert verdict_of(g31, rows([0.3, 0.1, 0.2, 0.05], replicates=8)) == REPRODUCED
-    assert verdict_of(g31, rows(scatter=0.5)) == INCONCLUSIVE
-    with pytest.raises(Untestable, match=r"obstacle 2\.5"):
-        checks_of(g31, rows(sizes=SIZES[:-1]))
-
-
-@pytest.mark.parametrize(
-    ("share", "verdict"),
-    [
-        (0.001, REPRODUCED),
-        (0.05, NOT_REPRODUCED),
-        ([0.0, 0.02, 0.005, 0.03, 0.001], INCONCLUSIVE),
-    ],
-)
-def test_no_turbulence(share, verdict):
-    points = [paper_point({"backflow": share}, frequency=80, obstacle=size) for size in (1.5, 2.5)]
-    assert verdict_of(g33, points) == verdict
-    with pytest.raises(Untestable, match=r"obstacle 2\.5"):
-        checks_of(g33, points[:1])
+def turbulent(share):
+    """Return points behind two obstacles with a share of beads that move backwards."""
+    return [paper_point({"backflow": share}, frequency=80, obstacle=size) for size in (1.5, 2.5)]
 
 
 def blocked(local, scatter=1e-3, far_height=1.2):
@@ -74,15 +52,6 @@ def blocked(local, scatter=1e-3, far_height=1.2):
         stopped = paper_point(scalars, profiles, frequency=frequency, obstacle=1.5, scatter=scatter)
         points += [free, stopped]
     return points
-
-
-def test_the_effect_spreads_over_the_system():
-    assert verdict_of(g34, blocked(local=False)) == REPRODUCED
-    # The shape changes nowhere but close to the obstacle.
-    assert verdict_of(g34, blocked(local=True, far_height=1.0)) == NOT_REPRODUCED
-    assert verdict_of(g34, blocked(local=False, scatter=1.5)) == INCONCLUSIVE
-    with pytest.raises(Untestable, match=r"obstacle 1\.5"):
-        checks_of(g34, blocked(local=False)[::2])
 
 
 def test_paths_that_change_only_close_to_the_obstacle_are_no_effect_on_the_system():
@@ -110,3 +79,26 @@ def test_a_uniform_slow_down_has_half_of_it_far_away():
         for size in (0, 1.5)
     ]
     assert checks_of(g34, points)[1].value == pytest.approx(0.5)
+
+
+#: Judges, the verdicts of their parts, and worlds that make them.
+WORLDS = [
+    (g31, "R", lambda: rows()),
+    (g31, "N", lambda: rows([0.3, 0.25, 0.1, 0.05])),
+    (g31, "I", lambda: rows(scatter=0.5)),
+    (g31, "-", lambda: rows(sizes=SIZES[:-1])),
+    (g33, "R", lambda: turbulent(0.001)),
+    (g33, "N", lambda: turbulent(0.05)),
+    (g33, "I", lambda: turbulent([0.0, 0.02, 0.005, 0.03, 0.001])),
+    (g33, "-", lambda: turbulent(0.001)[:1]),
+    (g34, "R", lambda: blocked(local=False)),
+    # The shape changes nowhere but close to the obstacle.
+    (g34, "N", lambda: blocked(local=True, far_height=1.0)),
+    (g34, "I", lambda: blocked(local=False, scatter=1.5)),
+    (g34, "-", lambda: blocked(local=False)[::2]),
+]
+
+
+@pytest.mark.parametrize(("judge", "verdicts", "world"), WORLDS)
+def test_right_wrong_and_undecided_worlds(judge, verdicts, world):
+    assert letters(judge, world()) == verdicts

@@ -5,7 +5,6 @@ from math import pi
 import pytest
 
 import sim
-from sim.base.errors import InputError
 from sim.parameters import SYSTEMS, parse_point, point_id
 from sim.parameters.density import doubts, doubts_of
 from sim.study.load import parse_study, points
@@ -64,24 +63,6 @@ def test_a_design_over_densities_asks_for_masses():
     assert (axes["mass"].low, axes["mass"].high) == pytest.approx((MASS, 2 * MASS))
     masses = [point.parameters.mass for point in study.points.values()]
     assert MASS <= min(masses) < max(masses) <= 2 * MASS and len(set(masses)) == 8
-
-
-@pytest.mark.parametrize(
-    ("values", "got"),
-    [
-        ({"density": 1, "mass": 1}, "1; allowed: density or mass, not both"),
-        ({"density": -1}, "-1; allowed: a number > 0"),
-        ({"density": True}, "true; allowed: a number > 0"),
-        ({"density": "1300 kg/m3"}, "'1300 kg/m3'; allowed: a number > 0"),
-        ({"density": float("nan")}, "nan; allowed: a number > 0"),
-    ],
-)
-def test_a_density_that_is_none_is_refused_by_its_key(values, got):
-    with pytest.raises(InputError) as error:
-        sim.simulate("chute", **values)
-    assert str(error.value).startswith(f"simulate: density: got {got}")
-    with pytest.raises(InputError, match=r"series\[0\]\.base\.density: got"):
-        points(series(base=values))
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,6 @@ import math
 import pytest
 from pydantic import ValidationError
 
-from sim.base.errors import InputError
 from sim.parameters import SYSTEMS, BeltParameters, ChuteParameters, in_si, parse_point
 from sim.parameters.words import setting
 
@@ -87,12 +86,7 @@ def test_a_trajectory_has_at_least_one_frame_and_is_not_too_large():
     assert (belt.trajectory_samples, belt.trajectory_bytes) == (1, 90 * 20 * 100 * 4 * 4)
     assert ChuteParameters().trajectory_samples == ChuteParameters().trajectory_bytes == 0
     assert ChuteParameters(trajectory=500).trajectory_bytes == 500 * 9 * 4
-    too_long = r"trajectory: got 501; allowed: 0 or at most transient \+ average = 500"
-    with pytest.raises(InputError, match=too_long):
-        parse_point({"system": "chute", "trajectory": 501}, "point.yaml")
     large = {"system": "chute", "depth": 40, "cell": 20, "average": 4700}
-    with pytest.raises(InputError, match=r"got 0\.1; allowed: 0 or at least 1\.45: .* 2 GB"):
-        parse_point(large | {"trajectory": 0.1}, "point.yaml")
     assert 1.9e9 < parse_point(large | {"trajectory": 1.5}, "point.yaml").trajectory_bytes < 2e9
 
 
@@ -131,19 +125,6 @@ def test_a_time_step_beyond_the_corrector_has_a_caveat(readings, lowest):
     assert not BeltParameters(frequency=1.01 * lowest, **readings).caveat
     if lowest > 1:
         assert "beyond the stability" in BeltParameters(frequency=0.98 * lowest, **readings).caveat
-
-
-@pytest.mark.parametrize(
-    ("values", "key"),
-    [
-        ({"damping": 1e10}, "damping"),
-        ({"shear_damping": 1e15}, "shear_damping"),
-        ({"stiffness": 1e15, "diameter_spread": 0.99999999}, "stiffness"),
-    ],
-)
-def test_a_bed_that_would_settle_for_ages_is_refused(values, key):
-    with pytest.raises(InputError, match=f"point: {key}: .* begin after at most 1e\\+12 time"):
-        parse_point({"system": "belt"} | values, "point")
 
 
 def test_values_in_si_are_multiples_of_what_the_parameter_says():

@@ -166,6 +166,8 @@ def bomb(first: str, opening: str, closing: str) -> str:
 HOSTILE = {
     "aliases that multiply": (bomb("[x]", "", ""), "unknown key"),
     "merge keys that multiply": (bomb("{x: 1}", "{<<: ", "}"), "more than 1,000,000 keys"),
+    "deep": ("[" * 100_000, "nested"),
+    "endless number": (f"study: {'1' * 5000}", "YAML"),
     "recursive list": ("study: &a [*a]", "study: got [["),
     "recursive mapping": ("&a\nstudy: mine\nseries: [*a]", "series[0]"),
     "recursive merge": ("&a\nstudy: mine\n<<: *a", "series: got nothing"),

@@ -205,21 +205,6 @@ def test_runs_that_are_bought_for_precision_are_no_looks(made):
     assert {point.looks for point in folder.points.values()} == {0}
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("budget: 1", r"decide.claims: .*claims, precision, or both"),
-        ("budget: 0, precision: 0.1", r"decide.budget: got 0; allowed: a number in \(0"),
-        ("budget: 1, claims: [X1]", r"decide.claims\[0\]: got 'X1'"),
-        ("budget: 1, precision: 2", r"decide.precision: got 2"),
-    ],
-)
-def test_what_cannot_be_decided_is_refused(tmp_path, text, message):
-    (tmp_path / "open.yaml").write_text(STUDY % text)
-    with pytest.raises(InputError, match=message):
-        load_study(tmp_path / "open.yaml", tmp_path)
-
-
 def decided_claims(*names: str) -> list[str]:
     series = [{"name": "a", "system": "chute"}]
     decide = {"budget": 1.0, "claims": [*names]}

@@ -136,64 +136,6 @@ def test_an_entry_becomes_what_its_figure_is(tmp_path):
     )
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ("about: Fig", "abuot: Fig", "figures[0].abuot: unknown key, got 'Fig. 1'; did you mean a"),
-        (
-            "title: Vel",
-            "vary: [width]\n    title: Vel",
-            "figures[0].vary: got ['width']; allowed: a key of curves: name, kind",
-        ),
-        (
-            "    x: frequency\n",
-            "",
-            "figures[0].x: got nothing; allowed: a parameter that the points vary",
-        ),
-        (
-            "    where",
-            "    log: [colour]\n    where",
-            "figures[0].log[0]: got 'colour'; allowed: one of x, y",
-        ),
-        (
-            "    where",
-            "    y: wave_power\n    where",
-            "figures[0].y: got 'wave_power'; allowed: a key of curves: name, kind",
-        ),
-        ("{obstacle:g}", "{amplitude:g}", "figures[0].lead: got 'unsupported format string"),
-        (
-            "kind: curves",
-            "kind: curve",
-            "figures[0].kind: got 'curve'; did you mean curves?",
-        ),
-        (
-            "kind: curves",
-            "kind: row",
-            "figures[0].x: got 'frequency'; allowed: a key of row: name, kind",
-        ),
-        ("colour: red", "colour: rot", "figures[0].styles[0].colour: got 'rot'; allowed: 'black'"),
-        ("x: frequency", "x: frequecy", "figures[0].x: got 'frequecy'; did you mean freq"),
-        ("kind: curves", "kind: profiles", "figures[0].x: got 'frequency'; allowed: one of "),
-        ("amplitude:", "depth:", "figures[0].where: got 'depth'; allowed: a parameter of the belt"),
-        ("[1, 2]", "[1, [2]]", "figures[0].where.amplitude: got [1, [2]]; allowed: a value of a "),
-        ("{of_beads}", "{of_bead}", "figures[0].lead: got 'of_bead'; allowed: in braces one of cr"),
-        ("{tallest}", "{talest}", "words.of_beads: got 'talest'; allowed: in braces one of creep"),
-        ("  says", "  said", "figures[0].said: unknown key"),
-        ('    says: "The paper: it rises."\n', "", "figures[0].says: got nothing; allowed: text"),
-        ("figures:", "figure:", "figure: unknown key"),
-        ("  - name: one\n    kind", "  - one\n  - kind", "figures[0]: got 'one'; allowed: a mapp"),
-    ],
-)
-def test_a_wrong_entry_is_refused_with_its_file_and_key(old, new, message, tmp_path):
-    path = tmp_path / "figures.yaml"
-    assert old in ENTRY
-    path.write_text(ENTRY.replace(old, new, 1))
-    with pytest.raises(InputError) as refused:
-        read_figures(paper_in(tmp_path))
-    assert str(refused.value).startswith(f"{path}: {message}")
-    assert "\n" not in str(refused.value)
-
-
 def test_figures_of_one_name_are_refused(tmp_path, monkeypatch):
     same = {}
     for name in ("a", "b"):

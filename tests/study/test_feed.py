@@ -176,12 +176,6 @@ def test_a_point_left_out_of_a_part_is_counted(tmp_path):
     assert sentence.startswith("gallas_2a leaves out 2 of 5 points")
 
 
-def test_a_figure_without_enough_values_says_which_it_takes(parse):
-    allowed = r"together vary frequency, of which it takes frequency 10, 20, 60, 80 alone"
-    with pytest.raises(InputError, match=rf"frequency = 20 alone'; allowed: .*{allowed}$"):
-        parse({"grid": {"frequency": [12, 22, 20]}, "figures": ["gallas_2a"]})
-
-
 def test_the_table_warns_of_caveats_known_before_any_run(parse):
     study = parse({"grid": {"frequency": [10, 11, 11.5, 12, 80]}})
     (line,) = (line for line in as_table(study).splitlines() if line.startswith("caveat"))
@@ -242,20 +236,6 @@ def test_boundaries_are_looked_for_under_the_first():
 def test_other_systems_know_nothing_of_them():
     found = study_of(MASSES, series=[{"name": "b", "system": "chute"}])
     assert len(found.points) == 1
-
-
-@pytest.mark.parametrize(
-    ("readings", "message"),
-    [
-        ({"belt": {"frequency": [10, 20]}}, "readings.belt.frequency: unknown key"),
-        ({"belt": {"damping_mass": ["mean"]}}, "readings.belt.damping_mass[0]: got 'mean'"),
-        ({"belt": {}}, "readings.belt: got {}"),
-    ],
-)
-def test_mistakes_are_named(readings, message):
-    with pytest.raises(InputError) as raised:
-        study_of(readings, series=[BELTS])
-    assert message in str(raised.value)
 
 
 def test_points_of_all_readings_count_against_the_limit():

@@ -19,8 +19,6 @@ SERIES = {
 BEDS = {"name": "beds", "system": "belt", "grid": {"frequency": [20, 50]}}
 #: A valid plot.
 VALID_PLOT = {"name": "v", "x": "friction", "curves": "angle", "panels": "law"}
-#: Changes that make it a map of regimes.
-REGIME_MAP = {"kind": "map", "y": "angle", "curves": None}
 
 
 @pytest.fixture
@@ -71,39 +69,6 @@ def test_y_of_profiles_is_another_profile_in_the_same_slices(parse):
     assert spec.lead.startswith("Packing: packing fraction, against granular temperature (granular")
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"y": "packng"}, "y: got 'packng'; did you mean packing"),
-        ({"y": "velocity"}, "y: got 'velocity'; allowed: an observable other than x"),
-        ({"y": "shear_depth"}, "y: got 'shear_depth'; allowed: an observable of profiles; shear"),
-        ({"y": "overburden"}, "y: got 'overburden'; allowed: points with stress_profiles: true"),
-        ({"log": ["y"]}, "log[0]: got 'y'; allowed: one of x"),
-        ({"between": [4, 1]}, "between: got [4, 1]; allowed: two heights in diameters, 0 or"),
-        ({"between": [-1, 1]}, "between: got [-1, 1]; allowed: two heights in diameters, 0"),
-        ({"between": [1]}, "between: got [1]; allowed: two heights in diameters, 0 or more"),
-        ({"between": 1}, "between: got 1; allowed: two heights in diameters, 0 or more, the"),
-        ({"between": [1, ".inf"]}, "between[1]: got '.inf'; allowed: two heights in diameters"),
-        ({"kind": "time_series", "between": [1, 4]}, "between: got [1, 4]; allowed: a key of"),
-    ],
-)
-def test_mistakes_in_profiles_are_refused_by_their_key(parse, change, message):
-    assert error_message(parse, {"name": "p", "kind": "profiles"} | change).startswith(message)
-
-
-@pytest.mark.parametrize(
-    ("plot", "key"),
-    [
-        ({"kind": "profiles"}, "x: got 'velocity'"),
-        ({"x": "angle", "y": "packing"}, "y: got 'packing'"),
-    ],
-)
-def test_profiles_that_the_dataset_leaves_out_are_refused(plot, key, parse):
-    bare = SERIES | {"profiles": False}
-    message = error_message(parse, {"name": "p"} | plot, series=(bare,))
-    assert message.startswith(f"{key}; allowed: points of series without profiles: false")
-
-
 DATA_BESIDE = {"label": "Pouliquen (1999)", "points": [[0.3, 1], [0.6, 2.5]]}
 
 
@@ -114,46 +79,6 @@ def test_data_beside_a_plot_are_kept_with_it(parse):
     points = ((0.3, 1.0), (0.6, 2.5))
     assert spec.options["beside"] == (("Pouliquen (1999)", points, False), ("law", points, True))
     assert eval(repr(spec), {"FigureSpec": FigureSpec}) == spec
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"label": " "}, "beside[0].label: got ' '; allowed: a text that is not empty"),
-        ({"label": "a" * 61}, "beside[0].label: got 'aaa"),
-        (
-            {"label": "a\u202eb"},
-            "beside[0].label: got 'a\\u202eb'; allowed: one line of at most 60",
-        ),
-        ({"points": []}, "beside[0].points: got []; allowed: a list of points [x, y], numbers"),
-        (
-            {"points": [[1, -1e101]]},
-            "beside[0].points[0][1]: got -1e+101; allowed: a list of points",
-        ),
-        ({"points": [0.3, 1]}, "beside[0].points[0]: got 0.3; allowed: a list of points [x, y]"),
-        ({"points": [[1, 2, 3]]}, "beside[0].points[0]: got [1, 2, 3]; allowed: a list of points"),
-        ({"points": [[1, float("nan")]]}, "beside[0].points[0][1]: got nan; allowed: finite, a"),
-        ({"points": [[1, 2]], "line": True}, "beside[0].points: got [[1, 2]]; allowed: at least"),
-        ({"colour": "red"}, "beside[0].colour: unknown key, got 'red'; "),
-    ],
-)
-def test_mistakes_in_data_beside_are_refused_by_their_key(parse, change, message):
-    assert error_message(parse, VALID_PLOT | {"beside": [DATA_BESIDE | change]}).startswith(message)
-
-
-def test_data_beside_without_a_place_are_refused(parse):
-    nonpositive_data = DATA_BESIDE | {"points": [[0.3, 1], [0.4, 0]]}
-    message = error_message(parse, VALID_PLOT | {"log": ["y"], "beside": [nonpositive_data]})
-    assert message.startswith("beside[0].points[1]: got [0.4, 0]; allowed: numbers >= 1e-100 on")
-    assert parse(VALID_PLOT | {"log": ["x"], "beside": [nonpositive_data]}).plots
-    message = error_message(parse, VALID_PLOT | {"beside": [DATA_BESIDE, DATA_BESIDE]})
-    assert message.startswith("beside[1].label: got 'Pouliquen (1999)'; allowed: a label of its")
-    message = error_message(parse, VALID_PLOT | {"kind": "distribution", "beside": [DATA_BESIDE]})
-    assert message.startswith("beside: got 'Pouliquen (1999)'; allowed: a key of distribution")
-    message = error_message(
-        parse, VALID_PLOT | {"beside": [DATA_BESIDE | {"label": str(n)} for n in range(7)]}
-    )
-    assert "allowed: a list of at most 6" in message
 
 
 FILE_BESIDE = {"file": "exp.csv", "x": "mu", "y": "V", "yerr": "s"}
@@ -171,35 +96,6 @@ def test_data_beside_may_be_columns_of_a_file_which_belongs_to_the_study(parse, 
         "glass",
         True,
     )
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"file": "other.csv"}, "other.csv: no such file"),
-        ({"file": "../exp.csv"}, "beside[0].file: got '../exp.csv'; allowed: the name of a CSV"),
-        ({"x": None}, "beside[0].x: got nothing; allowed: "),
-        ({"points": [[1, 2]]}, "beside[0].points: got [[1, 2]]; allowed: points, or columns"),
-        ({"y": "v"}, "exp.csv: column v: got nothing; allowed: a column v, for the axis y; the"),
-        ({"x": "V"}, "exp.csv: unit of column V: got 'mm/s'; allowed: no unit, as it is a pure"),
-        ({"yerr": "t"}, "exp.csv: line 3, column t: got '-1'; allowed: an error in [0, 1e+100]"),
-        ({"yerr": "e"}, "exp.csv: line 2, column e: got 'x'; allowed: an error in [0, 1e+100]"),
-        ({"y": "t"}, "exp.csv: line 3, column t: got '-1'; allowed: numbers >= 1e-100 on the log"),
-    ],
-)
-def test_mistakes_in_files_beside_name_file_line_and_column(parse, tmp_path, change, message):
-    (tmp_path / "exp.csv").write_text("mu,V (mm/s),s,t,e\n0.3,250,1,1,x\n0.5,200,1,-1,1\n")
-    data = {key: value for key, value in (FILE_BESIDE | change).items() if value is not None}
-    with pytest.raises(InputError) as caught:
-        parse(VALID_PLOT | {"log": ["y"], "beside": data})
-    assert message in str(caught.value) and "\n" not in str(caught.value)
-
-
-def test_a_law_is_fitted_to_curves_alone(parse):
-    assert parse(VALID_PLOT | {"fit": "power"}).plots["v"].options["fit"] == "power"
-    message = error_message(parse, VALID_PLOT | REGIME_MAP | {"panels": "law", "fit": "power"})
-    assert message.startswith("curves: got nothing") or "a key of map" in message
-    assert error_message(parse, VALID_PLOT | {"fit": "cubic"}).startswith("fit: got 'cubic'; allow")
 
 
 def test_plots_draw_on_the_series_they_name_and_on_those_of_their_system(parse):
@@ -237,62 +133,6 @@ def test_every_kind_shows_its_usual_observable_of_every_system(parse, kind, syst
     shown = spec.options["show"]
     assert shown in keys.shows(system) or (kind, shown) == ("map", "regime")
     assert spec.title[0].isupper() and spec.lead.endswith(".")
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"name": "walton_2"}, "name: got 'walton_2'; allowed: a name that no figure"),
-        ({"name": "a/b"}, "name: got 'a/b'; allowed: up to 60 letters"),
-        ({"x": None}, "x: got nothing; allowed: "),
-        ({"x": "fricton"}, "x: got 'fricton'; did you mean friction"),
-        (
-            {"x": "slop"},
-            "x: got 'slop'; allowed: a parameter of the chute that the points vary: friction, "
-            "friction_plane, law, angle; or an observable: ",
-        ),
-        ({"x": "frequency"}, "x: got 'frequency'; allowed: a parameter of the chute; this is"),
-        ({"x": "law", "panels": "friction"}, "x: got 'law'; allowed: a parameter that is a number"),
-        ({"x": "velocity"}, "x: got 'velocity'; allowed: an observable other than y"),
-        ({"x": "shear_dept"}, "x: got 'shear_dept'; did you mean shear_depth"),
-        ({"x": "backflow"}, "x: got 'backflow'; allowed: an observable of the chute; backflow is"),
-        ({"x": "overburden"}, "x: got 'overburden'; allowed: points with stress_profiles: true"),
-        ({"x": "depth"}, "x: got 'depth, which is 5 throughout'; allowed: a parameter that the"),
-        ({"curves": ["angle", "depth"]}, "curves[1]: got 'depth, which is 5 throughout'"),
-        ({"panels": "friction"}, "panels: got 'friction'; allowed: a parameter other than x"),
-        ({"y": "velocty"}, "y: got 'velocty'; did you mean velocity"),
-        ({"y": "backflow"}, "y: got 'backflow'; allowed: an observable of the chute; backflow is"),
-        ({"y": "mass_flux"}, "y: got 'mass_flux'; allowed: an observable of curves; mass_flux is"),
-        ({"y": "overburden"}, "y: got 'overburden'; allowed: points with stress_profiles: true"),
-        ({"series": ["flow"]}, "series[0]: got 'flow'; did you mean flows? allowed: one of flows"),
-        ({"system": "belt"}, "system: got 'belt'; allowed: a system of its series: chute"),
-        (
-            {"colour": "velocity"},
-            "colour: got 'velocity'; allowed: a key of curves: x, y, curves, panels, beside",
-        ),
-        ({"log": ["colour"]}, "log[0]: got 'colour'; allowed: one of x, y"),
-        (REGIME_MAP | {"log": ["colour"]}, "log[0]: got 'colour'; allowed: one of x, y"),
-        ({"curves": ["angle", 1]}, "curves[1]: got 1; allowed: a name, or a list of names"),
-        ({"kind": "pie"}, "kind: got 'pie'; allowed: "),
-        ({"kind": "profiles", "curves": None}, "x: got 'friction'; allowed: "),
-        ({"kind": "map", "y": "angle", "curves": None, "panels": None}, "panels: got nothing; "),
-        ({"size": 3}, "size: unknown key, got 3; "),
-    ],
-)
-def test_mistakes_are_refused_by_their_key(parse, change, message):
-    plot = {key: value for key, value in (VALID_PLOT | change).items() if value is not None}
-    assert error_message(parse, plot).startswith(message)
-
-
-def test_a_study_of_both_systems_asks_for_which(parse):
-    message = error_message(parse, VALID_PLOT, series=(SERIES, BEDS))
-    assert message.startswith("system: got nothing; allowed: one of chute, belt")
-
-
-def test_an_axis_with_zero_is_not_logarithmic(parse):
-    series = {"name": "a", "system": "chute", "grid": {"friction": [0, 0.4]}}
-    message = error_message(parse, {"name": "v", "x": "friction", "log": ["x"]}, series=(series,))
-    assert message.startswith("log[0]: got 'x with friction = 0'")
 
 
 def test_a_kind_of_a_plugin_takes_the_keys_that_it_names(parse, tmp_path):
@@ -361,21 +201,6 @@ def test_what_functions_of_a_plugin_return_is_checked(tmp_path, role, why):
             function(SimpleNamespace(spec=SimpleNamespace(name="v")))
 
 
-def test_points_that_would_lie_on_each_other_are_refused(parse):
-    series = {"name": "a", "system": "chute", "grid": {"friction": [0.3, 0.4], "cell": [5, 10]}}
-    with pytest.raises(InputError, match=r"plots\[0\]: got v with two points at friction = 0.3 "):
-        parse({"name": "v", "x": "friction"}, series=(series,))
-
-
-def test_panels_are_few(parse):
-    grid = {"friction": [0.3 + 0.01 * step for step in range(13)], "depth": [1, 2]}
-    series = {"name": "a", "system": "chute", "grid": grid}
-    message = error_message(
-        parse, {"name": "v", "x": "depth", "panels": "friction"}, series=(series,)
-    )
-    assert message.startswith("panels: got 'friction with 13 values'; allowed: a parameter of at")
-
-
 SCATTER = {"name": "s", "kind": "scatter", "x": "friction"}
 SEVERAL = {"name": "s", "kind": "pairs"}
 
@@ -397,34 +222,6 @@ def test_parameters_are_all_that_vary_unless_they_are_named(parse):
     assert set(spec.axes) == {"friction", "angle", "law"}
     spec = parse(SEVERAL | {"parameters": "angle"}).entries["s"]
     assert spec.axes == ("angle",) and spec.title == "Velocity over angle"
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"colour": "anglee"}, "colour: got 'anglee'; did you mean angle"),
-        ({"colour": "depth"}, "colour: got 'depth, which is 5 throughout'; allowed: a param"),
-        ({"colour": "friction"}, "colour: got 'friction'; allowed: a parameter other than x"),
-        ({"colour": "backflow"}, "colour: got 'backflow'; allowed: an observable of the chute"),
-        ({"colour": "law", "log": ["colour"]}, "log[0]: got 'colour'; allowed: no log, as law"),
-        ({"colour": "regime", "log": ["colour"]}, "log[0]: got 'colour'; allowed: one of x, y"),
-        ({"parameters": ["friction"]}, "parameters: got ['friction']; allowed: a key of scatter"),
-        (SEVERAL | {"x": None, "parameters": ["fricton"]}, "parameters[0]: got 'fricton'; did "),
-        (SEVERAL | {"x": None, "parameters": []}, "parameters: got []; allowed: a name, or a"),
-    ],
-)
-def test_mistakes_in_plots_of_designs_are_refused_by_their_key(parse, change, message):
-    plot = {key: value for key, value in (SCATTER | change).items() if value is not None}
-    assert error_message(parse, plot).startswith(message)
-
-
-def test_a_scatter_matrix_has_few_parameters(parse):
-    grid = {"friction": [0.3, 0.4], "angle": [16, 17], "depth": [1, 2], "restitution": [0.8, 0.9]}
-    grid |= {"stiffness": [100, 200], "diameter": [0.001, 0.002], "gravity": [9, 10]}
-    message = error_message(
-        parse, SEVERAL, series=({"name": "a", "system": "chute", "grid": grid},)
-    )
-    assert message.startswith("parameters: got '") and "1 to 6 parameters" in message
 
 
 def test_curves_of_a_design_are_told_from_curves_of_a_grid(parse):

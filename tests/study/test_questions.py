@@ -1,8 +1,5 @@
 """The key ``surrogate`` of a study: what it makes, and what it refuses before any run."""
 
-import pytest
-
-from sim.base.errors import InputError
 from sim.report.points import as_json, as_table
 from sim.study.load import load_study, parse_study
 from sim.study.surrogate import COUNTED, MOST_ROUNDS
@@ -75,54 +72,6 @@ def test_further_points_are_those_of_a_larger_design():
     known = {**asked.points, **first}
     assert list(speed.added_points(known)) == list(first)
     assert list(speed.next_batch(known)) == list(larger.points)[20:]
-
-
-@pytest.mark.parametrize(
-    ("surrogate", "message"),
-    [
-        ([{"series": "wild"}], "surrogate[0].series: got 'wild'; allowed: one of wide"),
-        (
-            [{"observable": "velocty"}],
-            "surrogate[0].observable: got 'velocty'; did you mean",
-        ),
-        ([{}, {}], "surrogate[1].name: got 'speed'; allowed: a name that no other surrogate has"),
-        (
-            [{"error": 0.1}],
-            "surrogate[0].budget: got nothing; allowed: a number, as error is given",
-        ),
-        ([{"budget": 1}], "surrogate[0].error: got nothing; allowed: a number, as budget is given"),
-        ([{"error": 0}], "surrogate[0].error: got 0"),
-        ([{"regimes": ["fast"]}], "surrogate[0].regimes[0]: got 'fast'"),
-        ([{"batch": 0}], "surrogate[0].batch: got 0"),
-    ],
-)
-def test_what_is_wrong_is_refused(surrogate, message):
-    with pytest.raises(InputError) as error:
-        study(surrogate)
-    assert f"asks.yaml: {message}" in str(error.value)
-
-
-@pytest.mark.parametrize(
-    ("series", "surrogate", "message"),
-    [
-        ({"design": DESIGN | {"points": 3}}, {}, "wide of 3 points'; allowed: a series of 9 to"),
-        (
-            {"design": DESIGN | {"kind": "latin_hypercube"}},
-            {"error": 0.1, "budget": 1},
-            "got 'wide'; allowed: with error, a series with a design of kind sobol or random",
-        ),
-    ],
-)
-def test_series_that_cannot_be_asked_are_refused(series, surrogate, message):
-    with pytest.raises(InputError) as error:
-        study([surrogate], series)
-    assert message in str(error.value)
-
-
-def test_a_surrogate_does_not_take_the_name_of_a_plot():
-    plots = [{"name": "speed-agreement", "x": "friction", "series": ["wide"]}]
-    with pytest.raises(InputError, match="no other figure is called speed-agreement"):
-        study(plots=plots)
 
 
 def test_surrogates_of_parts_belong_to_the_study(tmp_path):
