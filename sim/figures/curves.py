@@ -1,7 +1,4 @@
-"""Curves of an observable against a parameter or another observable, defined by a study file.
-
-Options of a figure: those of `sim.figures.plot`.
-"""
+"""Curves of an observable against a parameter or another observable, defined by a study file."""
 
 from dataclasses import replace
 from typing import Any
@@ -76,11 +73,11 @@ def draw(data: FigureData) -> Figure:
     x = (
         parameter_label(spec.system, spec.axes[0])
         if spec.axes
-        else observable_label(data, by_name[spec.options["second"]])
+        else observable_label(data, by_name[spec.second])
     )
-    label_axes(figure, shown, x, observable_label(data, by_name[spec.options["show"]]))
+    label_axes(figure, shown, x, observable_label(data, by_name[spec.show]))
     legend(data, figure, shown, _keys(data), foreign)
-    if spec.options["scattered"]:
+    if spec.scattered:
         figure.suptitle(_hint(len(data.rows)), fontsize=9)
     return figure
 
@@ -102,19 +99,19 @@ def _draw_curves(
 
 def _fits(data: FigureData, rows: pd.DataFrame, quantities: dict[str, Quantity]) -> list[Fit]:
     """Return the fits to the curves of some points; empty for a plot without ``fit``."""
-    if not data.spec.options["fit"]:
+    if not data.spec.fit:
         return []
     points = rows[_has_all_values(quantities)[rows.index]]
     if "x" in quantities:
         points = points.assign(**{_OBSERVED_X: quantities["x"].value})
     keys = list(dict.fromkeys([*_keys(data), *data.spec.curves]))
     along = data.spec.axes[0] if data.spec.axes else _OBSERVED_X
-    return fit_curves(data.spec.options["fit"], points, quantities["y"], along, keys)
+    return fit_curves(data.spec.fit, points, quantities["y"], along, keys)
 
 
 def _quantities(data: FigureData) -> dict[str, Quantity]:
     """Return the observables by axis: ``y``, and ``x`` where no parameter is there."""
-    x_quantity = {"x": observed_quantity(data, "second")} if data.spec.options["second"] else {}
+    x_quantity = {"x": observed_quantity(data, "second")} if data.spec.second else {}
     return x_quantity | {"y": observed_quantity(data)}
 
 
@@ -129,7 +126,7 @@ def _drawable_quantities(data: FigureData) -> dict[str, Quantity]:
     """Return the observables by axis, with values ≤ 0 dropped on logarithmic axes."""
     return {
         axis: replace(quantity, value=quantity.value.where(quantity.value > 0))
-        if axis in data.spec.options["log"]
+        if axis in data.spec.log
         else quantity
         for axis, quantity in _quantities(data).items()
     }
@@ -141,12 +138,12 @@ def _keys(data: FigureData) -> list[str]:
     With an observable on the x axis, numerical parameters that are not requested vary along curves.
     Points of a design have no curves.
     """
-    system, keys, options = data.spec.system, curve_keys(data), data.spec.options
-    if options["scattered"]:
+    spec, keys = data.spec, curve_keys(data)
+    if spec.scattered:
         return []
-    if not options["second"]:
+    if not spec.second:
         return list(keys)
-    return [name for name in keys if name in options["curves"] or not is_number(system, name)]
+    return [name for name in keys if name in spec.by or not is_number(spec.system, name)]
 
 
 def _parameters_along(data: FigureData) -> list[str]:
@@ -166,7 +163,7 @@ def _look(data: FigureData) -> Look:
     """
     look = shared_look(data, _keys(data))
     is_joined = data.spec.axes or len(_parameters_along(data)) == 1
-    if is_joined and not (data.spec.options["scattered"] or data.spec.options["fit"]):
+    if is_joined and not (data.spec.scattered or data.spec.fit):
         return look
 
     def unjoined_look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
@@ -178,7 +175,7 @@ def _look(data: FigureData) -> Look:
 
 def _set_axes(data: FigureData, shown: Panels, quantities: dict[str, Quantity]) -> None:
     """Set scales and limits, and put a tick at each value of the parameter that was run."""
-    log = set(data.spec.options["log"])
+    log = set(data.spec.log)
     if any(has_logarithmic_values(data.rows[name]) for name in data.spec.axes[:1]):
         log.add("x")
     chosen = _has_all_values(quantities) & (data.rows["completed"] > 0)
@@ -224,7 +221,7 @@ def notes(data: FigureData) -> list[str]:
         )
         for axis, quantity in quantities.items()
     }
-    log = spec.options["log"]
+    log = spec.log
     is_cut = any(
         has_cut_bars(
             quantity.value, quantity.half_width, foreign_values(data, axis), logarithmic=axis in log
@@ -232,17 +229,17 @@ def notes(data: FigureData) -> list[str]:
         for axis, quantity in shown_quantities.items()
     )
     fits = _fits(data, completed, quantities)
-    is_loose = (spec.axes and not spec.options["scattered"]) or fits
+    is_loose = (spec.axes and not spec.scattered) or fits
     along = [] if is_loose else _parameters_along(data)
     bars = bar_notes(data, shown, list(shown_quantities.values()))
-    is_lined = spec.axes and not (fits or spec.options["scattered"])
+    is_lined = spec.axes and not (fits or spec.scattered)
     aside = spec.axes and keys and len(shown[keys].drop_duplicates()) > 1
     # Of what is neither steady nor too short to tell.
     has_open = ((shown["regime"] != "steady") & ~is_undecided(shown)).any()
     interrupted = len(along) < 2 and not fits and has_open
     return [
         *(name_bands(bars, shown[spec.axes[0]]) if is_lined else bars),
-        *([f"{_hint(len(data.rows))}."] if spec.options["scattered"] else []),
+        *([f"{_hint(len(data.rows))}."] if spec.scattered else []),
         *(["Error bars that end in a caret go on beyond the axes."] if is_cut else []),
         *(["Curves are drawn a little aside of each other."] if aside else []),
         *_notes_on_lines([parameter_phrase(spec.system, name) for name in along]),

@@ -1,7 +1,4 @@
-"""Main effects: the mean of an observable in groups of points along each of several parameters.
-
-Options of a figure: those of `sim.figures.plot`.
-"""
+"""Main effects: the mean of an observable in groups of points along each of several parameters."""
 
 import pandas as pd
 from matplotlib.axes import Axes

@@ -1,10 +1,4 @@
-"""Curves of papers' figures: the velocity of flows, or measures of them, against a parameter.
-
-Options of a figure: those of `sim.figures.style.look_of`; ``quantities``, the measures (of the
-velocity, none); ``labels`` of the axes; ``levels`` to compare with and ``level``, their entry in
-the legend; ``log``; ``panels``; and ``relative``, whether velocity and frequency of the belt become
-shares of the belt's own.
-"""
+"""Curves of papers' figures: the velocity of flows, or measures of them, against a parameter."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -53,7 +47,7 @@ def select(data: FigureData) -> FigureData:
 
     With the option ``relative`` of a figure these are the points near the onset of transport.
     """
-    if not data.spec.options.get("relative"):
+    if not data.spec.relative:
         return data
     rows = data.rows
     vertical = rows["amplitude"] * rows["diameter"]
@@ -64,7 +58,7 @@ def select(data: FigureData) -> FigureData:
 
 def shown_quantities(data: FigureData) -> list[Quantity]:
     """Return the measures of a figure, or the velocity, or its share of the belt's along x."""
-    if not data.spec.options.get("relative"):
+    if not data.spec.relative:
         return quantities(data)
     rows, along = data.rows, speed_along_x(data.rows)
     value, half_width = rows["velocity"] / along, rows["half_width"] / along
@@ -74,7 +68,7 @@ def shown_quantities(data: FigureData) -> list[Quantity]:
 
 def table(data: FigureData) -> pd.DataFrame:
     """Return the data behind the figure, one row per point, units in the headings."""
-    if not data.spec.options.get("relative"):
+    if not data.spec.relative:
         return point_table(data)
     along = {"acceleration of the belt [g]": data.rows["acceleration_ratio"]}
     return quantity_table(data, shown_quantities(data), along)
@@ -82,7 +76,7 @@ def table(data: FigureData) -> pd.DataFrame:
 
 def notes(data: FigureData) -> list[str]:
     """Return the notes on bars, markers, and values that a logarithmic axis omits."""
-    log, shown = data.spec.options["log"], shown_quantities(data)
+    log, shown = data.spec.log, shown_quantities(data)
     omitted = sum(int((quantity.value <= 0).sum()) for quantity in shown) if "y" in log else 0
     bars = name_bands(point_notes(data), data.rows[data.spec.axes[0]])
     return [*bars, *nonpositive_note(omitted, "values" if omitted > 1 else "value")]
@@ -116,11 +110,11 @@ def _draw_families(
     pitch: float = 0,
 ) -> None:
     """Draw the curves of each quantity, named by what the figure names or else by what varies."""
-    along = "acceleration_ratio" if spec.options.get("relative") else spec.axes[0]
+    along = "acceleration_ratio" if spec.relative else spec.axes[0]
     names = _telling_parameters(spec)
-    is_named = "styles" in spec.options or "entry" in spec.options
+    is_named = spec.styles or spec.entry
     keys = [name for name in spec.curves if is_named or rows[name].nunique() > 1]
-    measures = spec.options.get("quantities", ({},))
+    measures = spec.quantities or ({},)
     for quantity, measure in zip(shown, measures, strict=True):
         draw_family(
             axes,
@@ -141,19 +135,19 @@ def _draw_families(
 
 
 def _draw_levels(axes: Axes, spec: FigureSpec) -> None:
-    for level in spec.options.get("levels", ()):
+    for level in spec.levels:
         axes.axhline(level, **LEVEL)
-    if "level" in spec.options:
-        axes.plot([], [], label=spec.options["level"], **LEVEL)
+    if spec.level:
+        axes.plot([], [], label=spec.level, **LEVEL)
 
 
 def _draw_belt(axes: Axes, rows: pd.DataFrame, shown: Sequence[Quantity], spec: FigureSpec) -> None:
     """Draw curves of the belt, with a line at zero or at the acceleration of gravity."""
     _draw_families(axes, rows, shown, spec)
     along = rows[spec.axes[0]]
-    if spec.options.get("relative"):
+    if spec.relative:
         axes.axvline(1, **LEVEL)
-    elif "y" in spec.options["log"]:
+    elif "y" in spec.log:
         axes.set_yscale("log")
     elif len(shown) == 1:
         axes.axhline(0, color="#888888", linewidth=0.7, zorder=1)
@@ -161,7 +155,7 @@ def _draw_belt(axes: Axes, rows: pd.DataFrame, shown: Sequence[Quantity], spec: 
     else:
         axes.set_ylim(bottom=0)
     _draw_levels(axes, spec)
-    if "x" in spec.options["log"]:
+    if "x" in spec.log:
         axes.set_xscale("log")
         axes.set_xlim(0.8 * along.min(), 1.25 * along.max())
         set_ticks(axes, along, _LENGTH)
@@ -180,7 +174,7 @@ def _draw_chute(
     _set_x_axis(axes, rows, spec)
     # The axis ends where intervals over two replicates may go on.
     values = pd.concat([quantity.value for quantity in shown])
-    if "y" in spec.options["log"]:
+    if "y" in spec.log:
         set_log(axes, "y")
         if not (above := values[values > 0]).empty:
             axes.set_ylim(above.min() / _BEYOND, above.max() * _BEYOND)
@@ -214,7 +208,7 @@ def _set_x_axis(axes: Axes, rows: pd.DataFrame, spec: FigureSpec) -> None:
 
     Depths for which there is no room beside the paper's, or each other, have no number.
     """
-    if "x" in spec.options["log"]:
+    if "x" in spec.log:
         axes.set_xscale("log")
     axes.margins(x=0.09)
     axes.autoscale_view()

@@ -1,8 +1,4 @@
-"""Points scattered in several parameters: an observable against a parameter, or another observable.
-
-Options of a figure: those of `sim.figures.plot`, and ``colour``: an observable, a parameter,
-``"regime"``, or nothing.
-"""
+"""Points scattered in several parameters: an observable against a parameter or another one."""
 
 from typing import Any
 
@@ -81,7 +77,7 @@ def coordinates(data: FigureData) -> list[tuple[Variable, Any]]:
     spec = data.spec
     if spec.axes:
         x: tuple[Variable, Any] = (
-            parameter(data, spec.axes[0], log="x" in spec.options["log"]),
+            parameter(data, spec.axes[0], log="x" in spec.log),
             None,
         )
     else:
@@ -157,8 +153,8 @@ def draw_points(
 def table(data: FigureData) -> pd.DataFrame:
     """Return the plotted data, one row per point, units in the headings."""
     spec = data.spec
-    is_observed = spec.options["colour"] in numbers(spec.system)
-    options = ["second"] * bool(spec.options["second"]) + ["show"] + ["colour"] * is_observed
+    is_observed = spec.colour in numbers(spec.system)
+    options = ["second"] * bool(spec.second) + ["show"] + ["colour"] * is_observed
     rows = quantity_table(data, [observed_quantity(data, option) for option in options])
     x = observed_quantity(data, options[0]).label if options[0] == "second" else rows.columns[1]
     return append_foreign_data(data, rows, x, observed_quantity(data).label)
@@ -168,7 +164,7 @@ def notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on the running mean, bars, markers and gaps."""
     pairs, rows = coordinates(data), drawable(data, data.rows)
     quantities = [quantity for _, quantity in pairs if quantity is not None]
-    panel, x = data.spec.options["panels"], pairs[0][0]
+    panel, x = data.spec.panels, pairs[0][0]
     parts = [part for _, part in rows.groupby(panel)] if panel else [rows]
     kind = "mean of the logarithm" if pairs[1][0].log else "mean"
     line = (

@@ -146,9 +146,9 @@ class FigureFile(PlotFile):
         return *KEYS_OF_ALL, *(self.keys.of_papers or (*self.keys.every, "log"))
 
     @property
-    def options(self) -> dict[str, Any]:
-        """What the kind of plot leaves open, as plain data; empty ones of papers left out."""
-        options: dict[str, Any] = {
+    def shown(self) -> dict[str, Any]:
+        """What a figure shows, by the attributes of its specification."""
+        return super().shown | {
             "labels": self.labels,
             "levels": tuple(self.levels),
             "level": self.level,
@@ -161,7 +161,6 @@ class FigureFile(PlotFile):
             "point": self.point,
             "relative": self.relative,
         }
-        return super().options | {name: value for name, value in options.items() if value}
 
 
 class PaperFigures(Strict):
@@ -215,7 +214,6 @@ def _spec(
     )
     return FigureSpec(
         name=figure.name,
-        kind=figure.kind,
         paper=f"{paper.quote}, {figure.about}",
         system=figure.system,
         title=texts["title"],
@@ -227,7 +225,7 @@ def _spec(
         named=tuple(figure.named),
         says=texts["says"],
         details=texts["details"],
-        options=figure.options,
+        **figure.shown,
     )
 
 

@@ -13,7 +13,7 @@ from sim.study.design import Axis, Design
 from sim.study.file import BoundaryFile, SeriesFile, StudyFile
 from sim.study.model import Point, Study
 from sim.study.plot_contents import name_in_words, parameter_phrase
-from sim.study.plot_kinds import FigureSpec
+from sim.study.plot_kinds import Answer, FigureSpec
 from sim.study.plottable import Observable, find_observable, numbers, require_stored
 from sim.study.surrogate import MOST_POINTS, SurrogateFile, SurrogateSpec, fewest_points
 
@@ -52,7 +52,8 @@ class Question:
         title: str,
         lead: str,
         ending: str = "",
-        **options: Any,
+        x: str = "",
+        y: str = "",
     ) -> FigureSpec:
         """Return a picture of the answer; ``of`` is the surrogate, or what one would be of."""
         return FigureSpec(
@@ -63,14 +64,15 @@ class Question:
             title=f"{title}, {self.noun}{spec.name}",
             lead=lead,
             series=(of.series,),
-            options={
-                "answer": spec.file,
-                "settings": spec.settings,
-                "regimes": of.regimes,
-                "observable": of.observable,
-                "unit": numbers(of.system)[of.observable].unit,
-                **options,
-            },
+            answer=Answer(
+                spec.file,
+                of.observable,
+                numbers(of.system)[of.observable].unit,
+                of.regimes,
+                spec.settings,
+                x,
+                y,
+            ),
         )
 
 
