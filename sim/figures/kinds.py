@@ -42,8 +42,8 @@ with attribute_additions_to(TALUS):
         log=("x", "y"),
         others=("curves", "panels", "beside", "fit"),
         of_papers=(
-            *("x", "curves", "panels", "log", "labels"),
-            *("levels", "level", "quantities", "styles", "entry", "relative", "alike"),
+            *("x", "y", "curves", "panels", "log", "units", "fit", "labels"),
+            *("levels", "level", "quantities", "styles", "entry", "relative", "alike", "widest"),
         ),
         systems=("chute", "belt"),
     )

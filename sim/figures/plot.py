@@ -180,7 +180,10 @@ def given_labels(data: FigureData) -> tuple[str, str]:
     """Return the labels of both axes of a figure, by default names and units of what is there."""
     spec, labels = data.spec, data.spec.labels
     observables = spec.keys.shows(spec.system)
-    usual = [parameter_label(spec.system, name) for name in spec.axes[:2]]
+    if spec.second:
+        usual = [observable_label(data, observables[spec.second])]
+    else:
+        usual = [parameter_label(spec.system, name) for name in spec.axes[:2]]
     if measures := spec.quantities:
         usual[1:] = [measures[0]["label"]]
     elif spec.show in observables:
@@ -217,7 +220,7 @@ def width_of(shown: Panels) -> float:
 def curve_keys(data: FigureData) -> tuple[str, ...]:
     """Return the parameters that name curves: those of the option, then all others that vary."""
     spec, rows = data.spec, data.rows
-    apart = {*spec.axes, *spec.curves}
+    apart = {*spec.axes, *spec.curves, *spec.by, *spec.alike}
     parameters = [name for name in SYSTEMS[spec.system].model_fields if name not in apart]
     return *spec.by, *varying_parameters(rows, parameters)
 

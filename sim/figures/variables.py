@@ -267,10 +267,11 @@ def legend(
             entries.setdefault(label, handle)
     entries.pop("", None)
     marks = [(label, entries.pop(label)) for label in MEANINGS if label in entries]
-    if (number := number_of_curves(data, named)) is not None:
+    is_prescribed = bool(data.spec.styles or data.spec.entry or data.spec.quantities)
+    if not is_prescribed and (number := number_of_curves(data, named)) is not None:
         Colours(number).explain(figure, [axes for axes, _ in shown])
         entries = {}
-    if len(entries) > MOST_ENTRIES:
+    if len(entries) > MOST_ENTRIES and not is_prescribed:
         entries = {f"{len(entries):,} curves, which the data names": Line2D([], [], linestyle="")}
     pairs = [*entries.items(), *marks, *(foreign or {}).items()]
     if pairs:

@@ -21,7 +21,6 @@ from sim.study.plot_kinds import (
     LARGEST_PORTION,
     SHARE,
     TALLEST,
-    WIDEST_INTERVAL,
     FigureSpec,
     kinds,
 )
@@ -39,7 +38,6 @@ _LIMITS = {
     "largest_portion": f"{LARGEST_PORTION:g}",
     "share": f"{100 * SHARE:g}",
     "tallest": f"{TALLEST:g}",
-    "widest_interval": f"{100 * WIDEST_INTERVAL:g}",
 }
 
 
@@ -92,7 +90,8 @@ class FigureFile(PlotFile):
     title: Text
     about: Text = Field(description="figure of the paper, or what of the paper it is about")
     vary: list[str] = Field([], description="parameters, on no axis, that the points must vary")
-    labels: dict[Literal["x", "y"], Text] = Field({}, description="labels of the axes")
+    labels: dict[Literal["x", "y", "right"], Text] = Field({}, description="labels of the axes")
+    widest: float = Field(0, description="largest relative interval that a line joins, 0 for any")
     levels: list[float] = Field([], description="values to compare with")
     level: Text = Field("", description="their entry in the legend")
     quantities: list[Measure] = []
@@ -159,6 +158,7 @@ class FigureFile(PlotFile):
             },
             "entry": self.entry,
             "point": self.point,
+            "widest": self.widest,
             "relative": self.relative,
         }
 

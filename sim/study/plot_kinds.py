@@ -301,9 +301,6 @@ LARGEST_PORTION = 10
 #: Profiles of a chute flow end where this share of the spheres' volume is below.
 SHARE = 0.995
 
-#: Largest half width of an interval, relative to the mean, of chute flows that a line joins.
-WIDEST_INTERVAL = 0.5
-
 #: Flows slower than this (√(gσ)) that are not at rest are said to creep.
 CREEP = 0.1
 
@@ -392,6 +389,8 @@ class FigureSpec:
         Looks of curves by the values of their parameters, and pattern of the other entries.
     point : str
         Which of several points is shown.
+    widest : float
+        Largest half width of an interval, relative to its value, that a line joins; 0 for any.
     relative : bool
         Whether velocity and frequency of the belt are shares of its own.
     answer : Answer
@@ -432,6 +431,7 @@ class FigureSpec:
     styles: Mapping[Any, Mapping[str, str]] = field(default_factory=dict)
     entry: str = ""
     point: str = ""
+    widest: float = 0.0
     relative: bool = False
     answer: Answer = field(default_factory=Answer)
     plugin: str = ""

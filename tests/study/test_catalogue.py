@@ -122,6 +122,13 @@ def test_an_entry_becomes_what_its_figure_is(tmp_path):
     )
 
 
+def test_curves_of_a_paper_take_the_keys_of_a_plot(tmp_path):
+    keys = "    y: backflow\n    units: natural\n    fit: linear\n    title: Vel"
+    (tmp_path / "figures.yaml").write_text(ENTRY.replace("    title: Vel", keys))
+    (spec,) = read_figures(paper_in(tmp_path))
+    assert (spec.show, spec.units, spec.fit) == ("backflow", "natural", "linear")
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
@@ -143,8 +150,8 @@ def test_an_entry_becomes_what_its_figure_is(tmp_path):
         ),
         (
             "    where",
-            "    y: wave_power\n    where",
-            "figures[0].y: got 'wave_power'; allowed: a key of curves: name, kind",
+            "    between: [1, 2]\n    where",
+            "figures[0].between: got [1, 2]; allowed: a key of curves: name, kind",
         ),
         ("{obstacle:g}", "{amplitude:g}", "figures[0].lead: got 'unsupported format string"),
         (
