@@ -1,6 +1,7 @@
 """Every mistake in a study, a point or a folder: one line, exit code 2, nothing computed."""
 
 import os
+import re
 import subprocess
 import sys
 from inspect import signature

@@ -13,7 +13,7 @@ def notes(data):
 
 @talus.plot_kind("boxes", like="distribution", notes=notes)
 def boxes(data):
-    along, shown = data.spec.axes[0], numbers(data.spec.system)[data.spec.options["show"]]
+    along, shown = data.spec.axes[0], numbers(data.spec.system)[data.spec.show]
     figure = Figure(figsize=(5.6, 3.9), layout="constrained")
     axes = figure.add_subplot()
     labels = [f"{value:g}" for value in data.rows[along]]

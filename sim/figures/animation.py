@@ -17,7 +17,7 @@ from matplotlib.patches import Circle
 
 from sim.figures.beads import OBSTACLE
 from sim.figures.caption import velocity_text
-from sim.figures.data import FigureData
+from sim.figures.data import FigureData, point_table
 from sim.figures.plot import message_figure
 from sim.figures.render import Animation
 from sim.figures.spheres import COLOURS, DARK, Frame, Scene, picture, view_from
@@ -49,7 +49,7 @@ def select(data: FigureData) -> FigureData:
     particles, the first point is taken.
     """
     rows = data.rows
-    if data.spec.options.get("point") == "slowest":
+    if data.spec.point == "slowest":
         rows = rows.sort_values(["completed", "velocity"], ascending=[False, True])
     rows = rows.sort_values("protocol", ascending=False, kind="stable")
     with_particles = rows[rows["point"].isin(list(data.results.states))]
@@ -63,6 +63,10 @@ def draw(data: FigureData) -> Animation:
     if state is None:
         return Animation(message_figure("no motion stored"), 1, lambda number: None)
     return (_animate_belt if data.spec.system == "belt" else _animate_chute)(row, state)
+
+
+#: The data behind it are those of its point.
+table = point_table
 
 
 def notes(data: FigureData) -> list[str]:

@@ -1,6 +1,6 @@
 """Scales, ticks and limits of axes, and carets on the error bars that they cut."""
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,10 @@ _SMALL, _USUAL = 7.5, 9.0
 
 #: Room around the values for their intervals, relative to the range of the values.
 _MARGIN = 0.6
+
+#: Room beyond the values on a logarithmic axis, how far bars may extend it, and room of a cap, as
+#: factors.
+_BEYOND, _REACH, _END = 1.4, 10.0, 1.05
 
 #: No values.
 NONE = pd.Series(dtype=float)
@@ -70,7 +74,6 @@ def set_ticks(
     length: float,
     *,
     vertical: bool = False,
-    first: Collection[float] = (),
 ) -> None:
     """Put a tick at each value, with a number wherever there is room for one.
 
@@ -87,8 +90,6 @@ def set_ticks(
         Approximate length of the axis, inches.
     vertical : bool
         Whether it is the vertical axis.
-    first : collection of float
-        Values whose numbers have priority. If given, numbers always lie along the axis.
     """
     axis: Axis = axes.yaxis if vertical else axes.xaxis
     distinct = sorted(set(values))
@@ -96,12 +97,10 @@ def set_ticks(
     places = length * _fractions(axis, distinct)
     across = 0 if vertical else 90
     layouts = [(vertical, 0, _USUAL), (True, across, _USUAL), (True, across, _SMALL)]
-    for layout in layouts[:1] if first else layouts:
+    for layout in layouts:
         stacked, angle, size = layout
         widths = [(_LINE if stacked else _width(label) + _GAP) * size / _USUAL for label in labels]
-        labelled = _readable_labels(
-            places, widths, [distinct.index(value) for value in distinct if value in first]
-        )
+        labelled = _readable_labels(places, widths)
         if len(labelled) == len(distinct):
             break
     axis.set_major_locator(FixedLocator([distinct[index] for index in labelled]))
@@ -126,15 +125,10 @@ def _fractions(axis: Axis, values: Sequence[float]) -> np.ndarray:
     return np.abs((transform(np.asarray(values, float)) - start) / (end - start))
 
 
-def _readable_labels(
-    places: np.ndarray, widths: Sequence[float], first: Sequence[int]
-) -> list[int]:
-    """Return the indices of labels that do not touch.
-
-    Those in ``first`` have priority, then the last, then all from the left.
-    """
+def _readable_labels(places: np.ndarray, widths: Sequence[float]) -> list[int]:
+    """Return the indices of labels that do not touch: the last, then all from the left."""
     chosen: list[int] = []
-    for index in dict.fromkeys((*first, len(places) - 1, *range(len(places)))):
+    for index in dict.fromkeys((len(places) - 1, *range(len(places)))):
         if all(
             abs(places[index] - places[other]) >= (widths[index] + widths[other]) / 2
             for other in chosen
@@ -149,28 +143,33 @@ def limit_axis(
     values: pd.Series,
     half_widths: pd.Series = NONE,
     others: pd.Series = NONE,
+    *,
+    logarithmic: bool = False,
 ) -> None:
     """Limit an axis to a margin around the values: intervals of two replicates may be very wide.
 
-    ``axis`` is ``"x"`` or ``"y"`` and must not be logarithmic. ``others`` are further coordinates
-    on it, of foreign data.
+    ``axis`` is ``"x"`` or ``"y"``. ``others`` are further coordinates on it, of foreign data.
     """
-    if values.empty and others.empty:
+    if not (values.notna().any() or others.notna().any()):
         return
-    least, most = _axis_limits(values, half_widths, others)
+    least, most = _axis_limits(values, half_widths, others, logarithmic)
     low, high = getattr(axes, f"get_{axis}lim")()
     getattr(axes, f"set_{axis}lim")(max(low, least), min(high, most))
 
 
 def _axis_limits(
-    values: pd.Series, half_widths: pd.Series, others: pd.Series
+    values: pd.Series, half_widths: pd.Series, others: pd.Series, logarithmic: bool
 ) -> tuple[float, float]:
-    """Return the lowest and the highest limit of a linear axis.
+    """Return the lowest and the highest limit of an axis.
 
     It has a margin around values, and bars that go a little beyond it extend it.
     """
-    known = pd.concat([values, others])
-    low, high, half = known.min(), known.max(), half_widths.fillna(0)
+    known, half = pd.concat([values, others]), half_widths.fillna(0)
+    low, high = known.min(), known.max()
+    if logarithmic:
+        lowest, highest = values - half, values + half
+        lowest, highest = lowest[lowest >= low / _REACH], highest[highest <= high * _REACH]
+        return min([low / _BEYOND, *lowest / _END]), max([high * _BEYOND, *highest * _END])
     size = high - low or abs(high) or 1.0
     least, most = low - _MARGIN * size, high + _MARGIN * size
     least = max(least, 0.0) if low >= 0 else least
@@ -191,9 +190,7 @@ def has_cut_bars(
         return False
     half = half_widths.fillna(0)
     lowest, highest = (values - half).min(), (values + half).max()
-    if logarithmic:
-        return bool(lowest <= 0)
-    least, most = _axis_limits(values, half_widths, others)
+    least, most = _axis_limits(values, half_widths, others, logarithmic)
     return bool(lowest < least or highest > most)
 
 

@@ -16,7 +16,7 @@ from matplotlib.ticker import MultipleLocator
 
 from sim.base.errors import InputError
 from sim.figures.caption import first_clause, velocity_text
-from sim.figures.data import FigureData
+from sim.figures.data import Drawing, FigureData
 from sim.figures.style import DOTTED, place_legend
 from sim.parameters import NUMERICAL, BeltParameters, field_info
 from sim.study.plot_contents import in_words
@@ -280,3 +280,7 @@ def _draw_scale(axes: Axes, speed: float) -> None:
     right, top = axes.get_xlim()[1] - 0.5, axes.get_ylim()[1] - 0.8
     axes.plot([right - 1, right], [top, top], color="#0072b2", linewidth=1.6)
     axes.text(right - 1.2, top, f"{speed:g} m/s", ha="right", va="center", fontsize=8)
+
+
+PATHS = Drawing(draw_paths, paths_table, notes, select)
+SNAPSHOTS = Drawing(draw_snapshots, beads_table, notes, select)

@@ -1,8 +1,4 @@
-"""A profile over the height above the belt, a curve per flow, as in Gallas' Figs. 2 and 3.
-
-Options of a figure: those of `sim.figures.style.look_of`; ``show``, the profile; ``labels`` of the
-axes; ``curves``, parameters that name a flow.
-"""
+"""A profile over the height above the belt, a curve per flow, as in Gallas' Figs. 2 and 3."""
 
 from typing import Any, NamedTuple
 
@@ -49,7 +45,7 @@ PROFILES = {"number_density": DENSITY, "velocity": VELOCITY}
 
 
 def _profile(data: FigureData) -> Profile:
-    name = data.spec.options["show"]
+    name = data.spec.show
     observable = observables(data.spec.system)[name]
     usual = Profile(observable.source, f"{observable.meaning} [{observable.unit}]", 0)
     return PROFILES.get(name, usual)
@@ -63,10 +59,10 @@ def draw(data: FigureData) -> Figure:
     _draw_flows(axes, data, table)
     axes.set_xlim(left=0)
     axes.set_ylim(*_range(table["mean"]))
-    labels = data.spec.options.get("labels", {})
+    labels = data.spec.labels
     axes.set_xlabel(labels.get("x", "height above the belt z/⟨d⟩"))
     axes.set_ylabel(labels.get("y", profile.heading))
-    named = data.spec.options["curves"]
+    named = data.spec.by
     place_legend(figure, axes, legend_title("belt", varying_parameters(data.rows, named)))
     return figure
 
@@ -75,7 +71,7 @@ def _draw_flows(axes: Axes, data: FigureData, table: pd.DataFrame) -> None:
     """Draw a line and a band per flow, those of the converged protocol pale beside published."""
     shown = data.rows[data.rows["completed"] > 0]
     beside = shown["protocol"].nunique() > 1
-    keys = data.spec.options["curves"]
+    keys = data.spec.by
     look = look_of(data.spec, keys)
     curves = split_curves(shown, "point", keys, tuple(BeltParameters.model_fields))
     labels, styles = labels_and_styles([names for names, _ in curves], look)

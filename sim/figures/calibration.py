@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from sim.base.files import file_version
 from sim.base.statistics import MANY, student
 from sim.figures.axes import set_log
-from sim.figures.data import FigureData, label_with_unit, unit_of
+from sim.figures.data import Drawing, FigureData, label_with_unit, unit_of
 from sim.figures.plot import SINGLE_SIZE, message_figure, parameter_label, wrap_label
 from sim.figures.spheres import COLOURS as SHADES
 from sim.figures.style import COLOURS, legend_above, move_aside
@@ -78,7 +78,7 @@ def posterior_table(data: FigureData) -> pd.DataFrame:
     rows = [(*row, unit) for row, unit in zip(table.itertuples(index=False), units, strict=True)]
     if DISCREPANCY in groups["posterior"]:
         low, middle, high = np.quantile(groups["posterior"][DISCREPANCY], INTERVAL)
-        rows.append((DISCREPANCY, middle, low, high, np.nan, "", data.spec.options["unit"]))
+        rows.append((DISCREPANCY, middle, low, high, np.nan, "", data.spec.answer.unit))
     headings = (
         *("parameter", "median", "lower end of 95 % interval", "upper end of 95 % interval"),
         *("length of the interval over that of the range [1]", "told by the data", "unit"),
@@ -110,7 +110,7 @@ def posterior_notes(data: FigureData) -> list[str]:
 def _discrepancy_note(data: FigureData, groups: Mapping[str, xr.Dataset]) -> str:
     if DISCREPANCY not in groups["posterior"]:
         return "The model is taken to lack nothing."
-    unit = unit_of(data.spec.options["unit"], "si", data.spec.system)
+    unit = unit_of(data.spec.answer.unit, "si", data.spec.system)
     low, middle, high = np.quantile(groups["posterior"][DISCREPANCY], INTERVAL)
     fitted = f"What the model may lack, fitted: {middle:.2g} ({low:.2g} to {high:.2g}) {unit}"
     scale = _about(groups)["discrepancy_scale"]
@@ -147,7 +147,7 @@ def draw_predictions(data: FigureData) -> Figure:
 def predictions_table(data: FigureData) -> pd.DataFrame:
     """Return measurements and predictions, row by row."""
     rows, _ = _prediction_rows(data)
-    unit = data.spec.options["unit"]
+    unit = data.spec.answer.unit
     conditions = _groups(data)["constant_data"].drop_vars("error").to_dataframe()
     headings = {
         "measured": f"measured [{unit}]",
@@ -352,6 +352,9 @@ def _candidates(groups: Mapping[str, xr.Dataset]) -> tuple[pd.DataFrame, list[st
 
 def _observable_label(data: FigureData) -> str:
     name = name_in_words(str(_about(_groups(data))["observable"]))
-    return wrap_label(
-        label_with_unit(name, unit_of(data.spec.options["unit"], "si", data.spec.system))
-    )
+    return wrap_label(label_with_unit(name, unit_of(data.spec.answer.unit, "si", data.spec.system)))
+
+
+POSTERIOR = Drawing(draw_posterior, posterior_table, posterior_notes)
+PREDICTIONS = Drawing(draw_predictions, predictions_table, predictions_notes)
+EXPERIMENT = Drawing(draw_experiment, experiment_table, experiment_notes)

@@ -77,7 +77,7 @@ def doubt_sentence(data: FigureData) -> str:
     """
     rows, spec = data.rows, data.spec
     shown = rows[rows["completed"] > 0]
-    is_told = spec.particles or spec.options.get("show") == REGIME
+    is_told = spec.particles or spec.show == REGIME
     unsteady = 0 if is_told else int(((shown["regime"] != "steady") | is_undecided(shown)).sum())
     caveats = rows["caveat"][rows["caveat"] != ""].value_counts()
     reasons = [
@@ -107,7 +107,7 @@ def first_clause(caveat: str) -> str:
 
 def point_notes(data: FigureData) -> list[str]:
     """Return the sentences of a caption on error bars and markers of measures or velocities."""
-    if "quantities" in data.spec.options:
+    if data.spec.quantities:
         return quantity_notes(data, quantities(data))
     return [*interval_sentences(data.rows), regime_sentence(data.rows)]
 
@@ -263,14 +263,14 @@ def answer_sentences(data: FigureData) -> list[str]:
 
     Empty for a figure that shows no answer.
     """
-    rows, options = data.rows[data.rows["completed"] > 0], data.spec.options
-    if "regimes" not in options:
+    rows, answer = data.rows[data.rows["completed"] > 0], data.spec.answer
+    if not answer.file:
         return []
-    observable = numbers(data.spec.system)[options["observable"]]
+    observable = numbers(data.spec.system)[answer.observable]
     values = replicate_values(data.results, observable, list(rows["point"]))
     has_value = np.array([row.size > 0 for row in values], bool)
     regimes = pd.Series(map(answering_regime, rows.to_dict("records")), rows.index, dtype=object)
-    counts = regimes.isin(options["regimes"])
+    counts = regimes.isin(answer.regimes)
     others = regimes[~counts & has_value].value_counts()
     texts = [f"{points_text(count)} {_REGIMES.get(name, name)}" for name, count in others.items()]
     if lacking := int((~has_value).sum()):

@@ -1,19 +1,24 @@
-"""Curves of an observable against a parameter or another observable, defined by a study file.
+"""Curves of observables against a parameter or another observable, of studies and of papers."""
 
-Options of a figure: those of `sim.figures.plot`.
-"""
-
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from sim.figures import paper_curves
-from sim.figures.axes import has_cut_bars, limit_axis, mark_cut_bars, set_log
+from sim.figures.axes import has_cut_bars, limit_axis, mark_cut_bars, set_log, set_plain_ticks
 from sim.figures.caption import bar_notes
-from sim.figures.data import FigureData, Quantity, quantity_table, varying_parameters
+from sim.figures.data import (
+    FigureData,
+    Quantity,
+    quantities,
+    quantity_table,
+    varying_parameters,
+    velocity_table,
+)
 from sim.figures.family import draw_family, name_bands
 from sim.figures.fit import Fit, draw_fits, fit_columns, fit_curves, fit_notes
 from sim.figures.plot import (
@@ -23,22 +28,24 @@ from sim.figures.plot import (
     draw_foreign_data,
     foreign_data_notes,
     foreign_values,
+    given_labels,
     label_axes,
     missing_value_note,
     nonpositive_note,
-    observable_label,
     observed_quantity,
     panels,
-    parameter_label,
     set_run_ticks,
     width_of,
     write_no_data,
 )
-from sim.figures.style import CurveStyle, Look, is_undecided
+from sim.figures.style import LEVEL, PATTERNS, CurveStyle, Look, is_undecided, look_of
 from sim.figures.variables import has_logarithmic_values, is_number, legend, shared_look
+from sim.measures.belt import speed_along_x
 from sim.parameters import SYSTEMS
 from sim.study.plot_contents import SCATTER_HINT, parameter_phrase
-from sim.study.plottable import numbers
+
+#: Largest acceleration of the belt that is drawn (g): well within the flow.
+_LARGEST = 3.0
 
 #: Shift between neighbouring curves, points of print.
 _PITCH = 2.4
@@ -49,89 +56,129 @@ _WIDEST = 10 * _PITCH
 #: Most ticks per inch of a horizontal axis that shows an observable.
 _TICKS_PER_INCH = 1.8
 
-#: Column of the observable on the horizontal axis.
-_OBSERVED_X = "across"
+#: Column of the observable on the horizontal axis, and of the acceleration of the belt (g).
+_OBSERVED_X, _ACCELERATION = "across", "acceleration_ratio"
 
 
 def select(data: FigureData) -> FigureData:
-    """Return the data with the points to draw."""
-    return paper_curves.select(data) if data.spec.paper else data
+    """Return the points to draw; of a relative figure those near the onset of transport."""
+    if not data.spec.relative:
+        return data
+    rows = data.rows
+    rate, vertical = 2 * np.pi * rows["frequency"], rows["amplitude"] * rows["diameter"]
+    rows = rows.assign(**{_ACCELERATION: rate**2 * vertical / rows["gravity"]})
+    return replace(data, rows=rows[rows[_ACCELERATION] <= _LARGEST])
 
 
 def draw(data: FigureData) -> Figure:
     """Draw the curves."""
-    if data.spec.paper:
-        return paper_curves.draw(data)
-    spec, quantities = data.spec, _drawable_quantities(data)
+    drawable = _drawable_quantities(data)
     figure, shown = panels(data)
     for axes, rows in shown:
-        _draw_curves(data, axes, rows, quantities)
-    empty_axes = [axis for axis, quantity in quantities.items() if quantity.value.isna().all()]
-    write_no_data(shown, quantities[(*empty_axes, "y")[0]].name)
+        _draw_curves(data, axes, rows, drawable)
+    empty = [one for one in drawable.values() if one.value.isna().all()]
+    write_no_data(shown, [*empty, drawable["y"]][0].name)
     foreign = draw_foreign_data(data, shown)
-    _set_axes(data, shown, quantities)
+    _set_axes(data, shown, drawable)
     for axes, _ in shown:
         mark_cut_bars(axes)
-    by_name = numbers(spec.system)
-    x = (
-        parameter_label(spec.system, spec.axes[0])
-        if spec.axes
-        else observable_label(data, by_name[spec.options["second"]])
-    )
-    label_axes(figure, shown, x, observable_label(data, by_name[spec.options["show"]]))
+        _draw_levels(data, axes)
+    label_axes(figure, shown, *given_labels(data))
     legend(data, figure, shown, _keys(data), foreign)
-    if spec.options["scattered"]:
+    if data.spec.scattered:
         figure.suptitle(_hint(len(data.rows)), fontsize=9)
     return figure
 
 
 def _draw_curves(
-    data: FigureData, axes: Axes, rows: pd.DataFrame, quantities: dict[str, Quantity]
+    data: FigureData, axes: Axes, rows: pd.DataFrame, drawable: dict[str, Quantity]
 ) -> None:
-    """Draw the curves of a panel; curves along a parameter are shifted against each other."""
-    points = rows[_has_all_values(quantities)[rows.index]]
+    """Draw the curves of a panel; those of one quantity along a parameter stand side by side."""
+    points, spec = rows[_has_all_values(drawable)[rows.index]], data.spec
+    measures = spec.quantities or ({},)
     number = max(1, len(points[_keys(data)].drop_duplicates()))
-    options: dict[str, Any] = {"pitch": min(_PITCH, _WIDEST / number)}
-    if "x" in quantities:
-        points = points.assign(**{_OBSERVED_X: quantities["x"].value})
-        options = {"spread": quantities["x"].half_width}
-    along = data.spec.axes[0] if data.spec.axes else _OBSERVED_X
-    draw_family(axes, points, quantities["y"], along, _keys(data), (), look=_look(data), **options)
-    draw_fits(axes, _fits(data, rows, quantities), _look(data))
+    options: dict[str, Any] = {"pitch": min(_PITCH, _WIDEST / number) * (len(measures) == 1)}
+    if "x" in drawable:
+        points = points.assign(**{_OBSERVED_X: drawable["x"].value})
+        options = {"spread": drawable["x"].half_width}
+    for one, measure in zip(_on_y(drawable), measures, strict=True):
+        if spec.widest:
+            options["unjoined"] = one.half_width > spec.widest * one.value.abs()
+        look = _look(data, measure)
+        draw_family(axes, points, one, _along(data), _keys(data), (), look=look, **options)
+        if "dashes" in measure and "colour" not in measure:
+            # Dashes alone tell the measures of a curve apart.
+            dashes: dict[str, Any] = {"linestyle": PATTERNS[measure["dashes"]]}
+            axes.plot([], [], color="#666666", label=measure["entry"], **dashes)
+    draw_fits(axes, _fits(data, rows, drawable), _look(data))
 
 
-def _fits(data: FigureData, rows: pd.DataFrame, quantities: dict[str, Quantity]) -> list[Fit]:
+def _along(data: FigureData) -> str:
+    """Return the column that the horizontal axis shows."""
+    if data.spec.relative:
+        return _ACCELERATION
+    return data.spec.axes[0] if data.spec.axes else _OBSERVED_X
+
+
+def _draw_levels(data: FigureData, axes: Axes) -> None:
+    """Draw what values are compared with, and velocities in natural units at the right."""
+    spec, rows = data.spec, data.rows
+    for level in spec.levels:
+        axes.axhline(level, **LEVEL)
+    if spec.level:
+        axes.plot([], [], label=spec.level, **LEVEL)
+    if spec.relative:
+        axes.axvline(1, **LEVEL)
+    if "right" in spec.labels:
+        unit = float(np.sqrt(rows["gravity"] * rows["diameter"]).iloc[0])
+        right = axes.secondary_yaxis(
+            "right", functions=(lambda v: np.divide(v, unit), lambda v: np.multiply(v, unit))
+        )
+        if axes.get_yscale() == "log":
+            set_plain_ticks(right.yaxis)
+        right.set_ylabel(spec.labels["right"])
+        axes.spines["right"].set_visible(True)
+
+
+def _fits(data: FigureData, rows: pd.DataFrame, drawable: dict[str, Quantity]) -> list[Fit]:
     """Return the fits to the curves of some points; empty for a plot without ``fit``."""
-    if not data.spec.options["fit"]:
+    if not data.spec.fit:
         return []
-    points = rows[_has_all_values(quantities)[rows.index]]
-    if "x" in quantities:
-        points = points.assign(**{_OBSERVED_X: quantities["x"].value})
+    points = rows[_has_all_values(drawable)[rows.index]]
+    if "x" in drawable:
+        points = points.assign(**{_OBSERVED_X: drawable["x"].value})
     keys = list(dict.fromkeys([*_keys(data), *data.spec.curves]))
-    along = data.spec.axes[0] if data.spec.axes else _OBSERVED_X
-    return fit_curves(data.spec.options["fit"], points, quantities["y"], along, keys)
+    return fit_curves(data.spec.fit, points, drawable["y"], _along(data), keys)
 
 
-def _quantities(data: FigureData) -> dict[str, Quantity]:
-    """Return the observables by axis: ``y``, and ``x`` where no parameter is there."""
-    x_quantity = {"x": observed_quantity(data, "second")} if data.spec.options["second"] else {}
-    return x_quantity | {"y": observed_quantity(data)}
+def quantities_by_axis(data: FigureData) -> dict[str, Quantity]:
+    """Return what is shown by axis: ``y``, then ``y1`` and so on; ``x`` where no parameter is."""
+    spec, rows = data.spec, data.rows
+    across = {"x": observed_quantity(data, "second")} if spec.second else {}
+    if spec.relative:
+        of_belt, label = speed_along_x(rows), "velocity over the belt's along x [1]"
+        value, half_width = rows["velocity"] / of_belt, rows["half_width"] / of_belt
+        return {"y": Quantity("relative_velocity", label, value, half_width)}
+    each = quantities(data) if spec.quantities else [observed_quantity(data)]
+    return across | {f"y{number or ''}": one for number, one in enumerate(each)}
 
 
-def _has_all_values(quantities: dict[str, Quantity]) -> pd.Series:
+def _on_y(shown: dict[str, Quantity]) -> list[Quantity]:
+    return [quantity for axis, quantity in shown.items() if axis != "x"]
+
+
+def _has_all_values(shown: dict[str, Quantity]) -> pd.Series:
     """Return for each point whether all quantities have a value."""
-    return pd.concat([quantity.value.notna() for quantity in quantities.values()], axis=1).all(
-        axis=1
-    )
+    return pd.concat([quantity.value.notna() for quantity in shown.values()], axis=1).all(axis=1)
 
 
 def _drawable_quantities(data: FigureData) -> dict[str, Quantity]:
     """Return the observables by axis, with values ≤ 0 dropped on logarithmic axes."""
     return {
         axis: replace(quantity, value=quantity.value.where(quantity.value > 0))
-        if axis in data.spec.options["log"]
+        if axis[0] in data.spec.log
         else quantity
-        for axis, quantity in _quantities(data).items()
+        for axis, quantity in quantities_by_axis(data).items()
     }
 
 
@@ -141,12 +188,12 @@ def _keys(data: FigureData) -> list[str]:
     With an observable on the x axis, numerical parameters that are not requested vary along curves.
     Points of a design have no curves.
     """
-    system, keys, options = data.spec.system, curve_keys(data), data.spec.options
-    if options["scattered"]:
+    spec, keys = data.spec, curve_keys(data)
+    if spec.scattered:
         return []
-    if not options["second"]:
+    if not spec.second:
         return list(keys)
-    return [name for name in keys if name in options["curves"] or not is_number(system, name)]
+    return [name for name in keys if name in spec.by or not is_number(spec.system, name)]
 
 
 def _parameters_along(data: FigureData) -> list[str]:
@@ -159,14 +206,19 @@ def _parameters_along(data: FigureData) -> list[str]:
     return [name for name in others if name in varied]
 
 
-def _look(data: FigureData) -> Look:
+def _look(data: FigureData, measure: Mapping[str, str] | None = None) -> Look:
     """Return the look of the curves; lines need exactly one parameter that varies along them.
 
     A fitted line takes the place of the one that joins points.
     """
+    spec = data.spec
+    if spec.styles or spec.entry or measure:
+        is_named = spec.styles or spec.entry
+        names = [name for name in spec.by if is_named or data.rows[name].nunique() > 1]
+        return look_of(spec, names, measure)
     look = shared_look(data, _keys(data))
-    is_joined = data.spec.axes or len(_parameters_along(data)) == 1
-    if is_joined and not (data.spec.options["scattered"] or data.spec.options["fit"]):
+    is_joined = spec.axes or len(_parameters_along(data)) == 1
+    if is_joined and not (spec.scattered or spec.fit):
         return look
 
     def unjoined_look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
@@ -176,79 +228,86 @@ def _look(data: FigureData) -> Look:
     return unjoined_look
 
 
-def _set_axes(data: FigureData, shown: Panels, quantities: dict[str, Quantity]) -> None:
+def _set_axes(data: FigureData, shown: Panels, drawable: dict[str, Quantity]) -> None:
     """Set scales and limits, and put a tick at each value of the parameter that was run."""
-    log = set(data.spec.options["log"])
-    if any(has_logarithmic_values(data.rows[name]) for name in data.spec.axes[:1]):
+    spec, log = data.spec, set(data.spec.log)
+    if not spec.paper and any(has_logarithmic_values(data.rows[name]) for name in spec.axes[:1]):
         log.add("x")
-    chosen = _has_all_values(quantities) & (data.rows["completed"] > 0)
+    chosen = _has_all_values(drawable) & (data.rows["completed"] > 0)
     for axes, _ in shown:
         for axis in log:
             set_log(axes, axis)
         axes.margins(x=0.07)
         axes.autoscale_view()
-        for axis, quantity in quantities.items():
-            if axis not in log:
-                shown_values = quantity.value[chosen], quantity.half_width[chosen]
-                limit_axis(axes, axis, *shown_values, foreign_values(data, axis))
-        if data.spec.axes:
-            set_run_ticks(axes, data, data.spec.axes[0], width_of(shown))
+        for axis in {axis[0] for axis in drawable}:
+            limits = _limits(data, drawable, axis, chosen)
+            limit_axis(axes, axis, *limits, logarithmic=axis in log)
+        low, high = axes.get_ylim()
+        if low < 0 < high:
+            axes.axhline(0, color="#888888", linewidth=0.7, zorder=1)
+        if spec.axes:
+            set_run_ticks(axes, data, _along(data), width_of(shown))
         elif "x" not in log:
             axes.locator_params("x", nbins=round(_TICKS_PER_INCH * width_of(shown)))
 
 
+def _limits(
+    data: FigureData, drawable: dict[str, Quantity], axis: str, chosen: pd.Series
+) -> tuple[pd.Series, pd.Series, pd.Series]:
+    """Return values and half widths on an axis, and what else is drawn there."""
+    each = [quantity for name, quantity in drawable.items() if name[0] == axis]
+    others = [foreign_values(data, axis)]
+    if axis == "y":
+        others.append(pd.Series(data.spec.levels, dtype=float))
+    return (
+        pd.concat([one.value[chosen] for one in each], ignore_index=True),
+        pd.concat([one.half_width[chosen] for one in each], ignore_index=True),
+        pd.concat(others, ignore_index=True),
+    )
+
+
 def table(data: FigureData) -> pd.DataFrame:
     """Return the plotted data, one row per point, units in the headings."""
-    if data.spec.paper:
-        return paper_curves.table(data)
-    quantities = _quantities(data)
-    rows = quantity_table(data, list(quantities.values()))
+    spec, shown = data.spec, quantities_by_axis(data)
+    if spec.paper and [*shown.values()][-1].name == "velocity" and not spec.fit:
+        return velocity_table(data)
+    relative = {"acceleration of the belt [g]": data.rows[_ACCELERATION]} if spec.relative else None
+    rows = quantity_table(data, list(shown.values()), relative)
     rows = rows.assign(**fit_columns(data, _fits(data, data.rows, _drawable_quantities(data))))
     # The parameter on x follows the id of the point.
-    x = quantities["x"].label if "x" in quantities else rows.columns[1]
-    return append_foreign_data(data, rows, x, quantities["y"].label)
+    x = shown["x"].label if "x" in shown else rows.columns[1]
+    return append_foreign_data(data, rows, x, shown["y"].label)
 
 
 def notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on error bars, lines, markers and omitted points."""
-    if data.spec.paper:
-        return paper_curves.notes(data)
-    spec, keys, quantities = data.spec, _keys(data), _drawable_quantities(data)
-    completed = data.rows[data.rows["completed"] > 0]
-    shown = completed[_has_all_values(quantities)[completed.index]]
-    with_values = int(_has_all_values(_quantities(data))[completed.index].sum())
+    spec, keys, drawable = data.spec, _keys(data), _drawable_quantities(data)
+    completed = data.rows["completed"] > 0
+    chosen = completed & _has_all_values(drawable)
+    shown = data.rows[chosen]
+    with_values = int((completed & _has_all_values(quantities_by_axis(data))).sum())
     omitted = with_values - len(shown)
-    shown_quantities = {
-        axis: replace(
-            quantity, value=quantity.value[shown.index], half_width=quantity.half_width[shown.index]
-        )
-        for axis, quantity in quantities.items()
-    }
-    log = spec.options["log"]
     is_cut = any(
-        has_cut_bars(
-            quantity.value, quantity.half_width, foreign_values(data, axis), logarithmic=axis in log
-        )
-        for axis, quantity in shown_quantities.items()
+        has_cut_bars(*_limits(data, drawable, axis, chosen), logarithmic=axis in spec.log)
+        for axis in {axis[0] for axis in drawable}
     )
-    fits = _fits(data, completed, quantities)
-    is_loose = (spec.axes and not spec.options["scattered"]) or fits
-    along = [] if is_loose else _parameters_along(data)
-    bars = bar_notes(data, shown, list(shown_quantities.values()))
-    is_lined = spec.axes and not (fits or spec.options["scattered"])
-    aside = spec.axes and keys and len(shown[keys].drop_duplicates()) > 1
+    fits = _fits(data, data.rows[completed], drawable)
+    is_lined = spec.axes and not (fits or spec.scattered)
+    along = [] if fits or (spec.axes and not spec.scattered) else _parameters_along(data)
+    bars = bar_notes(data, shown, list(drawable.values()))
+    aside = spec.axes and not spec.quantities and keys and len(shown[keys].drop_duplicates()) > 1
     # Of what is neither steady nor too short to tell.
     has_open = ((shown["regime"] != "steady") & ~is_undecided(shown)).any()
     interrupted = len(along) < 2 and not fits and has_open
     return [
         *(name_bands(bars, shown[spec.axes[0]]) if is_lined else bars),
-        *([f"{_hint(len(data.rows))}."] if spec.options["scattered"] else []),
+        *([f"{_hint(len(data.rows))}."] if spec.scattered else []),
         *(["Error bars that end in a caret go on beyond the axes."] if is_cut else []),
         *(["Curves are drawn a little aside of each other."] if aside else []),
         *_notes_on_lines([parameter_phrase(spec.system, name) for name in along]),
         *(["Lines are interrupted at open markers."] if interrupted else []),
         *fit_notes(data, fits),
-        *missing_value_note(len(completed) - with_values),
+        *missing_value_note(int(completed.sum()) - with_values),
         *nonpositive_note(omitted, "points" if omitted > 1 else "point"),
         *foreign_data_notes(data),
     ]

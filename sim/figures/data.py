@@ -1,10 +1,10 @@
 """Turn a study's dataset into one row per point of a figure, and into the table of its data."""
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -39,9 +39,18 @@ class FigureData:
     @property
     def answer(self) -> Path:
         """File of the answer that the figure shows, in the results of its study."""
-        if self.results.runs is None or "answer" not in self.spec.options:
+        if self.results.runs is None or not self.spec.answer.file:
             raise InputError(f"{self.spec.name}: drawn in the results of a study alone")
-        return self.results.runs.parent / self.spec.options["answer"]
+        return self.results.runs.parent / self.spec.answer.file
+
+
+class Drawing(NamedTuple):
+    """What draws a kind of plot where a module draws several: functions of the data of a figure."""
+
+    draw: Callable[[FigureData], Any]
+    table: Callable[[FigureData], pd.DataFrame]
+    notes: Callable[[FigureData], list[str]]
+    select: Callable[[FigureData], FigureData] = lambda data: data
 
 
 def figure_data(results: Results, spec: FigureSpec) -> FigureData:
@@ -290,13 +299,13 @@ def quantities(data: FigureData) -> list[Quantity]:
     """Return the measures that the option ``quantities`` of a figure names, or the velocity."""
     return [
         measure_quantity(data, option["name"], option["label"], option.get("over", ""))
-        for option in data.spec.options.get("quantities", ())
+        for option in data.spec.quantities
     ] or [velocity(data.rows)]
 
 
 def point_table(data: FigureData) -> pd.DataFrame:
     """Return parameters and quantities of a figure, one row per point, units in the headings."""
-    if "quantities" in data.spec.options:
+    if data.spec.quantities:
         return quantity_table(data, quantities(data))
     return velocity_table(data)
 

@@ -1,7 +1,4 @@
-"""Distribution of an observable over the replicates of each point, defined by a study file.
-
-Options of a figure: those of `sim.figures.plot`.
-"""
+"""Distribution of an observable over the replicates of each point, defined by a study file."""
 
 from typing import Any
 
@@ -37,7 +34,7 @@ _FILLED_SHARE, _SPREAD_SHARE = 0.7, 0.6
 def draw(data: FigureData) -> Figure:
     """Draw a dot per replicate and a bar at the median; x values are equally spaced."""
     spec = data.spec
-    along, observable = spec.axes[0], numbers(spec.system)[spec.options["show"]]
+    along, observable = spec.axes[0], numbers(spec.system)[spec.show]
     values = pd.Series(replicate_values(data, observable), data.rows.index)
     figure, shown = panels(data)
     places = {value: place for place, value in enumerate(sorted(set(data.rows[along])))}
@@ -48,7 +45,7 @@ def draw(data: FigureData) -> Figure:
             axes.tick_params(axis="x", labelrotation=90)
         axes.set_xlim(-0.6, len(places) - 0.4)
         axes.grid(visible=False, axis="x")
-        if "y" in spec.options["log"]:
+        if "y" in spec.log:
             set_log(axes, "y")
     label_axes(
         figure, shown, parameter_label(spec.system, along), observable_label(data, observable)
@@ -89,8 +86,8 @@ def _draw_curves(
 
 def table(data: FigureData) -> pd.DataFrame:
     """Return the plotted data, one row per replicate, units in the headings."""
-    spec, observable = data.spec, numbers(data.spec.system)[data.spec.options["show"]]
-    unit = unit_of(observable.unit, spec.options["units"], spec.system) or "1"
+    spec, observable = data.spec, numbers(data.spec.system)[data.spec.show]
+    unit = unit_of(observable.unit, spec.units, spec.system) or "1"
     rows = pd.DataFrame(named_columns(data, data.rows))
     rows["regime"] = data.rows["regime"]
     rows[f"{observable.name} [{unit}]"] = pd.Series(
@@ -101,7 +98,7 @@ def table(data: FigureData) -> pd.DataFrame:
 
 def notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on dots, bars and omitted values."""
-    observable = numbers(data.spec.system)[data.spec.options["show"]]
+    observable = numbers(data.spec.system)[data.spec.show]
     values_by_point = replicate_values(data, observable)
     completed = data.rows["completed"] > 0
     missing = sum(

@@ -65,8 +65,8 @@ def current_record(
         with open_regular(dataset_path) as file:
             file.seek(max(0, file.seek(0, os.SEEK_END) - TAIL))
             source.update(file.read())
-        if "answer" in spec.options:
-            source.update(read_regular(dataset_path.parent / spec.options["answer"]))
+        if spec.answer.file:
+            source.update(read_regular(dataset_path.parent / spec.answer.file))
         files = {suffix: _checksum(folder / f"{spec.name}{suffix}") for suffix in spec.suffixes}
     except OSError:
         return None

@@ -1,7 +1,4 @@
-"""Laws that are fitted to curves, with errors of their numbers.
-
-Option of a figure: ``fit``, the name of a law in `LAWS`, or nothing.
-"""
+"""Laws that are fitted to curves, with errors of their numbers."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -143,7 +140,7 @@ def fit_notes(data: FigureData, fits: Sequence[Fit]) -> list[str]:
     """Return the sentences of the caption on fitted lines; empty without any."""
     if not fits:
         return []
-    law = f"{data.spec.options['fit']} law {LAWS[data.spec.options['fit']][1]}"
+    law = f"{data.spec.fit} law {LAWS[data.spec.fit][1]}"
     weights = (
         "weighted by the intervals"
         if all(fit.weighted or fit.problem for fit in fits)

@@ -1,7 +1,7 @@
 """How likely a curve of single runs rises, defined by a study file.
 
 A study has several replicates of each point. The curve of a paper that has one may be any choice of
-one replicate per point. Options of a figure: those of `sim.figures.plot`.
+one replicate per point.
 """
 
 from collections.abc import Iterator
@@ -43,7 +43,7 @@ def draw(data: FigureData) -> Figure:
             axes.plot(x, values[:, 0], style.marker, color=style.colour, label=label, linestyle="-")
             axes.fill_between(x, values[:, 1], values[:, 2], color=style.colour, alpha=PALE)
         axes.set_ylim(-0.03, 1.03)
-    name = numbers(spec.system)[spec.options["show"]].name
+    name = numbers(spec.system)[spec.show].name
     along = parameter_label(spec.system, spec.axes[0])
     label_axes(figure, shown, along, wrap_label("probability to rise from here on"))
     write_no_data(shown, name)
@@ -60,7 +60,7 @@ def _curves(
     from point to point. The last point has none.
     """
     spec = data.spec
-    observable = numbers(spec.system)[spec.options["show"]]
+    observable = numbers(spec.system)[spec.show]
     fields = tuple(SYSTEMS[spec.system].model_fields)
     for names, points in split_curves(rows, spec.axes[0], curve_keys(data), fields):
         own = FigureData(spec, points, data.boundaries, data.results)

@@ -1,14 +1,10 @@
-"""Main effects: the mean of an observable in groups of points along each of several parameters.
-
-Options of a figure: those of `sim.figures.plot`.
-"""
+"""Main effects: the mean of an observable in groups of points along each of several parameters."""
 
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim.figures.axes import limit_axis
-from sim.figures.binned import GROUPS, binned_means
 from sim.figures.caption import unsteady_sentence
 from sim.figures.data import FigureData
 from sim.figures.plot import (
@@ -17,7 +13,7 @@ from sim.figures.plot import (
     missing_value_note,
     write_no_data,
 )
-from sim.figures.scatter import averaged
+from sim.figures.scatter import GROUPS, averaged, binned_means
 from sim.figures.style import COLOURS
 from sim.figures.variables import Variable, known_rows, observable, parameters
 from sim.parameters import SYSTEMS, field_info

@@ -1,7 +1,7 @@
 """A map over two parameters: regimes and the boundaries between them, or an observable.
 
-Options of a figure: those of `sim.figures.plot`; ``show`` may be ``"regime"``. Maps of papers show
-boundaries, a line of theory, and the chute's flows that creep; those of the belt show no points.
+Maps of papers show boundaries, a line of theory, and the chute's flows that creep; those of the
+belt show no points.
 """
 
 from collections import Counter
@@ -96,10 +96,10 @@ def draw(data: FigureData) -> Figure:
     """Draw a marker per point of its regime, or cells or contours of the observable."""
     spec = data.spec
     figure, shown = panels(data)
-    if spec.paper and spec.options["show"] == REGIME:
+    if spec.paper and spec.show == REGIME:
         _draw_of_paper(data, figure, shown)
         return figure
-    if spec.options["show"] == REGIME:
+    if spec.show == REGIME:
         for axes, rows in shown:
             _draw_regimes(axes, rows, rows["regime"], spec.axes)
     else:
@@ -151,7 +151,7 @@ def _draw_of_paper(data: FigureData, figure: Figure, shown: Panels) -> None:
     # Beside all markers.
     aside = _MARKER * (rows["lane"].max() / 2 + 2) if data.spec.system == "chute" else 0
     draw_boundaries(axes, data.boundaries, plane, aside=aside)
-    for axis in data.spec.options["log"]:
+    for axis in data.spec.log:
         set_log(axes, axis)
         getattr(axes, f"set_{axis}margin")(0.11)
         getattr(axes, f"{axis}axis").set_minor_locator(NullLocator())
@@ -201,12 +201,12 @@ _THEORIES = {
 def _set_axes(data: FigureData, shown: Panels) -> None:
     """Set scales, and put ticks at the values that were run."""
     x, y = data.spec.axes
-    log = data.spec.options["log"]
+    log = data.spec.log
     height = SINGLE_SIZE[1] - 1.0 if len(shown) == 1 else PANEL_SIZE[1] - 0.5
     for axes, _ in shown:
         for axis in {"x", "y"} & set(log):
             set_log(axes, axis)
-        if data.spec.options["show"] == REGIME:
+        if data.spec.show == REGIME:
             axes.margins(0.1)
         axes.autoscale_view()
         set_run_ticks(axes, data, x, width_of(shown))
@@ -215,7 +215,7 @@ def _set_axes(data: FigureData, shown: Panels) -> None:
 
 def table(data: FigureData) -> pd.DataFrame:
     """Return the plotted data, one row per point, units in the headings."""
-    shows_regimes = data.spec.options["show"] == REGIME
+    shows_regimes = data.spec.show == REGIME
     rows = (
         velocity_table(data) if shows_regimes else quantity_table(data, [observed_quantity(data)])
     )
@@ -226,7 +226,7 @@ def table(data: FigureData) -> pd.DataFrame:
 
 def notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on markers."""
-    if data.spec.options["show"] == REGIME:
+    if data.spec.show == REGIME:
         return (
             boundary_notes(data)
             if data.spec.paper
@@ -404,7 +404,7 @@ def draw_values(data: FigureData, figure: Figure, shown: Panels) -> None:
         elif (triangles := _triangles(data, points, shade)) is not None:
             _draw_contours(axes, data, points, shade, triangles)
         else:
-            log = data.spec.options["log"]
+            log = data.spec.log
             across = parameter(data, x, log="x" in log)
             draw_points(axes, points, across, parameter(data, y, log="y" in log), shade, _ALONE)
         missing = rows.drop(points.index)
@@ -423,7 +423,7 @@ def _triangles(data: FigureData, rows: pd.DataFrame, shade: Variable) -> np.ndar
     places = []
     for axis, name in zip("xy", data.spec.axes, strict=True):
         values = rows[name].to_numpy(float)
-        along = np.log(values) if axis in data.spec.options["log"] else values
+        along = np.log(values) if axis in data.spec.log else values
         places.append((along - along.min()) / (np.ptp(along) or 1.0))
     try:
         return np.asarray(Delaunay(np.column_stack(places)).simplices)
@@ -467,7 +467,7 @@ def _edges(values: np.ndarray, *, log: bool) -> np.ndarray:
 def _draw_cells(axes: Axes, data: FigureData, rows: pd.DataFrame, shade: Variable) -> None:
     """Draw a cell per point, with its value where there are few, else with contour lines."""
     norm = Colours(shade).norm
-    (x, y), log = data.spec.axes, data.spec.options["log"]
+    (x, y), log = data.spec.axes, data.spec.log
     table = rows.assign(value=shade.values, mark=_hatches(rows)).pivot(
         index=y, columns=x, values=["value", "mark"]
     )
@@ -520,8 +520,8 @@ def _write_values(
 
 def _turn_wide_texts(axes: Axes, data: FigureData, edges: np.ndarray) -> None:
     """Turn the values of cells for which they are too wide; ``edges`` are those of the columns."""
-    places = np.log(edges) if "x" in data.spec.options["log"] else edges
-    length = SINGLE_SIZE[0] - 1.5 if not data.spec.options["panels"] else PANEL_SIZE[0] - 0.5
+    places = np.log(edges) if "x" in data.spec.log else edges
+    length = SINGLE_SIZE[0] - 1.5 if not data.spec.panels else PANEL_SIZE[0] - 0.5
     widths = length * np.diff(places) / np.ptp(places)
     for text in axes.texts:
         column = int(np.searchsorted(edges, text.get_position()[0])) - 1
@@ -580,7 +580,7 @@ def _refined(
     data: FigureData, plane: Triangulation, values: np.ndarray
 ) -> tuple[Triangulation, np.ndarray]:
     """Divide triangles, so that values are linear along logarithmic axes as they are drawn."""
-    log = data.spec.options["log"]
+    log = data.spec.log
     if not {"x", "y"} & set(log):
         return plane, values
     x, y = (np.log(one) if axis in log else one for axis, one in (("x", plane.x), ("y", plane.y)))
@@ -599,7 +599,7 @@ def _shades(norm: Normalize) -> np.ndarray:
 def value_notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on cells, contours, hatching and gaps."""
     shade, _ = observable(data, "show", "colour")
-    known, panel = known_rows(data, [shade]), data.spec.options["panels"]
+    known, panel = known_rows(data, [shade]), data.spec.panels
     parts = [part for _, part in data.rows.groupby(panel)] if panel else [data.rows]
     others = [parameter_phrase(data.spec.system, name) for name in _others(data)]
     marks = unsteady_sentence(known, "hatched (wide: of runs too short to tell)")

@@ -1,10 +1,4 @@
-"""Helpers of the plots that a study file defines: observables, units, panels, labels and looks.
-
-Options of a figure: ``show`` names the observable, and ``second`` the observable on the other axis,
-or nothing where a parameter is there. ``curves`` are parameters that distinguish curves; ``panels``
-is one that distinguishes panels, or nothing. ``units`` is ``"si"`` or ``"natural"``, and ``log``
-lists the logarithmic axes.
-"""
+"""Helpers of the plots that a study file defines: observables, units, panels, labels and looks."""
 
 import textwrap
 from collections.abc import Callable, Mapping
@@ -67,9 +61,9 @@ def message_figure(text: str) -> Figure:
 def observed_quantity(data: FigureData, option: str = "show") -> Quantity:
     """Return the observable that an option names, for every point and in the units of the plot."""
     spec, rows = data.spec, data.rows
-    observable = numbers(spec.system)[spec.options[option]]
+    observable = numbers(spec.system)[getattr(spec, option)]
     unit, scale = (
-        unit_of(observable.unit, spec.options["units"], spec.system),
+        unit_of(observable.unit, spec.units, spec.system),
         _scale(data, observable),
     )
     label = f"{observable.meaning} [{unit or '1'}]"
@@ -90,12 +84,12 @@ def replicate_values(data: FigureData, observable: Observable) -> list[np.ndarra
 
 
 def _scale(data: FigureData, observable: Observable) -> pd.Series:
-    return scale_of(observable.unit, data.spec.options["units"], data.rows)
+    return scale_of(observable.unit, data.spec.units, data.rows)
 
 
 def scale_of_point(data: FigureData, row: Mapping[str, Any], unit: str) -> float:
     """Return the divisor from an SI unit to the units of the plot, for the point of a row."""
-    return float(scale_of(unit, data.spec.options["units"], pd.DataFrame([row])).iloc[0])
+    return float(scale_of(unit, data.spec.units, pd.DataFrame([row])).iloc[0])
 
 
 def named_columns(data: FigureData, rows: pd.DataFrame) -> dict[str, pd.Series]:
@@ -132,7 +126,7 @@ def rows_of_points(
 
 def observable_label(data: FigureData, observable: Observable) -> str:
     """Return the axis label of an observable: its name and unit."""
-    units, system = data.spec.options["units"], data.spec.system
+    units, system = data.spec.units, data.spec.system
     return wrap_label(observable_text(observable.name, observable.unit, units, system))
 
 
@@ -149,7 +143,7 @@ def wrap_label(text: str) -> str:
 
 def panels(data: FigureData) -> tuple[Figure, Panels]:
     """Return a new figure and its panels: axes, each with the points that it shows."""
-    rows, name = data.rows, data.spec.options["panels"]
+    rows, name = data.rows, data.spec.panels
     if not name:
         figure = Figure(figsize=SINGLE_SIZE, layout="constrained")
         return figure, [(figure.subplots(), rows)]
@@ -184,19 +178,22 @@ def label_axes(figure: Figure, shown: Panels, x: str, y: str) -> None:
 
 def given_labels(data: FigureData) -> tuple[str, str]:
     """Return the labels of both axes of a figure, by default names and units of what is there."""
-    spec, labels = data.spec, data.spec.options.get("labels", {})
+    spec, labels = data.spec, data.spec.labels
     observables = spec.keys.shows(spec.system)
-    usual = [parameter_label(spec.system, name) for name in spec.axes[:2]]
-    if measures := spec.options.get("quantities"):
+    if spec.second:
+        usual = [observable_label(data, observables[spec.second])]
+    else:
+        usual = [parameter_label(spec.system, name) for name in spec.axes[:2]]
+    if measures := spec.quantities:
         usual[1:] = [measures[0]["label"]]
-    elif spec.options["show"] in observables:
-        usual[1:] = [observable_label(data, observables[spec.options["show"]])]
+    elif spec.show in observables:
+        usual[1:] = [observable_label(data, observables[spec.show])]
     return labels.get("x", usual[0]), labels.get("y", usual[1])
 
 
 def above_zero(data: FigureData, axis: str, values: np.ndarray) -> np.ndarray:
     """Return values, with not-a-number for those ≤ 0 where the axis is logarithmic."""
-    return np.where(values > 0, values, np.nan) if axis in data.spec.options["log"] else values
+    return np.where(values > 0, values, np.nan) if axis in data.spec.log else values
 
 
 def nonpositive_note(count: int, noun: str) -> list[str]:
@@ -223,9 +220,9 @@ def width_of(shown: Panels) -> float:
 def curve_keys(data: FigureData) -> tuple[str, ...]:
     """Return the parameters that name curves: those of the option, then all others that vary."""
     spec, rows = data.spec, data.rows
-    apart = {*spec.axes, *spec.curves}
+    apart = {*spec.axes, *spec.curves, *spec.by, *spec.alike}
     parameters = [name for name in SYSTEMS[spec.system].model_fields if name not in apart]
-    return *spec.options["curves"], *varying_parameters(rows, parameters)
+    return *spec.by, *varying_parameters(rows, parameters)
 
 
 def write_no_data(shown: Panels, noun: str) -> None:
@@ -240,9 +237,6 @@ def write_no_data(shown: Panels, noun: str) -> None:
 
 
 # Foreign data in a plot, not simulated by the study: grey markers and dashed lines.
-#
-# Option of a figure: ``beside``, a list of data sets. Each is a label, its points (x, y) or (x, y,
-# error of y) in the units of the axes, and whether a line joins them.
 
 
 #: Column of the plotted data with the label of foreign rows; empty for rows of the study.
@@ -266,7 +260,7 @@ def draw_foreign_data(data: FigureData, shown: Panels) -> dict[str, Line2D]:
     """Draw the foreign data in all panels; return the legend entries by label."""
     entries = {}
     markers, lines = iter(_MARKERS), iter(_LINES)
-    for label, points, joined in data.spec.options["beside"]:
+    for label, points, joined in data.spec.beside:
         look = _line(*next(lines)) if joined else _marker(next(markers))
         x, y, *errors = zip(*points, strict=True)
         for axes, _ in shown:
@@ -290,7 +284,7 @@ def _marker(marker: object) -> dict[str, Any]:
 
 def foreign_values(data: FigureData, axis: str) -> pd.Series:
     """Return the coordinates of the foreign data, and ends of bars, along ``"x"`` or ``"y"``."""
-    points = [point for _, points, _ in data.spec.options["beside"] for point in points]
+    points = [point for _, points, _ in data.spec.beside for point in points]
     if axis == "x":
         return pd.Series([x for x, *_ in points], dtype=float)
     ends = [y + sign * error for _, y, *errors in points for error in errors for sign in (-1, 1)]
@@ -312,7 +306,7 @@ def append_foreign_data(data: FigureData, table: pd.DataFrame, x: str, y: str) -
     """Append the foreign data to the plotted data; ``x`` and ``y`` are the columns of the axes."""
     rows = [
         dict(zip((FOREIGN_COLUMN, x, y, ERROR_COLUMN), (label, *point), strict=False))
-        for label, points, _ in data.spec.options["beside"]
+        for label, points, _ in data.spec.beside
         for point in points
     ]
     if not rows:
@@ -328,7 +322,7 @@ def foreign_data_notes(data: FigureData) -> list[str]:
     """Return the sentence of the caption on foreign data; empty without any."""
     labels = [
         f"{label} ({'line' if joined else 'markers'}{', bars: its errors' * (len(points[0]) > 2)})"
-        for label, points, joined in data.spec.options["beside"]
+        for label, points, joined in data.spec.beside
     ]
     return (
         [f"In grey, from elsewhere and not simulated here: {'; '.join(labels)}."] if labels else []

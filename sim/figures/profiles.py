@@ -1,9 +1,4 @@
-"""Profiles of each point: a line over the height, or a marker per slice for one against another.
-
-Options of a figure: those of `sim.figures.plot`: ``show`` is on the horizontal axis, ``second`` on
-the vertical one, which without it has the height; and ``between``, the lowest and highest height
-shown in diameters, or nothing.
-"""
+"""Profiles of each point: a line over the height, or a marker per slice for one against another."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -49,8 +44,7 @@ _MEAN_SIZE, _REPLICATE_SIZE = 3.8, 2.2
 
 def observables(data: FigureData) -> dict[str, Observable]:
     """Return the observables by axis: ``x``, and ``y`` unless the height is there."""
-    by_name, options = profiles(data.spec.system), data.spec.options
-    named = {"x": options["show"], "y": options["second"]}
+    by_name, named = profiles(data.spec.system), {"x": data.spec.show, "y": data.spec.second}
     return {axis: by_name[name] for axis, name in named.items() if name}
 
 
@@ -64,7 +58,7 @@ def slices(data: FigureData, row: Mapping[str, Any]) -> tuple[np.ndarray, dict[s
     packing, height = data.results.profile(row["point"], "packing_profile")
     filled = np.cumsum(np.nan_to_num(packing.mean(axis=0)))
     chosen = np.arange(height.size) <= np.searchsorted(filled, SHARE * filled[-1])
-    if between := data.spec.options["between"]:
+    if between := data.spec.between:
         low, high = (limit * row["diameter"] for limit in between)
         chosen &= (low <= height) & (height <= high)
     values = {
@@ -98,7 +92,7 @@ def means(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
 
 def _is_drawable(data: FigureData, rows: pd.DataFrame) -> pd.Series:
     """Return which rows of `means` are above 0 on every logarithmic axis."""
-    return (rows[[axis for axis in "xy" if axis in data.spec.options["log"]]] > 0).all(axis=1)
+    return (rows[[axis for axis in "xy" if axis in data.spec.log]] > 0).all(axis=1)
 
 
 def draw(data: FigureData) -> Figure:
@@ -117,14 +111,14 @@ def draw(data: FigureData) -> Figure:
     write_no_data(shown, names + _height_range_suffix(data))
     foreign = draw_foreign_data(data, shown)
     for axes, _ in shown:
-        for axis in spec.options["log"]:
+        for axis in spec.log:
             set_log(axes, axis)
-    height = label_with_unit("height z", unit_of("m", spec.options["units"], spec.system))
+    height = label_with_unit("height z", unit_of("m", spec.units, spec.system))
     labels = [observable_label(data, one) for one in shown_observables.values()]
     label_axes(figure, shown, *[*labels, height][:2])
     if "y" in shown_observables:
         _limit_axes(data, shown, pd.concat(drawn) if drawn else pd.DataFrame())
-    elif not spec.options["between"]:
+    elif not spec.between:
         # Panels share their axes, and set limits do not follow later data.
         shown[0][0].set_ylim(bottom=min([0.0, *foreign_values(data, "y")]))
     legend(data, figure, shown, curve_keys(data), foreign)
@@ -143,7 +137,7 @@ def _draw_line(
     axes.plot(mean, height, color=style.colour, linestyle=style.dashes, label=label)
     if row["completed"] < MIN_REPLICATES:
         each = values["x"].T
-        each = np.where(each > 0, each, np.nan) if "x" in data.spec.options["log"] else each
+        each = np.where(each > 0, each, np.nan) if "x" in data.spec.log else each
         axes.plot(each, height, color=style.colour, alpha=PALE, linewidth=0.7, zorder=1.5)
     else:
         band: dict[str, Any] = {"color": style.colour, "alpha": 0.15, "linewidth": 0}
@@ -179,7 +173,7 @@ def _limit_axes(data: FigureData, shown: Panels, drawn: pd.DataFrame) -> None:
     """Set limits, which follow the means; carets mark bars that they cut."""
     for axes, _ in shown:
         axes.autoscale_view()
-        for axis in {"x", "y"} - set(data.spec.options["log"]):
+        for axis in {"x", "y"} - set(data.spec.log):
             shown_values = drawn.get(axis, NONE), drawn.get(f"{axis}_half", NONE)
             limit_axis(axes, axis, *shown_values, foreign_values(data, axis))
     for axes, _ in shown:
@@ -191,9 +185,9 @@ def table(data: FigureData) -> pd.DataFrame:
     if data.spec.paper:
         return belt_profiles.table(data)
     spec, shown = data.spec, observables(data)
-    headings = {"height": f"height [{unit_of('m', spec.options['units'], spec.system)}]"}
+    headings = {"height": f"height [{unit_of('m', spec.units, spec.system)}]"}
     for axis, one in shown.items():
-        unit = unit_of(one.unit, spec.options["units"], spec.system) or "1"
+        unit = unit_of(one.unit, spec.units, spec.system) or "1"
         of = f" of {one.name}" if len(shown) > 1 else ""
         headings[axis] = f"{one.name} [{unit}]"
         headings[f"{axis}_half"] = f"half width of 95 % interval{of} [{unit}]"
@@ -236,7 +230,7 @@ def _notes_on_slices(data: FigureData, drawn: list[pd.DataFrame]) -> list[str]:
     bars = ["bars: 95 % interval of the mean over replicates (Student)"] if many else []
     pale = [f"of fewer than {MIN_REPLICATES} replicates, each is a pale marker"] if few else []
     text = "; ".join(["A marker per slice of the height, the mean over replicates", *bars, *pale])
-    every, log = pd.concat(drawn or [pd.DataFrame()]), data.spec.options["log"]
+    every, log = pd.concat(drawn or [pd.DataFrame()]), data.spec.log
     is_cut = many and any(
         has_cut_bars(
             every[axis], every[f"{axis}_half"], foreign_values(data, axis), logarithmic=axis in log
@@ -261,7 +255,7 @@ def _has_many_and_few(data: FigureData) -> tuple[bool, bool]:
 
 def _height_range_suffix(data: FigureData) -> str:
     """Return a suffix that names the height range for messages about missing data."""
-    return " at these heights" if data.spec.options["between"] else ""
+    return " at these heights" if data.spec.between else ""
 
 
 def _extent_sentence(data: FigureData, noun: str) -> str:
@@ -270,7 +264,7 @@ def _extent_sentence(data: FigureData, noun: str) -> str:
     ``noun`` is the subject: slices or lines.
     """
     text = f"{noun} end where {100 * SHARE:g} % of the particles are below."
-    if between := data.spec.options["between"]:
+    if between := data.spec.between:
         low, high = between
         text += f" Heights shown: {low:g} to {high:g} diameters above the base."
     return text

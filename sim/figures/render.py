@@ -198,8 +198,8 @@ def _contents(spec: FigureSpec, results: Results) -> tuple[FigureData, PlotKind,
     Where a question has no answer, or a number is beyond `LARGEST`, the kind says that alone.
     """
     data, kind = figure_data(results, spec), find_kind(spec.kind)
-    if "answer" in spec.options and results.runs:
-        path = results.runs.parent / spec.options["answer"]
+    if spec.answer.file and results.runs:
+        path = results.runs.parent / spec.answer.file
         kind = kind_of_answer(kind, path)
         try:
             require_answer(path)

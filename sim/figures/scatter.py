@@ -1,8 +1,4 @@
-"""Points scattered in several parameters: an observable against a parameter, or another observable.
-
-Options of a figure: those of `sim.figures.plot`, and ``colour``: an observable, a parameter,
-``"regime"``, or nothing.
-"""
+"""Points scattered in several parameters: an observable against a parameter or another one."""
 
 from typing import Any
 
@@ -12,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
+from sim.base.statistics import student_half_width
 from sim.figures.axes import NONE, has_cut_bars, limit_axis, mark_cut_bars
-from sim.figures.binned import GROUPS, draw_running_mean
 from sim.figures.caption import bar_notes
 from sim.figures.data import FigureData, quantity_table
 from sim.figures.plot import (
@@ -81,7 +77,7 @@ def coordinates(data: FigureData) -> list[tuple[Variable, Any]]:
     spec = data.spec
     if spec.axes:
         x: tuple[Variable, Any] = (
-            parameter(data, spec.axes[0], log="x" in spec.options["log"]),
+            parameter(data, spec.axes[0], log="x" in spec.log),
             None,
         )
     else:
@@ -157,8 +153,8 @@ def draw_points(
 def table(data: FigureData) -> pd.DataFrame:
     """Return the plotted data, one row per point, units in the headings."""
     spec = data.spec
-    is_observed = spec.options["colour"] in numbers(spec.system)
-    options = ["second"] * bool(spec.options["second"]) + ["show"] + ["colour"] * is_observed
+    is_observed = spec.colour in numbers(spec.system)
+    options = ["second"] * bool(spec.second) + ["show"] + ["colour"] * is_observed
     rows = quantity_table(data, [observed_quantity(data, option) for option in options])
     x = observed_quantity(data, options[0]).label if options[0] == "second" else rows.columns[1]
     return append_foreign_data(data, rows, x, observed_quantity(data).label)
@@ -168,7 +164,7 @@ def notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on the running mean, bars, markers and gaps."""
     pairs, rows = coordinates(data), drawable(data, data.rows)
     quantities = [quantity for _, quantity in pairs if quantity is not None]
-    panel, x = data.spec.options["panels"], pairs[0][0]
+    panel, x = data.spec.panels, pairs[0][0]
     parts = [part for _, part in rows.groupby(panel)] if panel else [rows]
     kind = "mean of the logarithm" if pairs[1][0].log else "mean"
     line = (
@@ -193,3 +189,53 @@ def notes(data: FigureData) -> list[str]:
         *missing_value_note(completed - len(rows)),
         *foreign_data_notes(data),
     ]
+
+
+#: Fewest and most groups, and fewest points of a value of x that is a group of its own.
+_FEWEST, _MOST, _OF_ONE_VALUE = 3, 10, 3
+
+#: What captions say of the groups.
+GROUPS = "groups of points that are neighbours along x"
+
+
+def binned_means(x: pd.Series, y: pd.Series, *, log: bool = False) -> pd.DataFrame:
+    """Return the mean of ``y`` in groups of points that are neighbours in ``x``.
+
+    There are about as many groups as points in each. Where x has few values, each is a group.
+
+    Parameters
+    ----------
+    x, y : pandas.Series
+        Coordinates of points; those without both are left out.
+    log : bool
+        Whether the means are those of the logarithm.
+
+    Returns
+    -------
+    pandas.DataFrame
+        A row per group in the order of x: ``from``, ``to`` and the mean ``x``, the ``mean`` with
+        the ends ``low`` and ``high`` of Student's 95 % interval (not-a-number for one point), and
+        the number of ``points``.
+    """
+    known = pd.DataFrame({"x": x, "y": np.log(y) if log else y}).dropna()
+    if known["x"].nunique() * _OF_ONE_VALUE <= len(known):
+        groups = known["x"]
+    else:
+        number = int(np.clip(round(len(known) ** 0.5), _FEWEST, _MOST))
+        groups = pd.qcut(known["x"].rank(method="first"), number, labels=False)
+    rows = []
+    for _, group in known.groupby(groups):
+        mean, half = group["y"].mean(), float(student_half_width(group["y"].to_numpy()))
+        ends = np.array([mean, mean - half, mean + half])
+        values = np.exp(ends) if log else ends
+        rows.append([group["x"].min(), group["x"].max(), group["x"].mean(), *values, len(group)])
+    return pd.DataFrame(rows, columns=["from", "to", "x", "mean", "low", "high", "points"])
+
+
+def draw_running_mean(axes: Axes, x: pd.Series, y: pd.Series, *, log: bool) -> None:
+    """Draw a line through the means of `binned_means`, and a band of their intervals."""
+    means = binned_means(x, y, log=log)
+    axes.fill_between(
+        means["x"], means["low"], means["high"], color="#000000", alpha=0.13, linewidth=0, zorder=1
+    )
+    axes.plot(means["x"], means["mean"], color="#333333", linewidth=1.6, zorder=2.5)

@@ -1,8 +1,4 @@
-"""Pictures of what matters: bars of Sobol' indices and interactions, and Morris' screening.
-
-Options of a figure: ``answer`` is the table of indices in the results of the study, ``unit`` that
-of the observable.
-"""
+"""Pictures of what matters: bars of Sobol' indices and interactions, and Morris' screening."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -12,7 +8,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from sim.figures.data import FigureData, label_with_unit, unit_of
+from sim.figures.data import Drawing, FigureData, label_with_unit, unit_of
 from sim.figures.plot import SINGLE_SIZE, wrap_label
 from sim.figures.style import COLOURS, LEVEL, cycle_style, escape_label, legend_above
 from sim.study.plot_contents import parameter_phrase
@@ -134,7 +130,7 @@ def draw_screening(data: FigureData) -> Figure:
     axes.plot([0, end], [0, end], **LEVEL, label="σ = μ*")
     axes.set_xlim(0, end)
     axes.set_ylim(min(0.0, -0.02 * end), end)
-    unit = unit_of(data.spec.options["unit"], "si", data.spec.system)
+    unit = unit_of(data.spec.answer.unit, "si", data.spec.system)
     axes.set_xlabel(wrap_label(label_with_unit("mean size of the effect μ*", unit)))
     axes.set_ylabel(wrap_label(label_with_unit("deviation of the effect σ", unit)))
     legend_above(figure, *axes.get_legend_handles_labels())
@@ -143,7 +139,7 @@ def draw_screening(data: FigureData) -> Figure:
 
 def screening_table(data: FigureData) -> pd.DataFrame:
     """Return the effects, row by row."""
-    return _with_headings(_table(data), data.spec.options["unit"]).drop(columns="other")
+    return _with_headings(_table(data), data.spec.answer.unit).drop(columns="other")
 
 
 def screening_notes(data: FigureData) -> list[str]:
@@ -213,3 +209,8 @@ def _with_headings(table: pd.DataFrame, unit: str) -> pd.DataFrame:
     headings = {"low": "lower end of 95 % interval", "high": "upper end of 95 % interval"}
     named = {name: f"{headings.get(name, name)} [{unit}]" for name in ("value", "low", "high")}
     return table.rename(columns=named | {"left_out": "blocks left out"})
+
+
+INDICES = Drawing(draw_indices, indices_table, indices_notes)
+INTERACTIONS = Drawing(draw_interactions, interactions_table, interactions_notes)
+SCREENING = Drawing(draw_screening, screening_table, screening_notes)

@@ -242,11 +242,6 @@ def look_of(
 ) -> Look:
     """Return a function that returns style and legend entry of each curve of a paper's figure.
 
-    Options of a figure: ``styles`` are those that the paper prescribes, by the values of the
-    parameters that name a curve (one value, or a tuple of several): colour, dashes, marker and,
-    where it is no other's, the legend entry. ``entry`` is the pattern of the other entries, by
-    default the settings.
-
     Parameters
     ----------
     spec : FigureSpec
@@ -258,7 +253,7 @@ def look_of(
         One of several measures: it has a style of its own, and its ``entry`` follows the settings;
         or ``dashes`` alone instead of those of the curve.
     """
-    styles, own = spec.options.get("styles", {}), measure or {}
+    styles, own = spec.styles, measure or {}
 
     def look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
         named = {key: names[key] for key in keys}
@@ -272,9 +267,7 @@ def look_of(
         if "dashes" in own:
             style = replace(style, dashes=PATTERNS[own["dashes"]])
         entry = styles.get(value, {}).get("entry") or (
-            spec.options["entry"].format(**named)
-            if "entry" in spec.options
-            else settings(spec.system, named.items())
+            spec.entry.format(**named) if spec.entry else settings(spec.system, named.items())
         )
         rest = settings(spec.system, (item for item in names.items() if item[0] not in named))
         measured = own.get("entry") if "colour" in own else ""

@@ -1,8 +1,4 @@
-"""What the pictures of a surrogate show, as tables: sections, maps, runs, and sentences on them.
-
-Options of a figure: ``answer`` is the surrogate's file in the results of the study; ``x`` and ``y``
-are the parameters on the axes. The others are held in the middle of their ranges.
-"""
+"""What the pictures of a surrogate show, as tables: sections, maps, runs, and sentences on them."""
 
 from functools import lru_cache
 from itertools import islice, product
@@ -46,7 +42,7 @@ def _load(path: Path, version: tuple[int, ...]) -> Surrogate:
 
 def find_axis(data: FigureData, option: str) -> Axis:
     """Return the parameter that an option of a figure names."""
-    name = data.spec.options[option]
+    name = getattr(data.spec.answer, option)
     return next(axis for axis in find_surrogate(data).axes if axis.name == name)
 
 

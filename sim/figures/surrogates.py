@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from sim.figures.axes import set_log
-from sim.figures.data import FigureData, observable_text
+from sim.figures.data import Drawing, FigureData, observable_text
 from sim.figures.plot import SINGLE_SIZE, parameter_label, wrap_label
 from sim.figures.spheres import COLOURS
 from sim.figures.style import LEVEL, cycle_style, legend_above, settings
@@ -160,7 +160,7 @@ def surface_table(data: FigureData) -> pd.DataFrame:
 def surface_notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption of a map."""
     surrogate = find_surrogate(data)
-    basis = basis_note(surrogate, data.spec.options["x"], data.spec.options["y"])
+    basis = basis_note(surrogate, data.spec.answer.x, data.spec.answer.y)
     dots = "Dots: all runs, wherever their other parameters are."
     line = regime_note(surrogate, "Across the line")
     return [basis, dots, line]
@@ -215,3 +215,8 @@ def agreement_notes(data: FigureData) -> list[str]:
 def _label(surrogate: Surrogate) -> str:
     text = observable_text(surrogate.observable, surrogate.unit, "si", surrogate.system)
     return wrap_label(text)
+
+
+SECTION = Drawing(draw_section, section_table, section_notes)
+SURFACE = Drawing(draw_surface, surface_table, surface_notes)
+AGREEMENT = Drawing(draw_agreement, agreement_table, agreement_notes)

@@ -1,7 +1,4 @@
-"""Time series of replicates, read from their run files: a plot that a study file defines.
-
-Options of a figure: those of `sim.figures.plot`.
-"""
+"""Time series of replicates, read from their run files: a plot that a study file defines."""
 
 from collections.abc import Mapping
 from functools import partial
@@ -54,10 +51,10 @@ def draw(data: FigureData) -> Figure:
                 )
                 axes.plot(x, y, label=entry, **look, zorder=2)
             axes.axvline(_averaging_start(data, row), **LEVEL)
-        for axis in spec.options["log"]:
+        for axis in spec.log:
             set_log(axes, axis)
-    unit = unit_of("s", spec.options["units"], spec.system)
-    replicate_values = series(spec.system)[spec.options["show"]]
+    unit = unit_of("s", spec.units, spec.system)
+    replicate_values = series(spec.system)[spec.show]
     label_axes(
         figure,
         shown,
@@ -75,7 +72,7 @@ def read_time_series(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
     Times and values are in the units of the plot. Raises ``InputError`` where the run file is
     missing or damaged.
     """
-    observable = series(data.spec.system)[data.spec.options["show"]]
+    observable = series(data.spec.system)[data.spec.show]
     if data.results.runs is None:
         raise InputError(f"{row['point']}: time series are in run files, of which there are none")
     path = data.results.runs / f"{row['point']}.nc"
@@ -126,8 +123,8 @@ def _averaging_start(data: FigureData, row: Mapping[str, Any]) -> float:
 
 def table(data: FigureData) -> pd.DataFrame:
     """Return the plotted data, a row per value, units in the headings."""
-    spec, observable = data.spec, series(data.spec.system)[data.spec.options["show"]]
-    units = [unit_of(unit, spec.options["units"], spec.system) for unit in (observable.unit, "s")]
+    spec, observable = data.spec, series(data.spec.system)[data.spec.show]
+    units = [unit_of(unit, spec.units, spec.system) for unit in (observable.unit, "s")]
     headings = {"time": f"time [{units[1]}]", "value": f"{observable.name} [{units[0] or '1'}]"}
     return rows_of_points(data, headings, partial(read_time_series, data))
 
@@ -138,7 +135,7 @@ def notes(data: FigureData) -> list[str]:
         "A line per replicate. Dotted: where averaging begins.",
         f"A line has at most {MOST_VALUES} means over successive samples; the dotted line is at "
         "the mean over the replicates of a point.",
-        *(_notes_on_logarithms(data) if data.spec.options["log"] else []),
+        *(_notes_on_logarithms(data) if data.spec.log else []),
         unsteady_sentence(data.rows),
     ]
 

@@ -14,7 +14,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, LogNorm, Normalize, to_hex, to_rgba
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FixedLocator, LogLocator, MaxNLocator, NullLocator
+from matplotlib.ticker import FixedLocator, MaxNLocator, NullLocator
 
 from sim.figures.axes import set_log
 from sim.figures.data import FigureData, Quantity
@@ -43,10 +43,6 @@ from sim.study.plottable import numbers
 
 #: Ratio of the ends of a parameter from which its axis may be logarithmic.
 _WIDE = 8.0
-
-#: Most ticks of an axis in a small panel, and the ratio of its ends from which they are at powers
-#: of ten alone.
-_FEW, _DECADES = 4, 30
 
 #: Colours of numbers; the palest are left out, as points lie on white, or on black once inverted.
 SHADES = ListedColormap(VIRIDIS(np.linspace(0, 0.87, 256)))
@@ -88,10 +84,6 @@ class Variable:
         along = axes.xaxis if axis == "x" else axes.yaxis
         if self.log:
             set_log(axes, axis)
-            if ticks <= _FEW:
-                is_wide = self.values.max() > _DECADES * self.values.min()
-                along.set_major_locator(LogLocator(subs=(1,) if is_wide else (1, 2, 5)))
-                along.set_minor_locator(NullLocator())
             return
         along.set_minor_locator(NullLocator())
         if self.choices:
@@ -127,21 +119,21 @@ def parameters(data: FigureData) -> list[Variable]:
 
 def observable(data: FigureData, option: str, axis: str) -> tuple[Variable, Quantity]:
     """Return the observable that an option names, and its intervals; 0 and less have no log."""
-    shown = numbers(data.spec.system)[data.spec.options[option]]
+    shown = numbers(data.spec.system)[getattr(data.spec, option)]
     quantity = observed_quantity(data, option)
-    log = axis in data.spec.options["log"]
+    log = axis in data.spec.log
     values = quantity.value.where(quantity.value > 0) if log else quantity.value
     return Variable(shown.name, observable_label(data, shown), values, log=log), quantity
 
 
 def colour(data: FigureData) -> Variable | None:
     """Return what the colours of a figure show: an observable, a parameter, regimes, or nothing."""
-    name = data.spec.options["colour"]
+    name = data.spec.colour
     if name == REGIME:
         return _choice(REGIME, REGIME, data.rows["regime"])
     if name in numbers(data.spec.system):
         return observable(data, "colour", "colour")[0]
-    return parameter(data, name, log="colour" in data.spec.options["log"]) if name else None
+    return parameter(data, name, log="colour" in data.spec.log) if name else None
 
 
 def known_rows(data: FigureData, variables: Iterable[Variable]) -> pd.DataFrame:
@@ -190,17 +182,14 @@ class Colours:
         named = NAMED_COLOURS[1:] + NAMED_COLOURS[:1]
         return REGIME_COLOURS.get(self.variable.choices[number], named[number % len(named)])
 
-    def explain(self, figure: Figure, axes: list[Axes], **options: Any) -> None:
-        """Put a colour bar beside axes, or an entry per choice into the legend of the first.
-
-        ``options`` are those of `matplotlib.figure.Figure.colorbar`.
-        """
+    def explain(self, figure: Figure, axes: list[Axes]) -> None:
+        """Put a colour bar beside axes, or an entry per choice into the legend of the first."""
         if self.variable.choices:
             for number, choice in enumerate(self.variable.choices):
                 look: dict[str, Any] = {"color": self._named(number), "linestyle": "none"}
                 axes[0].plot([], [], marker="o", label=escape_label(choice), **look)
             return
-        bar = figure.colorbar(ScalarMappable(self.norm, SHADES), ax=axes, pad=0.02, **options)
+        bar = figure.colorbar(ScalarMappable(self.norm, SHADES), ax=axes, pad=0.02)
         bar.set_label(self.variable.label)
         bar.outline.set_visible(False)
         if self.variable.log:
@@ -278,10 +267,11 @@ def legend(
             entries.setdefault(label, handle)
     entries.pop("", None)
     marks = [(label, entries.pop(label)) for label in MEANINGS if label in entries]
-    if (number := number_of_curves(data, named)) is not None:
+    is_prescribed = bool(data.spec.styles or data.spec.entry or data.spec.quantities)
+    if not is_prescribed and (number := number_of_curves(data, named)) is not None:
         Colours(number).explain(figure, [axes for axes, _ in shown])
         entries = {}
-    if len(entries) > MOST_ENTRIES:
+    if len(entries) > MOST_ENTRIES and not is_prescribed:
         entries = {f"{len(entries):,} curves, which the data names": Line2D([], [], linestyle="")}
     pairs = [*entries.items(), *marks, *(foreign or {}).items()]
     if pairs:

@@ -332,7 +332,7 @@ def ask(
         (engine,) = others
     if engine not in others:
         raise InputError.of_value("--engine", "", engine or None, one_of(engine, others))
-    other = others[engine]
+    other = others[str(engine)]
     dataset = load_current(study, folder).dataset
     candidates = {
         key: twin for key, twin in twins(study, other).items() if point_id(twin) not in study.points

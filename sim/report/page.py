@@ -249,11 +249,7 @@ def render(
     dataset = results.dataset
     caveats = Counter(str(text) for text in dataset["caveat"].values if text).most_common()
     refusals = _refusals(study, figures.parent)
-    specs = {
-        name: spec
-        for name, spec in study.entries.items()
-        if spec.options.get("answer") not in refusals
-    }
+    specs = {name: spec for name, spec in study.entries.items() if spec.answer.file not in refusals}
     plots = [spec for name, spec in specs.items() if name in study.plots]
     runs = _runs(results, [text for text, _ in caveats], plots, figures.parent)
     parameters = varied_parameters(dataset)

@@ -211,7 +211,7 @@ def _plot_lines(study: Study) -> list[str]:
     """Return a line per plot that the study file defines."""
     return [
         f"plot {name}: {spec.title} ({count_text(len(study.figures[name]), 'point')})"
-        + f"; {SCATTER_HINT}" * bool(spec.options.get("scattered"))
+        + f"; {SCATTER_HINT}" * bool(spec.scattered)
         for name, spec in study.plots.items()
     ]
 

@@ -94,9 +94,8 @@ class LabelledResults(datasets.Results):
         every = dict.fromkeys(" ".join(self.of(system)["series"].values).split())
         if series and series not in every:
             raise _grid_error("series", series, one_of(series, every))
-        options = {"show": observable, "units": "si"}
         shown = (series,) if series else tuple(every)
-        spec = FigureSpec("grid", "curves", "", system, "", series=shown, options=options)
+        spec = FigureSpec("grid", "curves", "", system, "", series=shown, show=observable)
         data = figure_data(self, spec)
         names = varying_parameters(data.rows, list(SYSTEMS[system].model_fields))
         _require_grid(data.rows, names)

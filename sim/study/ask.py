@@ -12,7 +12,7 @@ from sim.study.catalogue import FIGURES
 from sim.study.file import StudyFile
 from sim.study.model import Study
 from sim.study.plot_contents import name_in_words, parameter_phrase
-from sim.study.plot_kinds import FigureSpec
+from sim.study.plot_kinds import Answer, FigureSpec
 from sim.study.plottable import numbers
 from sim.study.sensitivity import SensitivityFile
 from sim.study.surrogate import Place, SurrogateFile
@@ -72,7 +72,8 @@ def _picture(
     title: str,
     lead: str,
     ending: str = "",
-    **options: Any,
+    x: str = "",
+    y: str = "",
 ) -> FigureSpec:
     of = question.of
     noun = "surrogate " if isinstance(question, SurrogateFile) else ""
@@ -84,14 +85,15 @@ def _picture(
         title=f"{title}, {noun}{question.name}",
         lead=lead,
         series=(of.series,),
-        options={
-            "answer": question.file,
-            "settings": question.settings,
-            "regimes": of.mean_regimes,
-            "observable": of.observable,
-            "unit": numbers(of.system)[of.observable].unit,
-            **options,
-        },
+        answer=Answer(
+            question.file,
+            of.observable,
+            numbers(of.system)[of.observable].unit,
+            of.mean_regimes,
+            question.settings,
+            x,
+            y,
+        ),
     )
 
 

@@ -21,7 +21,6 @@ from sim.study.plot_kinds import (
     LARGEST_PORTION,
     SHARE,
     TALLEST,
-    WIDEST_INTERVAL,
     FigureSpec,
     kinds,
 )
@@ -39,7 +38,6 @@ _LIMITS = {
     "largest_portion": f"{LARGEST_PORTION:g}",
     "share": f"{100 * SHARE:g}",
     "tallest": f"{TALLEST:g}",
-    "widest_interval": f"{100 * WIDEST_INTERVAL:g}",
 }
 
 
@@ -92,7 +90,8 @@ class FigureFile(PlotFile):
     title: Text
     about: Text = Field(description="figure of the paper, or what of the paper it is about")
     vary: list[str] = Field([], description="parameters, on no axis, that the points must vary")
-    labels: dict[Literal["x", "y"], Text] = Field({}, description="labels of the axes")
+    labels: dict[Literal["x", "y", "right"], Text] = Field({}, description="labels of the axes")
+    widest: float = Field(0, description="largest relative interval that a line joins, 0 for any")
     levels: list[float] = Field([], description="values to compare with")
     level: Text = Field("", description="their entry in the legend")
     quantities: list[Measure] = []
@@ -146,9 +145,9 @@ class FigureFile(PlotFile):
         return *KEYS_OF_ALL, *(self.keys.of_papers or (*self.keys.every, "log"))
 
     @property
-    def options(self) -> dict[str, Any]:
-        """What the kind of plot leaves open, as plain data; empty ones of papers left out."""
-        options: dict[str, Any] = {
+    def shown(self) -> dict[str, Any]:
+        """What a figure shows, by the attributes of its specification."""
+        return super().shown | {
             "labels": self.labels,
             "levels": tuple(self.levels),
             "level": self.level,
@@ -159,9 +158,9 @@ class FigureFile(PlotFile):
             },
             "entry": self.entry,
             "point": self.point,
+            "widest": self.widest,
             "relative": self.relative,
         }
-        return super().options | {name: value for name, value in options.items() if value}
 
 
 class PaperFigures(Strict):
@@ -215,7 +214,6 @@ def _spec(
     )
     return FigureSpec(
         name=figure.name,
-        kind=figure.kind,
         paper=f"{paper.quote}, {figure.about}",
         system=figure.system,
         title=texts["title"],
@@ -227,7 +225,7 @@ def _spec(
         named=tuple(figure.named),
         says=texts["says"],
         details=texts["details"],
-        options=figure.options,
+        **figure.shown,
     )
 
 

@@ -90,7 +90,6 @@ def plot_entry(contents: PlotContents, series: Sequence[str]) -> FigureSpec:
     contents.require_drawable()
     spec = FigureSpec(
         name=plot.name,
-        kind=plot.kind,
         paper="",
         system=contents.system,
         title=plot.title or default_title(contents),
@@ -99,13 +98,11 @@ def plot_entry(contents: PlotContents, series: Sequence[str]) -> FigureSpec:
         lead=caption_lead(contents),
         named=_caption_parameters(contents.system, contents.parameters),
         series=tuple(series),
-        options=plot.options
-        | {
-            "second": second.name if second else "",
-            "scattered": contents.suits_scatter,
-            "beside": contents.beside,
-        }
-        | plugin_code(plot.kind),
+        second=second.name if second else "",
+        scattered=contents.suits_scatter,
+        beside=contents.beside,
+        plugin=plugin_code(plot.kind),
+        **plot.shown,
     )
     _require_distinct_positions(spec, contents.points, contents.source, contents.place)
     return spec

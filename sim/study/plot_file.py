@@ -20,9 +20,15 @@ from sim.study.measured import ALLOWED_FILE, FILE
 from sim.study.plot_kinds import REGIME, Keys, find_kind, study_kinds
 from sim.study.plottable import every_name
 
+#: Kinds of plot that the explorer draws, and no study.
+_OF_EXPLORER = ("pairs", "parallel")
+
 
 def _require_known_kind(kind: str) -> str:
     kinds = study_kinds(own=True)
+    if kind in _OF_EXPLORER and kind not in kinds:
+        allowed = "scatter or main_effects; the explorer of the report shows pairs of parameters"
+        raise broken_rule("", kind, allowed)
     if kind not in kinds:
         raise broken_rule("", kind, one_of(kind, kinds))
     return kind
@@ -160,7 +166,7 @@ class PlotFile(Strict):
         "curves",
         description="`curves` of a number with intervals; `map` over two parameters; `profiles` "
         "over the height; `time_series`; `distribution` of the replicates; of points scattered in "
-        "several parameters `scatter`, `pairs`, `parallel`, `main_effects`; or one of a plug-in",
+        "several parameters `scatter`, `main_effects`; or one of a plug-in",
     )
     system: Literal["chute", "belt", "conveyor"] = optional(
         "which system, where the series have several"
@@ -182,8 +188,7 @@ class PlotFile(Strict):
         json_schema=_OBSERVABLE_EXAMPLES,
     )
     parameters: Names = optional(
-        "of `pairs`, `parallel` and `main_effects`: parameters on the axes (omitted: all "
-        "that vary)",
+        "of `main_effects`: parameters on the axes (omitted: all that vary)",
         json_schema={"allowed": "a name, or a list of names"},
         min_length=1,
     )
@@ -304,16 +309,15 @@ class PlotFile(Strict):
         return tuple(getattr(self, key) for key in self.keys.axes)
 
     @property
-    def options(self) -> dict[str, Any]:
-        """What the kind of plot leaves open, as plain data."""
+    def shown(self) -> dict[str, Any]:
+        """What a figure shows whatever its points are, by the attributes of its specification."""
         return {
+            "kind": self.kind,
             "show": self.observable,
-            "second": "",
             "colour": self.colour or "",
-            "beside": (),
             "between": tuple(self.between or ()),
             "panels": self.panels or "",
-            "curves": tuple(self.curves or ()),
+            "by": tuple(self.curves or ()),
             "units": self.units,
             "fit": self.fit or "",
             "log": tuple(self.log),

@@ -1,6 +1,6 @@
 """Kinds of plot: what a kind is, and the call that declares one, for Talus and for plug-ins alike.
 
-Those that ship stand in `sim.figures.kinds`, a file each. Nothing imports them by a statement.
+Those that ship stand in `sim.figures.kinds`. Nothing imports it by a statement.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -8,7 +8,8 @@ from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from functools import wraps
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Literal
+from pkgutil import resolve_name
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from sim.base.additions import (
     AdditionError,
@@ -120,18 +121,12 @@ class Keys:
         return len(self.axes) == 2
 
 
-class Later:
-    """The functions of a module, which is imported when one of them is first called.
+def _point_table(data: Any) -> "pd.DataFrame":
+    return resolve_name("sim.figures.data:point_table")(data)
 
-    Study files are read without what draws.
-    """
 
-    def __init__(self, module: str):
-        self.module = module
-
-    def __getattr__(self, name: str) -> OfData:
-        """Return a function that calls the one of this name."""
-        return lambda data: getattr(import_module(self.module), name)(data)
+def _point_notes(data: Any) -> list[str]:
+    return resolve_name("sim.figures.caption:point_notes")(data)
 
 
 @dataclass(frozen=True)
@@ -154,8 +149,8 @@ class PlotKind:
 
     keys: Keys
     draw: OfData = field(repr=False)
-    table: "Callable[[Any], pd.DataFrame]" = Later("sim.figures.data").point_table
-    notes: Callable[[Any], list[str]] = Later("sim.figures.caption").point_notes
+    table: "Callable[[Any], pd.DataFrame]" = _point_table
+    notes: Callable[[Any], list[str]] = _point_notes
     select: OfData = lambda data: data
 
 
@@ -294,10 +289,10 @@ def study_kinds(*, own: bool = False) -> list[str]:
     ]
 
 
-def plugin_code(kind: str) -> dict[str, str]:
-    """Return the code hash of a kind's plug-in as an option of a figure; empty for Talus' kinds."""
+def plugin_code(kind: str) -> str:
+    """Return the code hash of a kind's plug-in; empty for the kinds of Talus."""
     plots = additions(PLOT)
-    return {"plugin": plots[kind].plugin.code} if kind in plots else {}
+    return plots[kind].plugin.code if kind in plots else ""
 
 
 #: Greatest depth n whose pictures show a portion of the cell: the half near the viewer.
@@ -306,14 +301,27 @@ LARGEST_PORTION = 10
 #: Profiles of a chute flow end where this share of the spheres' volume is below.
 SHARE = 0.995
 
-#: Largest half width of an interval, relative to the mean, of chute flows that a line joins.
-WIDEST_INTERVAL = 0.5
-
 #: Flows slower than this (√(gσ)) that are not at rest are said to creep.
 CREEP = 0.1
 
 #: Greatest height of the beads in an animation (⟨d⟩); few beads of a gas fly higher.
 TALLEST = 24.0
+
+
+class Answer(NamedTuple):
+    """The answer that a figure shows: its file, and the observable with its unit.
+
+    ``regimes`` are those that count, ``settings`` those of the question, and ``x`` and ``y`` the
+    parameters on the axes.
+    """
+
+    file: str = ""
+    observable: str = ""
+    unit: str = ""
+    regimes: tuple[str, ...] = ()
+    settings: tuple[Any, ...] = ()
+    x: str = ""
+    y: str = ""
 
 
 @dataclass(frozen=True)
@@ -353,9 +361,42 @@ class FigureSpec:
     series : tuple of str
         Series whose points feed it, where the study says so itself; those of the catalogue are fed
         by the series that name them.
-    options : mapping
-        What the kind of plot leaves open, such as quantities, and styles that the paper prescribes;
-        the module of the kind says which it knows.
+    show, second, colour : str
+        The observable that is shown; a second one, where no parameter is on its axis; and what
+        colours show. Each may be empty.
+    by, panels : tuple of str, str
+        Parameters that the keys ``curves`` and ``panels`` name.
+    units : str
+        Units of observables, ``"si"`` or ``"natural"``.
+    log : tuple of str
+        Logarithmic axes.
+    between : tuple of float
+        Lowest and highest height of profiles, in diameters; empty for all.
+    beside : tuple
+        Data that are not of the study: label, points (x, y) or (x, y, error of y) in the units of
+        the axes, and whether a line joins them.
+    fit : str
+        Law that is fitted to each curve.
+    scattered : bool
+        Whether points hardly share curves, as those of a design.
+    labels : mapping
+        Labels of the axes ``"x"`` and ``"y"``, in place of names and units.
+    levels, level : tuple of float, str
+        Values to compare with, and their entry in the legend.
+    quantities : tuple of mapping
+        Measures of the dataset that are shown in place of the velocity.
+    styles, entry : mapping, str
+        Looks of curves by the values of their parameters, and pattern of the other entries.
+    point : str
+        Which of several points is shown.
+    widest : float
+        Largest half width of an interval, relative to its value, that a line joins; 0 for any.
+    relative : bool
+        Whether velocity and frequency of the belt are shares of its own.
+    answer : Answer
+        The answer that it shows.
+    plugin : str
+        Code hash of the plug-in that adds its kind.
     """
 
     name: str
@@ -372,7 +413,33 @@ class FigureSpec:
     says: str = ""
     details: str = ""
     series: tuple[str, ...] = ()
-    options: Mapping[str, Any] = field(default_factory=dict)
+    show: str = ""
+    second: str = ""
+    colour: str = ""
+    by: tuple[str, ...] = ()
+    panels: str = ""
+    units: str = "si"
+    log: tuple[str, ...] = ()
+    between: tuple[float, ...] = ()
+    beside: tuple[Any, ...] = ()
+    fit: str = ""
+    scattered: bool = False
+    labels: Mapping[str, str] = field(default_factory=dict)
+    levels: tuple[float, ...] = ()
+    level: str = ""
+    quantities: tuple[Mapping[str, str], ...] = ()
+    styles: Mapping[Any, Mapping[str, str]] = field(default_factory=dict)
+    entry: str = ""
+    point: str = ""
+    widest: float = 0.0
+    relative: bool = False
+    answer: Answer = field(default_factory=Answer)
+    plugin: str = ""
+
+    @property
+    def options(self) -> Mapping[str, Any]:
+        """Its attributes by name, as plug-ins of earlier versions read them."""
+        return vars(self) | {"curves": self.by}
 
     @property
     def keys(self) -> Keys:

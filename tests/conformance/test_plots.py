@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
+from pkgutil import resolve_name
 from xml.etree import ElementTree
 
 import numpy as np
@@ -15,6 +16,7 @@ from PIL import Image
 
 from sim.dataset.build import build
 from sim.figures import animation
+from sim.figures.kinds import DRAWINGS
 from sim.figures.render import find_spec, render
 from sim.study.catalogue import FIGURES
 from sim.study.load import load_study
@@ -41,8 +43,6 @@ KEYS = {
     "distribution": "x: friction, curves: angle",
     "likelihood": "x: friction, curves: angle",
     "scatter": "x: friction, colour: angle",
-    "pairs": "y: velocity, parameters: [friction, angle]",
-    "parallel": "log: [y]",
     "main_effects": "y: velocity",
 }
 
@@ -58,7 +58,7 @@ def like(kind: str) -> str:
 
 def form(spec: FigureSpec) -> str:
     """Return the kind of a figure, with what else its picture depends on."""
-    relative = "relative" * bool(spec.options.get("relative"))
+    relative = "relative" * bool(spec.relative)
     return " ".join(filter(None, (spec.kind, spec.system if spec.paper else "own", relative)))
 
 
@@ -211,6 +211,12 @@ def test_a_number_that_no_axis_holds_is_told(wanted, value, found, tmp_path):
     assert (
         "Nothing is drawn: a number of its data is beyond 1e+100." in caption.read_text()
     ) == is_huge
+
+
+@pytest.mark.parametrize("drawing", DRAWINGS.values())
+def test_what_draws_a_kind_has_its_functions(drawing):
+    found = resolve_name(drawing)
+    assert all(callable(getattr(found, role)) for role in ("draw", "table", "notes"))
 
 
 def test_every_kind_is_drawn():

@@ -100,7 +100,7 @@ def test_columns_of_a_file_are_drawn_with_their_errors(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     beside = {"file": "exp.csv", "x": "mu", "y": "V", "yerr": "s"}
     figure, rows, data = drawn(OVER | {"beside": beside})
-    assert data.spec.options["beside"] == (("exp", ((0.35, 0.65, 0.04), (0.58, 0.4, 0.3)), False),)
+    assert data.spec.beside == (("exp", ((0.35, 0.65, 0.04), (0.58, 0.4, 0.3)), False),)
     axes = figure.axes[0]
     (bars,) = axes.collections[-1:]
     np.testing.assert_allclose(bars.get_segments()[1], [[0.58, 0.1], [0.58, 0.7]])

@@ -3,11 +3,10 @@
 import numpy as np
 import pandas as pd
 import pytest
-from matplotlib.collections import LineCollection
 from matplotlib.contour import ContourSet
 
 from sim.base.statistics import student_half_width
-from sim.figures.binned import binned_means
+from sim.figures.scatter import binned_means
 from sim.figures.variables import has_logarithmic_values
 from sim.study.plot_kinds import find_kind
 from tests.figures.made_plots import drawn
@@ -106,34 +105,6 @@ def test_the_colour_of_a_scatter_is_a_parameter_or_an_observable(colour, label, 
     _, bar = figure.axes
     assert bar.get_ylabel().replace("\N{NO-BREAK SPACE}", " ") == label
     assert rows.filter(like=column).shape[1] >= 1
-
-
-def test_a_scatter_matrix_has_a_panel_per_pair_and_counts_on_its_diagonal():
-    figure, rows, _ = drawn({"kind": "pairs"}, design(10))
-    panels = [
-        axes for axes in figure.axes if axes.get_visible() and axes.get_label() != "<colorbar>"
-    ]
-    assert len(panels) == 6 and len(rows) == 10
-    counts = [sum(bar.get_height() for bar in axes.patches) for axes in panels if axes.patches]
-    assert counts == [10, 10, 10]
-    assert [len(axes.collections[0].get_offsets()) for axes in panels if axes.collections] == [
-        10
-    ] * 3
-
-
-def test_parallel_coordinates_have_a_line_per_point_and_the_values_at_the_ends():
-    figure, _, data = drawn({"kind": "parallel"}, design(10, unsteady=2))
-    axes = figure.axes[0]
-    (lines,) = (one for one in axes.collections if isinstance(one, LineCollection))
-    assert len(lines.get_segments()) == 10
-    assert sum(dash is not None for _, dash in lines.get_linestyle()) == 2
-    ends = [
-        f"{data.rows[name].agg(end):.3g}"
-        for name in ("friction", "angle")
-        for end in ("min", "max")
-    ]
-    assert sorted(text.get_text() for text in axes.texts) == sorted(ends)
-    assert "dashed" in caption(data)
 
 
 def test_main_effects_are_means_along_each_parameter_on_one_scale():

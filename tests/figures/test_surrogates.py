@@ -14,7 +14,7 @@ from sim.figures.figure_records import current_record
 from sim.figures.render import find_spec, render
 from sim.report.results import load
 from sim.study.load import load_study
-from sim.study.plot_kinds import FigureSpec
+from sim.study.plot_kinds import Answer, FigureSpec
 from sim.study.surrogate import COUNTED
 from sim.surrogates import inquiries
 from tests.made.results import made_point, made_results
@@ -137,8 +137,8 @@ def test_what_is_no_part_of_an_answer_is_counted_by_what_it_lacks():
     names = ("point", np.full(len(points), "flows", object))
     table = pd.DataFrame(columns=COLUMNS)
     results = replace(made, dataset=made.dataset.assign_coords(series=names), boundaries=table)
-    options = {"regimes": COUNTED, "observable": "shear_depth"}
-    spec = FigureSpec("one", "section", "", "chute", "", series=("flows",), options=options)
+    answer = Answer("one.nc", "shear_depth", regimes=COUNTED)
+    spec = FigureSpec("one", "section", "", "chute", "", series=("flows",), answer=answer)
     assert answer_sentences(figure_data(results, spec)) == [
         "Not surely steady, and part of the answer all the same: 1 point whose runs are too short "
         "to tell.",

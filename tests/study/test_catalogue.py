@@ -15,7 +15,7 @@ from sim.parameters import SYSTEMS
 from sim.study import catalogue
 from sim.study.catalogue import FIGURES, read_figures
 from sim.study.papers import Paper
-from sim.study.plot_kinds import LARGEST_PORTION, FigureSpec
+from sim.study.plot_kinds import LARGEST_PORTION, Answer, FigureSpec
 from tests.made.processes import ROOT
 
 
@@ -40,7 +40,7 @@ def test_an_entry_is_plain_data_that_can_be_written_down(name):
         float,
         bool,
     }
-    assert eval(repr(spec), {"FigureSpec": FigureSpec}) == spec
+    assert eval(repr(spec), {"FigureSpec": FigureSpec, "Answer": Answer}) == spec
 
 
 @pytest.mark.parametrize("name", FIGURES)
@@ -55,10 +55,10 @@ def test_an_entry_says_what_is_drawn_and_what_the_paper_says(name):
 
 
 def styles(spec: FigureSpec) -> Iterator[dict[str, str]]:
-    styles = spec.options.get("styles", {})
+    styles = spec.styles
     # Curves of one entry share its look.
     yield from {style.get("entry", at): style for at, style in styles.items()}.values()
-    yield from (item for item in spec.options.get("quantities", ()) if "colour" in item)
+    yield from (item for item in spec.quantities if "colour" in item)
 
 
 @pytest.mark.parametrize("name", FIGURES)
@@ -95,21 +95,6 @@ figures:
 """
 
 
-#: Options of every plot, where it leaves them out.
-PLOT_OPTIONS = {
-    "show": "velocity",
-    "second": "",
-    "colour": "",
-    "between": (),
-    "beside": (),
-    "fit": "",
-    "panels": "",
-    "curves": ("damping", "shear_damping"),
-    "units": "si",
-    "log": (),
-}
-
-
 def paper_in(folder: Path, name: str = "a") -> Paper:
     """Return a paper on the belt whose files lie in a folder."""
     words = {"name": name, "author": "A", "quote": "A (2000)", "system": "belt"}
@@ -131,9 +116,17 @@ def test_an_entry_becomes_what_its_figure_is(tmp_path):
         lead="Velocity of all beads below 24 d around d_o = 0.",
         named=("width",),
         says="The paper: it rises.",
-        options=PLOT_OPTIONS
-        | {"styles": {(0, 50): {"colour": "red", "dashes": "solid", "entry": "none"}}},
+        show="velocity",
+        by=("damping", "shear_damping"),
+        styles={(0, 50): {"colour": "red", "dashes": "solid", "entry": "none"}},
     )
+
+
+def test_curves_of_a_paper_take_the_keys_of_a_plot(tmp_path):
+    keys = "    y: backflow\n    units: natural\n    fit: linear\n    title: Vel"
+    (tmp_path / "figures.yaml").write_text(ENTRY.replace("    title: Vel", keys))
+    (spec,) = read_figures(paper_in(tmp_path))
+    assert (spec.show, spec.units, spec.fit) == ("backflow", "natural", "linear")
 
 
 def test_figures_of_one_name_are_refused(tmp_path, monkeypatch):
@@ -158,7 +151,7 @@ def test_the_files_are_read_when_a_figure_is_asked_for():
 def test_levels_in_figures_are_those_of_the_verdicts():
     numbers = {claim.id: claim.number for claim in claims()}
     for name in ("G26", "G27"):
-        assert FIGURES["belt_void"].options["levels"] == (numbers[name].headline,)
+        assert FIGURES["belt_void"].levels == (numbers[name].headline,)
     for name in ("G3", "G7"):
-        levels = FIGURES["onset_acceleration"].options["levels"]
+        levels = FIGURES["onset_acceleration"].levels
         assert numbers[name].headline in levels and set(levels) <= set(numbers[name].values)

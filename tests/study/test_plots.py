@@ -8,7 +8,7 @@ from sim.base.errors import InputError
 from sim.base.plugins import load_plugins
 from sim.parameters import SYSTEMS
 from sim.study.load import Study, parse_study
-from sim.study.plot_kinds import FigureSpec, find_kind, study_kinds
+from sim.study.plot_kinds import Answer, FigureSpec, find_kind, study_kinds
 from tests.made.plugins import restore_plugins
 
 SERIES = {
@@ -44,7 +44,7 @@ def test_a_plot_is_an_entry_of_all_points_of_its_series(parse):
     assert (spec.kind, spec.system, spec.axes) == ("curves", "chute", ("friction",))
     assert spec.title == "Velocity against friction, by angle and law"
     assert spec.lead.startswith("Velocity: mean velocity over the averaging window, against")
-    assert eval(repr(spec), {"FigureSpec": FigureSpec}) == spec
+    assert eval(repr(spec), {"FigureSpec": FigureSpec, "Answer": Answer}) == spec
     assert study.figures["v"] == tuple(study.points)
     assert all(point.figures == () for point in study.points.values())
 
@@ -53,18 +53,18 @@ def test_x_of_curves_may_be_an_observable(parse):
     study = parse(VALID_PLOT | {"x": "shear_depth"})
     spec = study.entries["v"]
     assert spec.axes == () and spec.curves == ("angle", "law")
-    assert (spec.options["show"], spec.options["second"]) == ("velocity", "shear_depth")
+    assert (spec.show, spec.second) == ("velocity", "shear_depth")
     assert spec.title == "Velocity against shear depth, by angle and law"
     assert ", against shear depth (height at which the velocity is" in spec.lead
     assert "friction" in spec.named
-    assert parse(VALID_PLOT).entries["v"].options["second"] == ""
+    assert parse(VALID_PLOT).entries["v"].second == ""
 
 
 def test_y_of_profiles_is_another_profile_in_the_same_slices(parse):
     plot = {"name": "p", "kind": "profiles", "x": "granular_temperature", "y": "packing"}
     spec = parse(plot | {"between": [1, 4], "log": ["y"]}).entries["p"]
-    assert (spec.options["show"], spec.options["second"]) == ("granular_temperature", "packing")
-    assert spec.options["between"] == (1.0, 4.0)
+    assert (spec.show, spec.second) == ("granular_temperature", "packing")
+    assert spec.between == (1.0, 4.0)
     assert spec.title == "Packing against granular temperature"
     assert spec.lead.startswith("Packing: packing fraction, against granular temperature (granular")
 
@@ -77,8 +77,8 @@ def test_data_beside_a_plot_are_kept_with_it(parse):
         VALID_PLOT | {"beside": [DATA_BESIDE, DATA_BESIDE | {"label": "law", "line": True}]}
     ).entries["v"]
     points = ((0.3, 1.0), (0.6, 2.5))
-    assert spec.options["beside"] == (("Pouliquen (1999)", points, False), ("law", points, True))
-    assert eval(repr(spec), {"FigureSpec": FigureSpec}) == spec
+    assert spec.beside == (("Pouliquen (1999)", points, False), ("law", points, True))
+    assert eval(repr(spec), {"FigureSpec": FigureSpec, "Answer": Answer}) == spec
 
 
 FILE_BESIDE = {"file": "exp.csv", "x": "mu", "y": "V", "yerr": "s"}
@@ -87,12 +87,10 @@ FILE_BESIDE = {"file": "exp.csv", "x": "mu", "y": "V", "yerr": "s"}
 def test_data_beside_may_be_columns_of_a_file_which_belongs_to_the_study(parse, tmp_path):
     (tmp_path / "exp.csv").write_text("mu,V (mm/s),s (mm/s)\n0.3,250,0\n0.5,200,4\n")
     study = parse(VALID_PLOT | {"beside": FILE_BESIDE})
-    assert study.plots["v"].options["beside"] == (
-        ("exp", ((0.3, 0.25, 0.0), (0.5, 0.2, 0.004)), False),
-    )
+    assert study.plots["v"].beside == (("exp", ((0.3, 0.25, 0.0), (0.5, 0.2, 0.004)), False),)
     assert study.data == (tmp_path / "exp.csv",) and study.data[0] in study.sources
     one = FILE_BESIDE | {"label": "glass", "line": True}
-    assert parse(VALID_PLOT | {"beside": [one]}).plots["v"].options["beside"][0][::2] == (
+    assert parse(VALID_PLOT | {"beside": [one]}).plots["v"].beside[0][::2] == (
         "glass",
         True,
     )
@@ -130,7 +128,7 @@ def test_every_kind_shows_its_usual_observable_of_every_system(parse, kind, syst
     axes = dict(zip(keys.axes, grids[system], strict=False))
     series = {"name": "a", "system": system, "grid": grids[system]}
     spec = parse({"name": "p", "kind": kind} | axes, series=(series,)).plots["p"]
-    shown = spec.options["show"]
+    shown = spec.show
     assert shown in keys.shows(system) or (kind, shown) == ("map", "regime")
     assert spec.title[0].isupper() and spec.lead.endswith(".")
 
@@ -148,7 +146,7 @@ def test_a_kind_of_a_plugin_takes_the_keys_that_it_names(parse, tmp_path):
     with restore_plugins():
         load_plugins(path)
         spec = parse(plot, series=series).plots["v"]
-        assert spec.title == "Shear depth against friction" and len(spec.options["plugin"]) > 6
+        assert spec.title == "Shear depth against friction" and len(spec.plugin) > 6
         message = error_message(parse, plot | {"panels": "law"}, series=series)
         assert message == "panels: got 'law'; allowed: a key of own: x, y"
         message = error_message(parse, plot | {"log": ["x"]}, series=series)
@@ -168,7 +166,7 @@ def test_logarithmic_axes_of_a_kind_of_a_plugin_are_those_that_it_names(parse, t
     plot = {"name": "v", "kind": "own", "x": "friction"}
     with restore_plugins():
         load_plugins(path)
-        assert parse(plot | {"log": ["y"]}, series=series).plots["v"].options["log"] == ("y",)
+        assert parse(plot | {"log": ["y"]}, series=series).plots["v"].log == ("y",)
         message = error_message(parse, plot | {"log": ["x"]}, series=series)
         assert message == "log[0]: got 'x'; allowed: one of y"
         # Nothing would draw data beside such a plot.
@@ -202,7 +200,7 @@ def test_what_functions_of_a_plugin_return_is_checked(tmp_path, role, why):
 
 
 SCATTER = {"name": "s", "kind": "scatter", "x": "friction"}
-SEVERAL = {"name": "s", "kind": "pairs"}
+SEVERAL = {"name": "s", "kind": "main_effects"}
 
 
 def test_the_colour_of_a_scatter_is_a_parameter_an_observable_or_the_regime(parse):
@@ -212,7 +210,7 @@ def test_the_colour_of_a_scatter_is_a_parameter_an_observable_or_the_regime(pars
         "regime": "colour: regime.",
     }.items():
         spec = parse(SCATTER | {"colour": colour}).entries["s"]
-        assert spec.options["colour"] == colour and spec.lead.endswith(said)
+        assert spec.colour == colour and spec.lead.endswith(said)
         assert spec.title == f"Velocity against friction, by {colour.replace('_', ' ')}"
     assert parse(SCATTER | {"x": "shear_depth"}).entries["s"].axes == ()
 
@@ -221,11 +219,17 @@ def test_parameters_are_all_that_vary_unless_they_are_named(parse):
     spec = parse(SEVERAL).entries["s"]
     assert set(spec.axes) == {"friction", "angle", "law"}
     spec = parse(SEVERAL | {"parameters": "angle"}).entries["s"]
-    assert spec.axes == ("angle",) and spec.title == "Velocity over angle"
+    assert spec.axes == ("angle",) and spec.title == "Velocity against angle"
+
+
+@pytest.mark.parametrize("kind", ["pairs", "parallel"])
+def test_a_plot_that_the_explorer_draws_is_refused_with_its_name(parse, kind):
+    message = error_message(parse, SEVERAL | {"kind": kind})
+    assert message.startswith(f"kind: got '{kind}'") and "explorer" in message
 
 
 def test_curves_of_a_design_are_told_from_curves_of_a_grid(parse):
     cases = [{"friction": 0.3 + n / 50, "angle": 16 + n / 10} for n in range(9)]
     series = {"name": "a", "system": "chute", "cases": cases}
-    assert parse({"name": "v", "x": "friction"}, series=(series,)).entries["v"].options["scattered"]
-    assert not parse(VALID_PLOT).entries["v"].options["scattered"]
+    assert parse({"name": "v", "x": "friction"}, series=(series,)).entries["v"].scattered
+    assert not parse(VALID_PLOT).entries["v"].scattered

@@ -91,7 +91,7 @@ def _explored(folder: Path) -> list[str]:
 
 
 def _pictures(folder: Path, suffix: str) -> list[str]:
-    names = [name for name, spec in _study(folder).plots.items() if "answer" in spec.options]
+    names = [name for name, spec in _study(folder).plots.items() if spec.answer.file]
     assert len(names) == 10
     return [(folder / "figures" / f"{name}{suffix}").read_text() for name in names]
 

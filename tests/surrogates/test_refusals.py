@@ -113,12 +113,12 @@ def test_pictures_without_an_answer_say_so_and_all_others_stand(asked):
     refusals = {spec.file: line for spec, line in zip(study.questions, lines, strict=True)}
     for name, spec in study.plots.items():
         caption = (figures / f"{name}.caption.txt").read_text()
-        is_refused = name != "seen" and "any-regime" not in spec.options["answer"]
+        is_refused = name != "seen" and "any-regime" not in spec.answer.file
         assert is_refused == ("Nothing is drawn: " in caption)
         table = (figures / f"{name}.csv").read_text()
         assert is_refused == table.startswith("refusal\n")
         if is_refused:
-            line = refusals[spec.options["answer"]]
+            line = refusals[spec.answer.file]
             assert line in caption and line in table.replace('"', "")
             drawn = (figures / f"{name}.svg").read_text()
             assert all(word in drawn for word in line.split()[:3])

@@ -1,0 +1,145 @@
+"""Kinds of plot that ship: their keys, and what draws them, named as ``module`` or ``module:name``.
+
+What draws has the functions ``draw``, ``table`` and ``notes`` of the data of a figure, and maybe
+``select``. It is imported when one of them is first called: study files are checked without it.
+"""
+
+from functools import partial
+from pkgutil import resolve_name
+from typing import Any
+
+from sim.base.additions import TALUS, attribute_additions_to
+from sim.study.plot_kinds import REGIME, Keys, Shown, plot_kind
+from sim.study.plottable import numbers, profiles, series
+
+#: What draws each kind, by its name.
+DRAWINGS: dict[str, str] = {}
+
+
+def _call(name: str, role: str, data: Any) -> Any:
+    """Call the function for a role of what draws a kind; without one to select, all is drawn."""
+    drawing = resolve_name(DRAWINGS[name])
+    return data if role == "select" and not hasattr(drawing, role) else getattr(drawing, role)(data)
+
+
+def _declare(name: str, drawing: str, **keys: Any) -> None:
+    """Declare a kind of plot by the call that a plug-in makes."""
+    DRAWINGS[name] = f"sim.figures.{drawing}"
+    roles: dict[str, Any] = {
+        role: partial(_call, name, role) for role in ("table", "notes", "select")
+    }
+    plot_kind(name, keys=Keys(**keys), **roles)(partial(_call, name, "draw"))
+
+
+with attribute_additions_to(TALUS):
+    _declare(
+        "curves",
+        "curves",
+        axes=("x",),
+        observable="y",
+        shows=numbers,
+        second="x",
+        log=("x", "y"),
+        others=("curves", "panels", "beside", "fit"),
+        of_papers=(
+            *("x", "y", "curves", "panels", "log", "units", "fit", "labels"),
+            *("levels", "level", "quantities", "styles", "entry", "relative", "alike", "widest"),
+        ),
+        systems=("chute", "belt"),
+    )
+    _declare(
+        "map",
+        "map",
+        axes=("x", "y"),
+        observable="colour",
+        usual=REGIME,
+        shows=numbers,
+        log=("x", "y", "colour"),
+        others=("panels", "beside"),
+        of_papers=("x", "y", "curves", "log", "labels"),
+        systems=("chute", "belt"),
+        over="over {}",
+    )
+    _declare(
+        "profiles",
+        "profiles",
+        observable="x",
+        shows=profiles,
+        second="y",
+        log=("x",),
+        others=("curves", "panels", "between", "beside"),
+        of_papers=("x", "curves", "vary", "labels", "styles", "entry"),
+        systems=("belt",),
+        over="over the height",
+    )
+    _declare(
+        "time_series",
+        "time_series",
+        observable="y",
+        shows=series,
+        log=("x", "y"),
+        others=("curves", "panels"),
+        over="against time",
+        from_runs=True,
+    )
+    _declare(
+        "distribution",
+        "distribution",
+        axes=("x",),
+        observable="y",
+        shows=numbers,
+        log=("y",),
+        others=("curves", "panels"),
+        what="{} of each replicate",
+    )
+    _declare(
+        "likelihood",
+        "likelihood",
+        axes=("x",),
+        observable="y",
+        shows=numbers,
+        others=("curves", "panels"),
+        what="probability that a single run per point rises in {}",
+    )
+    _declare(
+        "scatter",
+        "scatter",
+        axes=("x",),
+        observable="y",
+        shows=numbers,
+        second="x",
+        log=("x", "y", "colour"),
+        others=("colour", "panels", "beside"),
+    )
+    _declare(
+        "main_effects",
+        "main_effects",
+        several="parameters",
+        observable="y",
+        shows=numbers,
+        log=("y",),
+    )
+
+    # Of papers alone.
+    _declare("row", "row", systems=("chute",), particles=Shown.STATE)
+    _declare("paths", "beads:PATHS", systems=("belt",), particles=Shown.PATH)
+    _declare("snapshots", "beads:SNAPSHOTS", systems=("belt",), particles=Shown.STATE)
+    _declare(
+        "animation",
+        "animation",
+        of_papers=("point",),
+        systems=("chute", "belt"),
+        particles=Shown.PATH,
+        animated=True,
+    )
+
+    # Of answers to questions, which take no keys.
+    _declare("section", "surrogates:SECTION")
+    _declare("surface", "surrogates:SURFACE")
+    _declare("agreement", "surrogates:AGREEMENT")
+    _declare("indices", "sensitivity:INDICES")
+    _declare("interactions", "sensitivity:INTERACTIONS")
+    _declare("screening", "sensitivity:SCREENING")
+    _declare("posterior", "calibration:POSTERIOR")
+    _declare("predictions", "calibration:PREDICTIONS")
+    _declare("experiment", "calibration:EXPERIMENT")
