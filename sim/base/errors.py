@@ -1,7 +1,7 @@
 """The one exception that users of Talus see, and the short form of values in its message."""
 
 import reprlib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Container, Iterable, Sequence
 from inspect import signature
 from math import isfinite
 from pathlib import Path
@@ -152,3 +152,15 @@ def printable(text: str) -> str:
         letter if letter.isprintable() or letter in allowed else ascii(letter)[1:-1]
         for letter in text
     )
+
+
+def align_table(
+    headings: Sequence[str], rows: Sequence[tuple[str, ...]], right: Container[str]
+) -> list[str]:
+    """Return a table as lines; the columns with headings in ``right`` are right-aligned."""
+    # Imported here, as few commands print tables.
+    from tabulate import tabulate
+
+    sides = ["right" if heading in right else "left" for heading in headings]
+    table = tabulate(rows, headings, "plain", colalign=sides, disable_numparse=True)
+    return [line.rstrip() for line in table.splitlines()]

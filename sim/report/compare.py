@@ -17,7 +17,7 @@ import xarray as xr
 from scipy.stats import combine_pvalues
 
 from sim.base.additions import plain_name
-from sim.base.errors import InputError, count_text
+from sim.base.errors import InputError, align_table, count_text
 from sim.base.messages import one_of
 from sim.base.plugins import VARIABLE
 from sim.base.statistics import CONFIDENCE, student
@@ -27,7 +27,6 @@ from sim.parameters import SYSTEMS, Parameters, canonical_values, point_id
 from sim.parameters.laws import engine_of
 from sim.parameters.words import setting
 from sim.report.numbers import value_with_interval
-from sim.report.points import align_table
 from sim.study.extra_amounts import OWN, other_engines, twins
 from sim.study.load import load_study
 from sim.study.model import Study
@@ -294,9 +293,7 @@ def _mean_of_run(path: Path) -> Mean | None:
     return table["_mean"].iloc[0]
 
 
-def ask(
-    study_path: Path, results: Path, share: float, cores: int, engine: str | None = None
-) -> list[str]:
+def ask(study_path: Path, results: Path, share: float, cores: int, engine: str = "") -> list[str]:
     """Run a sample of a study's points by another engine; return what it says of them.
 
     Parameters

@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import psutil
-from tabulate import tabulate
 
-from sim.base.errors import InputError, count_text, duration
+from sim.base.errors import InputError, align_table, count_text, duration
 from sim.base.files import require_writable
 from sim.base.program import program
 from sim.dataset.adopted import AdoptedPoints
@@ -184,15 +183,6 @@ def _row(point: Point, cost: Estimate) -> tuple[str, ...]:
         ",".join(point.figures) or "-",
         ",".join(point.series),
     )
-
-
-def align_table(
-    headings: Sequence[str], rows: Sequence[tuple[str, ...]], right: Container[str]
-) -> list[str]:
-    """Return a table as lines; the columns with headings in ``right`` are right-aligned."""
-    sides = ["right" if heading in right else "left" for heading in headings]
-    table = tabulate(rows, headings, "plain", colalign=sides, disable_numparse=True)
-    return [line.rstrip() for line in table.splitlines()]
 
 
 def _design_lines(study: Study) -> list[str]:

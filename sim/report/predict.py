@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from sim.base.errors import InputError
+from sim.base.errors import InputError, align_table
 from sim.dataset.results import Results, load_current
-from sim.report.points import align_table
 from sim.study.load import load_study
 from sim.study.surrogate import SurrogateFile
 from sim.surrogates.answers import KEY, parted, refusal_in, sentence

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import psutil
 
-from sim.base.errors import InputError, count_text, duration, printable
+from sim.base.errors import InputError, align_table, count_text, duration, printable
 from sim.base.files import is_of_system
 from sim.base.program import program
 from sim.base.seals import UNREADABLE
@@ -30,7 +30,6 @@ from sim.engine.shared_runs import SharedRun, describe, find_runs
 from sim.engine.stored_run import has_enough
 from sim.parameters import Parameters, amounts, point_id
 from sim.report.numbers import template
-from sim.report.points import align_table
 from sim.study.cost import estimate
 from sim.study.extra_amounts import (
     ExtraAmounts,
