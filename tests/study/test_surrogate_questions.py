@@ -57,7 +57,7 @@ def test_a_sensitivity_of_a_surrogate_has_its_pictures(parse):
     assert (one.surrogate_error, other.surrogate_error) == (None, 0.3)
     assert one.file == "sensitivity/matters.csv" and one.of.name == "speed" and not one.design
     assert {"matters-indices", "matters-interactions"} <= set(study.plots)
-    assert study.plots["matters-indices"].options["answer"] == one.file
+    assert study.plots["matters-indices"].answer.file == one.file
     files = [question.file for question in study.questions]
     assert files == ["surrogates/speed.nc", one.file, other.file]
 
