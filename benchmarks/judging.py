@@ -335,7 +335,12 @@ def dependence_rate(readings: int, headline: float, other: float, trials: int) -
     """
     rng = np.random.default_rng([trials, readings, int(10 + headline), int(10 + other)])
     claim = Claim(
-        id="V", title="", statement="", criterion="", system="belt", judge=lambda evidence: ()
+        id="V",
+        title="value",
+        statement="beyond a threshold",
+        criterion="above 0",
+        system="belt",
+        judge=lambda evidence: (),
     )
     distances = [headline] * (readings - 1) + [other]
     dependent = 0
