@@ -22,9 +22,6 @@ from sim.parameters.variables import OF_FAILURES, observables
 from sim.study.plottable import Observable
 from sim.study.surrogate import SLOWING
 
-#: Qualities of a mean, from the best.
-QUALITIES = ("reliable", "jammed", "short", "drifting", "failed")
-
 #: The scalars of a run that these statistics use.
 SCALARS = (
     "status",

@@ -237,10 +237,6 @@ class Quantity:
     value: pd.Series
     half_width: pd.Series
 
-    def rows_with_value(self, rows: pd.DataFrame) -> pd.DataFrame:
-        """Return the rows with a value; of the velocity all, as that of failed runs is unknown."""
-        return rows if self.name == "velocity" else rows[self.value.notna()]
-
 
 def velocity(rows: pd.DataFrame) -> Quantity:
     """Return the mean velocity of points."""

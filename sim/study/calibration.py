@@ -107,7 +107,7 @@ class CalibrateFile(Question):
             if name not in self.parameters
         }
         self._require_other_columns(table, surrogate, study, place)
-        return self.found(
+        return self.with_values(
             of=surrogate,
             series=surrogate.series,
             conditions=conditions,

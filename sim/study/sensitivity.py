@@ -64,7 +64,7 @@ class SensitivityFile(Question):
         """Return the question with its surrogate, or with the design of its series."""
         if self.surrogate is not None:
             of = surrogate_named(self.surrogate, study, place)
-            return self.found(of=of, series=of.series)
+            return self.with_values(of=of, series=of.series)
         name = self.series
         design = study.designs.get(name)
         if design is None or design.kind not in ("saltelli", "morris"):
@@ -83,7 +83,7 @@ class SensitivityFile(Question):
         find_observable("curves", "observable", observable, system, place.error)
         regimes = self.regimes or list(COUNTED)
         of = SurrogateFile(name=self.name, series=name, observable=observable, regimes=regimes)
-        return self.found(of=of.about(system, design.axes), design=design)
+        return self.with_values(of=of.about(system, design.axes), design=design)
 
     @property
     def is_screening(self) -> bool:

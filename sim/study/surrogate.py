@@ -97,7 +97,7 @@ class Question(Strict):
         """
         raise NotImplementedError
 
-    def found(self, **values: Any) -> Self:
+    def with_values(self, **values: Any) -> Self:
         """Return the question with values of attributes that are no keys of the file."""
         return self.model_copy(update=values)
 
@@ -162,7 +162,7 @@ class SurrogateFile(Question):
         figures: tuple[str, ...] = (),
     ) -> Self:
         """Return the surrogate of points of a system that vary some parameters."""
-        return self.found(system=system, axes=axes, design=design, figures=figures)
+        return self.with_values(system=system, axes=axes, design=design, figures=figures)
 
     def resolve(self, study: Any, place: Place) -> Self:
         """Return the surrogate with system, parameters and design of its series."""

@@ -78,7 +78,7 @@ def sample_of(regime: str, cases=UNDETERMINED, velocity=1.0):
     results = made_results(*points)
     series = ("point", np.full(len(points), "flows", object))
     results = replace(results, dataset=results.dataset.assign_coords(series=series))
-    return sample_points(results, SPEC.found(observable="shear_depth"))
+    return sample_points(results, SPEC.with_values(observable="shear_depth"))
 
 
 @pytest.mark.parametrize("velocity", [1.0, -1.0])
