@@ -131,18 +131,14 @@ _SHOWN = {"n": "curves", "p": "profiles", "t": "time_series"}
 
 def _observables() -> list[str]:
     rows: dict[str, dict[str, Sequence[str]]] = {}
-    found = {
-        name: observable
-        for kind in shown_by().values()
-        for of_system in kind.values()
-        for name, observable in of_system.items()
-    }
-    for name, observable in found.items():
-        systems = [one for one in SYSTEMS if any(name in kind[one] for kind in shown_by().values())]
+    shown = shown_by()
+    every = dict(item for kind in shown.values() for each in kind.values() for item in each.items())
+    for name, observable in every.items():
+        systems = [one for one in SYSTEMS if any(name in kind[one] for kind in shown.values())]
         letters = [
             letter
             for letter, kind in _SHOWN.items()
-            if any(name in names for names in shown_by()[kind].values())
+            if any(name in names for names in shown[kind].values())
         ]
         needs = f" (needs `{observable.asked_by}`)" if observable.asked_by else ""
         unit = f", {observable.unit}" if observable.unit != "1" else ""
