@@ -68,6 +68,10 @@ def build(study_path: str | Path, results: str | Path = "results") -> list[str]:
             answer(question, dataset, folder)
         except Refusal as refusal:
             save_refusal(refusal, folder / question.file)
+        except (ValueError, ArithmeticError) as error:
+            # A fit that fails takes no other answer with it.
+            reason = f"{question.file}: no answer, as its values cannot be fitted: {error}"
+            save_refusal(Refusal(reason), folder / question.file)
     return summary_lines(study, folder)
 
 

@@ -97,7 +97,10 @@ def further_points(
     first = {key: so_far[key] for key in study.series[spec.series]}
     added = spec.added_points(so_far)
     members = first | added
-    sample = sample_points(gather_results(study, folder, spec.series, members), spec)
+    try:
+        sample = sample_points(gather_results(study, folder, spec.series, members), spec)
+    except Refusal:
+        return {}
     # Further points may be those that a mean lacks.
     with suppress(Refusal):
         if Surrogate.fit(spec, sample).error <= spec.error:

@@ -14,12 +14,16 @@ from sim.parameters import NUMERICAL, SYSTEMS
 from sim.study.design import Axis
 from sim.study.plottable import numbers
 from sim.study.surrogate import SurrogateFile
+from sim.surrogates.answers import Refusal
 
 #: Deviation, before any run, of how much the logarithm of a variance changes over a range.
 _SLOPE = 3.0
 
 #: Fewest degrees of freedom, over all points, from which the scatter between replicates is known.
 _ENOUGH_FREEDOM = 3
+
+#: Largest and smallest size of values whose squares, and those of their errors, are numbers.
+_SIZES = (1e-100, 1e100)
 
 
 def sample_points(results: Results, spec: SurrogateFile) -> xr.Dataset:
@@ -46,6 +50,8 @@ def sample_points(results: Results, spec: SurrogateFile) -> xr.Dataset:
     ------
     InputError
         When the series has no point in the results.
+    Refusal
+        When values are too large or too small to be squared.
     """
     dataset = results.dataset
     is_member = [spec.series in str(names).split() for names in dataset["series"].values]
@@ -55,6 +61,12 @@ def sample_points(results: Results, spec: SurrogateFile) -> xr.Dataset:
         raise InputError(f"{spec.name}: no point of the series {spec.series} in the results")
     summaries = outcomes(rows[[name for name in SCALARS if name in rows]])
     values = replicate_values(results, numbers(spec.system)[spec.observable], points)
+    largest = max((float(np.abs(row).max()) for row in values if row.size), default=0.0)
+    if largest and not _SIZES[0] <= largest <= _SIZES[1]:
+        raise Refusal(
+            f"surrogate {spec.name}: no mean, as {spec.observable} is {largest:.3g} at most; "
+            f"allowed: between {_SIZES[0]:g} and {_SIZES[1]:g}, in the unit of its declaration"
+        )
     own = np.zeros(len(points))
     if spec.observable == "velocity":
         within = rows["velocity_error"].where(rows["status"] == "completed").values

@@ -105,6 +105,33 @@ def test_each_question_says_in_its_words_why_it_has_no_answer(asked):
         assert file.attrs["refusal"] == lines[4]
 
 
+ODD = """\
+study: made
+series:
+  - name: wide
+    system: chute
+    base: {replicates: 2}
+    design: {kind: sobol, points: 8, over: {friction: [0.3, 0.6], angle: [14, 18]}}
+surrogate:
+  - {name: speed, series: wide, error: 0.1, budget: 1}
+  - {name: force, series: wide, observable: base_normal}
+"""
+
+
+@pytest.mark.parametrize("size", [1e140, 1e-140])
+def test_values_of_an_odd_size_are_refused_by_name_and_take_no_other_answer(tmp_path, size):
+    path = tmp_path / "made.yaml"
+    path.write_text(ODD)
+    for one in load_study(path, tmp_path).points.values():
+        speeds = size * (1 + one.parameters.friction) * np.array([0.99, 1.01])
+        write_run(tmp_path / "made" / "runs", one.parameters, speeds)
+    build(path, tmp_path)
+    lines = inquiries.build(path, tmp_path)
+    assert lines[0].startswith("surrogate speed: no mean, as velocity is ")
+    assert lines[1].startswith("surrogate force: 8 points, error ")
+    assert not read_round(write_round(path, 1, tmp_path))
+
+
 def test_pictures_without_an_answer_say_so_and_all_others_stand(asked):
     path, lines = asked
     figures = path.parent / "made" / "figures"

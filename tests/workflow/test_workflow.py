@@ -260,11 +260,16 @@ def test_what_a_point_starts_from_runs_first(tmp_path):
 
 BRACES = """\
 study: braces
+title: Velocity $v_{x}$ of {what} and {}
 readings: {belt: {damping_mass: [own, reduced]}}
 series: [{name: a, system: belt, grid: {frequency: [20, 50]}, figures: [readings_1a]}]
+plots: [{kind: curves, name: speed, series: [a], x: frequency, y: velocity, title: "{of} a belt"}]
 """
 
 
 def test_braces_in_an_entry_of_the_catalogue_are_no_wildcards(tmp_path):
-    (tmp_path / "braces.yaml").write_text(BRACES)
-    assert planned_jobs(tmp_path, study="braces.yaml")["figures"] == 1
+    folder = tmp_path / "{x}"
+    folder.mkdir()
+    (folder / "braces.yaml").write_text(BRACES)
+    jobs = planned_jobs(tmp_path, study=str(folder / "braces.yaml"))
+    assert jobs["figures"] == jobs["report"] == jobs["dataset"] == 1

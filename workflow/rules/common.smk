@@ -57,6 +57,14 @@ def local_cores():
         return None
 
 
+def as_written(value):
+    """Return a value as a parameter of a rule in which Snakemake looks for no wildcards.
+
+    What a person writes may contain braces, in a title or in the path of a plug-in.
+    """
+    return lambda wildcards: value
+
+
 def run_files(rounds):
     """Return the inputs of what reads the runs of the study and of its first ``rounds`` rounds.
 

@@ -20,9 +20,9 @@ rule dataset:
         membership=[(one.id, one.series, one.figures) for one in STUDY.points.values()],
         profiles=[one.id for one in STUDY.points.values() if one.profiles],
         amounts=[amounts(point.parameters) for point in STUDY.points.values()],
-        boundaries=PLAN.boundary_searches,
+        boundaries=as_written(PLAN.boundary_searches),
         states=[name for name, spec in STUDY.entries.items() if spec.particles],
-        title=STUDY.title,
+        title=as_written(STUDY.title),
         code=room_code("dataset", "observable"),
     shell:
         'python -m sim job dataset "$TALUS_STUDY" --processes {threads} > {log} 2>&1'

@@ -33,7 +33,7 @@ rule figures:
     params:
         folder=subpath(output[0], parent=True),
         names=list(STUDY.figures),
-        entries=lambda wildcards: list(map(repr, STUDY.entries.values())),
+        entries=as_written(list(map(repr, STUDY.entries.values()))),
         code=room_code("figures"),
     shell:
         "python -m sim figure {params.names} {input.dataset} --output {params.folder}"

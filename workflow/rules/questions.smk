@@ -15,7 +15,7 @@ rule questions:
     resources:
         **PLAN.reader_resources,
     params:
-        questions=PLAN.questions,
+        questions=as_written(PLAN.questions),
         code=room_code("surrogates", "observable"),
     shell:
         'python -m sim job questions "$TALUS_STUDY" > {log} 2>&1'

@@ -16,8 +16,8 @@ checkpoint refine:
     resources:
         **PLAN.reader_resources,
     params:
-        boundaries=PLAN.boundary_searches,
-        questions=PLAN.questions,
+        boundaries=as_written(PLAN.boundary_searches),
+        questions=as_written(PLAN.questions),
         code=room_code("surrogates", "observable") if PLAN.questions else room_code("dataset"),
     shell:
         'python -m sim job refine "$TALUS_STUDY" {wildcards.round} > {log} 2>&1'
@@ -41,7 +41,7 @@ rule boundaries:
     resources:
         **PLAN.reader_resources,
     params:
-        boundaries=PLAN.boundary_searches,
+        boundaries=as_written(PLAN.boundary_searches),
         code=room_code("dataset"),
     shell:
         'python -m sim job boundaries "$TALUS_STUDY" > {log} 2>&1'

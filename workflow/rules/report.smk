@@ -49,7 +49,7 @@ rule report:
     params:
         # The study file is no input: its path may contain braces and must not trigger a rerun.
         study=files_hash((*STUDY.files, *STUDY.data)),
-        plugins=[str(plugin) for plugin in STUDY.plugins],
+        plugins=as_written([str(plugin) for plugin in STUDY.plugins]),
         code=room_code("report"),
     shell:
         'python -m sim job report "$TALUS_STUDY" > {log} 2>&1'
