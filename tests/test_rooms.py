@@ -37,8 +37,8 @@ ONLY = {
 #: Most lines of code of each room: no docstring, comment, import or blank line. Whoever adds takes
 #: away elsewhere; a commit that raises a number here says what for.
 WEIGHT = {
-    "base": 1_460,
-    "parameters": 2_050,
+    "base": 1_462,
+    "parameters": 1_971,
     "study": 3_672,
     "engine": 5_631,
     "laws": 182,
@@ -47,9 +47,9 @@ WEIGHT = {
     "dataset": 1_692,
     "surrogates": 1_815,
     "figures": 4_360,
-    "claims": 1_434,
+    "claims": 1_422,
     "papers": 2_321,
-    "report": 2_725,
+    "report": 2_696,
 }
 
 

@@ -347,6 +347,5 @@ def _printing(text: Callable[[Any], str]) -> dict[str, Any]:
 
 
 def _completion(shell: str) -> str:
-    """Return the script by which a shell completes command lines."""
     complete = get_completion_class(shell)
     return complete(commands(), {}, "talus", COMPLETE).source() if complete else ""

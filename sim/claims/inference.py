@@ -106,7 +106,6 @@ def trend(
 
 
 def _reversal(groups: Groups, one: int, other: int, labels: Sequence[str], unit: str) -> str:
-    """Return in words by how much the mean of one group is above or below that of another."""
     change = replicate_mean(groups[other]) - replicate_mean(groups[one])
     verb = "rises" if change.nominal_value > 0 else "falls"
     size = ufloat(abs(change.nominal_value), SIGMAS * change.std_dev)

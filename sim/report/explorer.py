@@ -95,7 +95,6 @@ def explorer_data(
 
 
 def _parameters(varied: Mapping[str, np.ndarray], system: str) -> list[dict[str, Any]]:
-    """Return the columns of the parameters that differ between the points of a system."""
     columns = []
     for name, values in varied.items():
         is_number = values.dtype.kind in "fi"
@@ -168,7 +167,6 @@ def _curves(surrogate: Surrogate) -> Iterator[dict[str, Any]]:
 
 
 def _numbers(values: np.ndarray) -> list[float | None]:
-    """Return numbers of a few digits, ``None`` where they are not finite."""
     return [_rounded(value) if isfinite(value) else None for value in values]
 
 

@@ -132,7 +132,6 @@ def frames_of(file: netCDF4.Dataset, parameters: Parameters, replicate: int) -> 
 
 
 def _times_of_ends(file: netCDF4.Dataset, replicate: int) -> np.ndarray:
-    """Return the times of the first and the last state of a replicate."""
     samples = np.isfinite(file["mean_velocity"][replicate]).sum()
     return np.array([0.0, file["time"][samples - 1] if samples else 0.0])
 
@@ -140,7 +139,6 @@ def _times_of_ends(file: netCDF4.Dataset, replicate: int) -> np.ndarray:
 def _cell(
     parameters: Parameters, radius: np.ndarray, height: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, tuple[bool, bool, bool]]:
-    """Return the low and high corner of a cell with all particles, and its periodic directions."""
     bottom = min(0.0, float((height - radius).min(initial=0.0)))
     top = float((height + radius).max(initial=parameters.diameter))
     side = parameters.period
@@ -237,7 +235,6 @@ def _short_names(ids: Sequence[str]) -> list[str]:
 
 
 def _export_run(path: Path, to: str, output: Path | None, replicate: int) -> str:
-    """Export a run into a file; see `export`."""
     endings, write = FORMATS[to]
     if not path.name or (output and not output.name):
         raise InputError.of_value("export", "", str(output or path), "the name of a file")
@@ -395,7 +392,6 @@ def _numbers(frame: Frame) -> str:
 
 
 def _vtk_folder(path: Path) -> Path:
-    """Return the folder of the frames that a PVD file lists."""
     return path.with_suffix("")
 
 

@@ -347,20 +347,17 @@ def _page_order(
 
 
 def _refusals(study: Study, folder: Path) -> dict[str, str]:
-    """Return why questions have no answer, by the file of the answer."""
     texts = {question.file: refusal_in(folder / question.file) for question in study.questions}
     return {file: text for file, text in texts.items() if text}
 
 
 def _doubts(study: Study, folder: Path) -> dict[str, str]:
-    """Return the caveats of answers as sentences, by the name of the answer."""
     files = [folder / question.file for question in study.questions]
     texts = {upper_first(answer_name(file)): sentence(caveats_in(file)) for file in files}
     return {name: text for name, text in texts.items() if text}
 
 
 def _summary(dataset: xr.Dataset, runs: list[dict[str, Any]]) -> dict[str, Any]:
-    """Return the numbers of the first screen: runs, results, cost and versions."""
     is_completed, is_sound = dataset["status"] == "completed", dataset["caveat"] == ""
     missing_energy = dataset["missing_energy"].where(is_completed)
     return {
@@ -390,7 +387,6 @@ def _dates(first: str, last: str) -> str:
 
 
 def _adopted_provenance(results: Results) -> dict[str, str]:
-    """Return a line of provenance with the number of points from each adopted dataset."""
     text = "; ".join(
         f"{count_text(row['points'], 'point')} from dataset {row['dataset']}, "
         f"run {_dates(row['from'], row['to'])}"
@@ -400,7 +396,6 @@ def _adopted_provenance(results: Results) -> dict[str, str]:
 
 
 def _plugin_provenance(study: Study) -> dict[str, str]:
-    """Return a line of provenance with the plug-ins of a study and the hashes of their content."""
     text = ", ".join(f"{plugin.name} ({plugin.code})" for plugin in study.plugins)
     return {"Plug-ins": text} if text else {}
 

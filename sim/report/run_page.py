@@ -95,7 +95,6 @@ def _begins_with(path: Path, mark: bytes) -> bool:
 
 
 def _log_end(path: Path) -> str:
-    """Return the last lines of the log of a run of a study; empty without a log."""
     log = path.absolute().parent.with_name("logs") / "runs" / f"{path.stem}.log"
     try:
         lines = read_regular(log).decode("utf-8", "replace").splitlines()
@@ -149,7 +148,6 @@ def unusual_parameters(parameters: Parameters) -> str:
 
 
 def _replicates(run: RunFile, parameters: Parameters) -> list[dict[str, Any]]:
-    """Return a row per replicate with its results."""
     rows = []
     shared = {"particles": parameters.particles, "mass": parameters.mass}
     ledger = [name for name in LEDGER_SCALARS if name in run]

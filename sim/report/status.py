@@ -292,7 +292,6 @@ def _read_ended(path: Path, changed: int, parameters: Parameters) -> PointStatus
 def _core_seconds_left(
     points: Mapping[str, PointStatus], parameters: Mapping[str, Parameters]
 ) -> float:
-    """Return the core time of missing points, see `StudyStatus`."""
     measured, estimated, missing = 0.0, 0.0, 0.0
     for key, point in points.items():
         cost = estimate(parameters[key]).core_seconds
@@ -377,7 +376,6 @@ def as_json(status: StudyStatus) -> str:
 
 
 def _point_entry(key: str, point: PointStatus) -> dict[str, Any]:
-    """Return the id of a point and what is known of it."""
     entry = {"id": key} | {name: value for name, value in vars(point).items() if value}
     if point.progress:
         known = point.progress.model_dump(include={"done", "total", "rate", "elapsed"})

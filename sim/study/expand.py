@@ -94,7 +94,6 @@ class _Draft:
         return self._replaced(values, paths)
 
     def _replaced(self, values: dict[str, Any], paths: dict[str, str]) -> "_Draft":
-        """Return a copy in which values replace earlier ones, and mass and density each other."""
         other = {DENSITY: "mass", "mass": DENSITY}
         gone = {other[name] for name in other if name in values} - values.keys()
         earlier = {name: value for name, value in self.values.items() if name not in gone}
@@ -180,7 +179,6 @@ class _Family:
             yield self._parameters(draft), figures
 
     def _drafts(self) -> Iterator[_Draft]:
-        """Yield the drafts of the points of a series, or of boundaries."""
         cases = self.entry.cases if isinstance(self.entry, SeriesFile) else None
         rows = self.design.rows(self.design.size) if self.design else []
         for base in self._bases():
@@ -210,12 +208,10 @@ class _Family:
             yield replace(base, other_readings=frozenset(others))
 
     def _parameters_in_design(self, row: Mapping[str, Any]) -> Parameters:
-        """Return the parameters of a point of the design, under the first reading."""
         base = next(self._bases())
         return self._parameters(base.with_values(dict(row), f"{self.key}.design.over"))
 
     def _parameters_along(self, draft: _Draft, value: float, key: str = "range") -> Parameters:
-        """Return the parameters of the point of a boundary at a value of the parameter along it."""
         assert isinstance(self.entry, BoundaryFile)
         along = self.entry.along
         paths = draft.paths | {along: f"{self.key}.{key}"}
