@@ -47,7 +47,7 @@ WEIGHT = {
     "dataset": 1_692,
     "surrogates": 1_815,
     "figures": 4_360,
-    "claims": 1_422,
+    "claims": 1_428,
     "papers": 2_321,
     "report": 2_696,
 }

@@ -46,10 +46,10 @@ def allowed_values(field: FieldInfo) -> str:
     if typing.get_origin(field.annotation) is typing.Literal:
         choices = typing.get_args(field.annotation)
         return "one of " + ", ".join(choices) if len(choices) > 1 else str(choices[0])
-    nouns = {bool: "true or false", str: "text", int: "an integer", float: "a number"}
-    nouns[list] = "a list of at least one value"
+    nouns: dict[Any, str] = {bool: "true or false", str: "text", int: "an integer"}
+    nouns |= {float: "a number", list: "a list of at least one value"}
     kind = typing.get_origin(field.annotation) or field.annotation
-    noun = nouns.get(kind, "a mapping of names to values")  # type: ignore[call-overload]
+    noun = nouns.get(kind, "a mapping of names to values")
     return f"{noun} {_interval(field.metadata)}".strip()
 
 
