@@ -251,7 +251,7 @@ def render(
     refusals = _refusals(study, figures.parent)
     specs = {name: spec for name, spec in study.entries.items() if spec.answer.file not in refusals}
     plots = [spec for name, spec in specs.items() if name in study.plots]
-    runs = _runs(results, [text for text, _ in caveats], plots, figures.parent)
+    runs = _runs(results, [text for text, _ in caveats], plots)
     parameters = varied_parameters(dataset)
     varied, settings = varied_columns(dataset, parameters)
     all_rows = claim_rows(claims, runs, study.figures)
@@ -303,15 +303,13 @@ def render(
 
 
 def _runs(
-    results: Results, caveats: Sequence[str], plots: Sequence[FigureSpec], folder: Path
+    results: Results, caveats: Sequence[str], plots: Sequence[FigureSpec]
 ) -> list[dict[str, Any]]:
-    """Return a row per point, with the plots that show it, where it comes from, and its page."""
+    """Return a row per point, with the plots that show it, and where it comes from."""
     runs = run_rows(results.dataset, caveats)
     for run in runs:
         run["plots"] = [spec.name for spec in plots if spec.is_fed_by(run["system"], run["series"])]
         run["adopted"], _ = results.adopted.get(run["point"], ("", ""))
-        page = Path("pages") / f"{run['point']}.html"
-        run["page"] = page.as_posix() if (folder / page).is_file() else ""
     return runs
 
 

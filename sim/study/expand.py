@@ -26,9 +26,6 @@ from sim.study.file import MAX_POINTS, BoundaryFile, SeriesFile, StudyFile
 from sim.study.model import Boundary, Point, Study
 from sim.study.refine import divide_range
 
-#: Maximum number of points of a study with a page for each point.
-MAX_PAGES = 1000
-
 
 def expand(files: Sequence[tuple[Path, StudyFile]]) -> Study:
     """Return the study that a file and its parts describe, without its figures.
@@ -61,7 +58,7 @@ def expand(files: Sequence[tuple[Path, StudyFile]]) -> Study:
                 designs[entry.name] = family.design
     path, file = files[0]
     readings = _readings_by_system(file)
-    _require_valid_points(points, file, str(path))
+    _require_valid_points(points, str(path))
     return Study(
         name=file.study,
         title=file.title,
@@ -73,7 +70,6 @@ def expand(files: Sequence[tuple[Path, StudyFile]]) -> Study:
         designs=designs,
         readings=readings,
         decide=file.decide,
-        pages=file.pages,
     )
 
 
@@ -286,7 +282,7 @@ def _readings_by_system(file: StudyFile) -> dict[str, list[dict[str, Any]]]:
     return readings
 
 
-def _require_valid_points(points: dict[str, Point], file: StudyFile, source: str) -> None:
+def _require_valid_points(points: dict[str, Point], source: str) -> None:
     """Raise ``InputError`` for too many points, or a start from what is not there.
 
     A point may start from one of the study or from a run file.
@@ -294,9 +290,6 @@ def _require_valid_points(points: dict[str, Point], file: StudyFile, source: str
     if len(points) > MAX_POINTS:
         allowed = f"at most {MAX_POINTS:,} points in the study"
         raise InputError.of_value(source, "parts", f"{len(points):,} points", allowed)
-    if file.pages and len(points) > MAX_PAGES:
-        allowed = f"false, for more than {MAX_PAGES:,} points"
-        raise InputError.of_value(source, "pages", True, allowed)
     for point in points.values():
         start = point.parameters.start_from
         if start in points:
