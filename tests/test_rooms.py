@@ -37,7 +37,7 @@ ONLY = {
 #: Most lines of code of each room: no docstring, comment, import or blank line. Whoever adds takes
 #: away elsewhere; a commit that raises a number here says what for.
 WEIGHT = {
-    "base": 1_452,
+    "base": 1_451,
     "parameters": 1_971,
     "study": 3_661,
     "engine": 5_613,
@@ -49,7 +49,7 @@ WEIGHT = {
     "figures": 4_262,
     "claims": 1_428,
     "papers": 2_321,
-    "report": 2_590,
+    "report": 2_596,
 }
 
 

@@ -263,7 +263,6 @@ def render(
         if one.file not in refusals
     ]
     order = _page_order(study, entries, rows)
-    counts = count_verdicts(rows)
     return template("report.html.j2").render(
         study=study,
         study_files={file.name: file.read_text(encoding="utf-8") for file in study.sources},
@@ -271,22 +270,15 @@ def render(
         caveats=caveats,
         refusals=_own_reasons(list(refusals.values())),
         doubts=_doubts(study, figures.parent),
-        verdicts=VERDICTS,
-        outcomes=VERDICTS | REPORTED,
-        claims=rows,
         own_claims=[row for row in all_rows if row not in rows],
-        counts=counts,
-        authors={name: papers()[name].author for name in counts},
-        reading_tables=reading_tables(rows, results) if "claims" in order["parts"] else [],
-        has_tested_claims=has_tested_claims(rows),
         **order,
+        **_claims(rows, results, "claims" in order["parts"]),
         plots=[
             entry | {"points": [run for run in runs if entry["name"] in run["plots"]]}
             for entry in entries
             if entry["own"]
         ],
         headline=headline_figures(entries),
-        checks=engine_checks(rows),
         state=state_of(runs),
         runs=runs,
         explorer=compressed(explorer_data(dataset, runs, parameters, surrogates)),
@@ -300,6 +292,23 @@ def render(
         energy_limit=CLOSED_SHARE,
         provenance=_provenance(dataset) | _adopted_provenance(results) | _plugin_provenance(study),
     )
+
+
+def _claims(
+    rows: Sequence[dict[str, Any]], results: Results, with_readings: bool
+) -> dict[str, Any]:
+    """Return what the templates show of the claims of papers and of their verdicts."""
+    counts = count_verdicts(rows)
+    return {
+        "verdicts": VERDICTS,
+        "outcomes": VERDICTS | REPORTED,
+        "claims": rows,
+        "counts": counts,
+        "authors": {name: papers()[name].author for name in counts},
+        "reading_tables": reading_tables(rows, results) if with_readings else [],
+        "has_tested_claims": has_tested_claims(rows),
+        "checks": engine_checks(rows),
+    }
 
 
 def _runs(
