@@ -37,19 +37,19 @@ ONLY = {
 #: Most lines of code of each room: no docstring, comment, import or blank line. Whoever adds takes
 #: away elsewhere; a commit that raises a number here says what for.
 WEIGHT = {
-    "base": 1_460,
-    "parameters": 2_050,
-    "study": 3_672,
-    "engine": 5_631,
+    "base": 1_451,
+    "parameters": 1_971,
+    "study": 3_661,
+    "engine": 5_613,
     "laws": 182,
     "engines": 402,
     "measures": 455,
     "dataset": 1_692,
     "surrogates": 1_815,
-    "figures": 4_360,
-    "claims": 1_434,
+    "figures": 4_262,
+    "claims": 1_428,
     "papers": 2_321,
-    "report": 2_725,
+    "report": 2_596,
 }
 
 

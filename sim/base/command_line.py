@@ -132,7 +132,7 @@ COMMANDS: dict[str, tuple[str, str, Sequence[Parameter]]] = {
             _argument("path", "RUN.nc", help="or study file or folder of its results: all runs"),
             _option(
                 "--to",
-                type=Choice(("amber", "extxyz", "lammps-dump", "vtk")),
+                type=Choice(("amber", "extxyz", "lammps-dump", "vtk", "webp")),
                 help="format; default: that of the suffix of FILE",
             ),
             _file(
@@ -251,16 +251,6 @@ JOBS: dict[str, tuple[str, Sequence[Parameter]]] = {
     "boundaries": ("sim.dataset.boundaries:build", [STUDY, RESULTS]),
     "questions": ("sim.surrogates.inquiries:build", [STUDY, RESULTS]),
     "claims": ("sim.claims.verdict_files:build", [STUDY, RESULTS]),
-    "page": (
-        "sim.report.run_page:write_pages",
-        [
-            _argument("paths", "RUN.nc...", nargs=-1, required=True),
-            _file("-o --output folder", "FOLDER", default="."),
-            _option("--report", "ADDRESS", default=""),
-            PROCESSES,
-            CODE,
-        ],
-    ),
     "report": ("sim.report.page:build", [STUDY, RESULTS]),
 }
 
@@ -347,6 +337,5 @@ def _printing(text: Callable[[Any], str]) -> dict[str, Any]:
 
 
 def _completion(shell: str) -> str:
-    """Return the script by which a shell completes command lines."""
     complete = get_completion_class(shell)
     return complete(commands(), {}, "talus", COMPLETE).source() if complete else ""

@@ -320,7 +320,7 @@ FIFTY_YEARS = 50 * 365.25 * 86400
 
 #: Outputs of the workflow in the folder of a study, beside adopted datasets.
 OUTPUTS = (
-    *("adopted/*.nc", "runs/*.nc", "runs/.warm", "rounds/*.json", "figures/*", "pages/*.html"),
+    *("adopted/*.nc", "runs/*.nc", "runs/.warm", "rounds/*.json", "figures/*"),
     *("dataset.nc", "boundaries.csv", "claims.csv", "verdicts.csv", "claims.json", "report.html"),
 )
 

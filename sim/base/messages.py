@@ -46,12 +46,10 @@ def allowed_values(field: FieldInfo) -> str:
     if typing.get_origin(field.annotation) is typing.Literal:
         choices = typing.get_args(field.annotation)
         return "one of " + ", ".join(choices) if len(choices) > 1 else str(choices[0])
-    if typing.get_origin(field.annotation) is list:
-        return "a list of at least one value"
-    nouns = {bool: "true or false", str: "text", int: "an integer", float: "a number"}
-    kind = field.annotation
-    noun = nouns.get(kind) if isinstance(kind, type) else None
-    noun = noun or "a mapping of names to values"
+    nouns: dict[Any, str] = {bool: "true or false", str: "text", int: "an integer"}
+    nouns |= {float: "a number", list: "a list of at least one value"}
+    kind = typing.get_origin(field.annotation) or field.annotation
+    noun = nouns.get(kind, "a mapping of names to values")
     return f"{noun} {_interval(field.metadata)}".strip()
 
 

@@ -222,7 +222,6 @@ def _hash(files: Iterable[tuple[str, bytes]]) -> str:
 
 
 def _run(source_code: _SourceCode, error_of: Callable[[str], InputError]) -> None:
-    """Run the code of a plug-in, which makes its additions; an error removes all of them."""
     plugin = source_code.plugin
     try:
         with attribute_additions_to(plugin), chdir(Path()):
@@ -278,7 +277,11 @@ def declared(model: type[_Model], what: str, **fields: Any) -> _Model:
     try:
         return model(**fields)
     except ValidationError as error:
-        raise AdditionError(str(input_error(error, model, what))) from None
+        missing = [str(one["loc"][0]) for one in error.errors() if one["type"] == "missing"]
+        text = (
+            f"{what}: without {', '.join(missing)}" if missing else input_error(error, model, what)
+        )
+        raise AdditionError(str(text)) from None
 
 
 def allowed(words: str, holds: Callable[[Any], object]) -> BeforeValidator:

@@ -126,7 +126,7 @@ def is_damaged(path: Path) -> bool:
     Libraries may crash on a damaged file; this reads only bytes.
     """
     with open_regular(path) as file:
-        length = max(0, file.seek(0, os.SEEK_END) - len(SEAL % bytes(64)))
+        length = max(0, file.seek(0, os.SEEK_END) - _SEAL)
         file.seek(length)
         ending = file.read()
         file.seek(0)
@@ -135,11 +135,10 @@ def is_damaged(path: Path) -> bool:
 
 def read_seal(path: Path) -> str:
     """Return the checksum in the seal of a file, ``""`` where it has no seal."""
-    length = len(SEAL % bytes(64))
     with open_regular(path) as file:
-        file.seek(max(0, file.seek(0, os.SEEK_END) - length))
+        file.seek(max(0, file.seek(0, os.SEEK_END) - _SEAL))
         ending = file.read()
-    is_seal = len(ending) == length and ending.startswith(SEAL[:9])
+    is_seal = len(ending) == _SEAL and ending.startswith(SEAL[:9])
     return ending[9:-1].decode("ascii", "replace") if is_seal else ""
 
 

@@ -248,17 +248,7 @@ def _usable(check: Check) -> Check:
     return check
 
 
-def judge(
-    name: str,
-    *,
-    system: str,
-    title: str,
-    statement: str,
-    criterion: str,
-    reason: str = "",
-    needs: str = "",
-    **further: Any,
-) -> Callable[[JudgeFunction], JudgeFunction]:
+def judge(name: str, *, system: str, **fields: Any) -> Callable[[JudgeFunction], JudgeFunction]:
     """Declare a claim on the runs of a study; the decorated function judges it.
 
     The function takes the evidence of one protocol and reading (`sim.claims.evidence`), and the
@@ -271,21 +261,16 @@ def judge(
         Name of the claim.
     system : str
         A system of `sim.parameters.SYSTEMS`, ``chute`` or ``belt`` for instance.
-    title, statement, criterion : str
-        A short title; the claim itself; the condition under which it holds.
-    reason, needs : str
-        Why the criterion follows from the statement; the runs that decide it.
-    **further
-        Any other field of `Claim`. Of these, ``bounds`` has the numbers of the criterion by name:
-        ``{name}`` in ``criterion`` and ``reason`` is filled from it.
+    **fields
+        Other fields of `Claim`: it needs ``title``, ``statement`` and ``criterion``. ``bounds`` has
+        the numbers of the criterion by name: ``{name}`` in ``criterion`` and ``reason`` is filled
+        from it.
     """
     require_name(JUDGE, name)
     require_one_of(f"judge {name}: system", system, SYSTEMS)
-    fields = {"title": title, "statement": statement, "criterion": criterion, "system": system}
-    fields |= {"reason": reason, "needs": needs} | further
 
     def register(function: JudgeFunction) -> JudgeFunction:
-        claim = declared(Claim, f"judge {name}", id=name, judge=function, **fields)
+        claim = declared(Claim, f"judge {name}", id=name, judge=function, system=system, **fields)
         require_function(f"judge {name}", function, takes=1, named=claim.bounds_at())
         add(JUDGE, name, claim)
         return function

@@ -40,8 +40,7 @@ def trend(
 ) -> Check:
     """Return the check that a quantity rises (or falls) along a parameter: Jonckheere's trend test.
 
-    The value shown is the mean of Kendall's τ between group number and value. This τ has the same
-    p-value as Jonckheere's and Terpstra's statistic.
+    It shows the mean of Kendall's τ of group number and value, with the p-value of their statistic.
 
     Parameters
     ----------
@@ -70,22 +69,16 @@ def trend(
         Unit of the values, for that text.
     """
     sign = 1 if rising else -1
-    rank_trends = []
-    sizes, p_pairs, pairs, p_apart = [], [], [], []
-    for groups in strata:
-        values = sign * np.concatenate(groups)
-        order = np.repeat(np.arange(len(groups)), [len(group) for group in groups])
-        rank_trends.append(_rank_trend(tuple(order), tuple(values)))
-        sizes.append(values.size)
-        if monotone:
-            numbers = [*combinations(range(len(groups)), 2)]
-            pairs += [(groups, one, other) for one, other in numbers]
-            for pair in combinations(groups, 2):
-                low, high = pair if rising else pair[::-1]
-                raised = (1 + (margin or 0)) * high
-                p_pairs.append(mann_whitney_p(low, raised))
-                if margin is not None:
-                    p_apart.append(mann_whitney_p(raised, low))
+    sizes = [sum(map(len, groups)) for groups in strata]
+    rank_trends = [
+        _rank_trend(
+            tuple(np.repeat(np.arange(len(groups)), [*map(len, groups)])),
+            tuple(sign * np.concatenate(groups)),
+        )
+        for groups in strata
+    ]
+    pairs = [pair for groups in strata for pair in combinations(groups, 2)] if monotone else []
+    p_pairs, p_apart = _against(pairs, rising, margin)
     taus, p_rising, p_falling = zip(*rank_trends, strict=True)
     p_contrary = [_stouffer_p(p_falling, sizes)]
     if monotone:
@@ -93,25 +86,39 @@ def trend(
     tau = float(np.average(taus, weights=sizes))
     p_fails = holm_p(p_contrary)
     # A clear fall somewhere refutes a rise, however clear the overall trend.
-    p_holds = max(_stouffer_p(p_rising, sizes), *p_apart, 0.0) if p_fails > RISK else 1.0
+    p_holds = max(_stouffer_p(p_rising, sizes), *p_apart) if p_fails > RISK else 1.0
     # The threshold applies to τ, whose sign is the direction of the trend.
     check = _p_value_check(
         f"Kendall's τ of {quantity}", sign * tau, rising, (p_holds, p_fails), places
     )
     if not (labels and pairs and p_fails <= RISK):
         return check
-    groups, one, other = pairs[int(np.argmin(p_pairs))]
-    reversal = _reversal(groups, one, other, labels, unit)
+    numbers = [pair for groups in strata for pair in combinations(range(len(groups)), 2)]
+    surest = int(np.argmin(p_pairs))
+    reversal = _reversal(pairs[surest], [labels[one] for one in numbers[surest]], unit)
     return replace(check, text=f"{check.value:.3g}; {reversal}")
 
 
-def _reversal(groups: Groups, one: int, other: int, labels: Sequence[str], unit: str) -> str:
-    """Return in words by how much the mean of one group is above or below that of another."""
-    change = replicate_mean(groups[other]) - replicate_mean(groups[one])
+def _against(
+    pairs: Iterable[tuple[np.ndarray, np.ndarray]], rising: bool, margin: float | None
+) -> tuple[list[float], list[float]]:
+    """Return the p-values that pairs go the other way, and that they do not by the margin."""
+    against, within_margin = [], [0.0]
+    for pair in pairs:
+        low, high = pair if rising else pair[::-1]
+        raised = (1 + (margin or 0)) * high
+        against.append(mann_whitney_p(low, raised))
+        if margin is not None:
+            within_margin.append(mann_whitney_p(raised, low))
+    return against, within_margin
+
+
+def _reversal(pair: tuple[np.ndarray, np.ndarray], labels: Sequence[str], unit: str) -> str:
+    change = replicate_mean(pair[1]) - replicate_mean(pair[0])
     verb = "rises" if change.nominal_value > 0 else "falls"
     size = ufloat(abs(change.nominal_value), SIGMAS * change.std_dev)
     amount = f"{size:.2uP}".replace("±", " ± ") if np.isfinite(size.std_dev) else f"{size.n:.3g}"
-    return f"{verb} from {labels[one]} to {labels[other]} by {amount} {unit}".rstrip()
+    return f"{verb} from {labels[0]} to {labels[1]} by {amount} {unit}".rstrip()
 
 
 @lru_cache(maxsize=10_000)

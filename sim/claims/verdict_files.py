@@ -149,7 +149,6 @@ def _plain(value: Any) -> Any:
 
 
 def _p_of_vote(check: Check) -> tuple[float, float]:
-    """Return the p-values of a check that decides, not-a-number of others."""
     decides = check.has_vote and check.can_decide
     return (check.p_holds, check.p_fails) if decides else (nan, nan)
 

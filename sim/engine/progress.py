@@ -6,10 +6,9 @@ import socket
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from datetime import UTC, datetime, timedelta
+from datetime import UTC, datetime
 from pathlib import Path
 from time import monotonic
-from typing import Annotated
 
 from pydantic import AwareDatetime, BaseModel, ConfigDict, Field, ValidationError
 from tqdm import tqdm
@@ -28,22 +27,8 @@ LONGEST_PAUSE = 300.0
 #: Shortest time (s) between two writes of the progress file.
 WRITE_INTERVAL = 2.0
 
-#: Seconds for which a progress file counts as a sign of life of a run on another machine; at least
-#: ``CREDIT_SAMPLES`` times the longest sample so far.
-CREDIT = 120.0
-CREDIT_SAMPLES = 3
-
-
-#: Largest number in a progress file, and its earliest and latest time; a file with others was not
-#: written by this program.
-LARGEST = 10**18
-EARLIEST, LATEST = datetime(2000, 1, 1, tzinfo=UTC), datetime(3000, 1, 1, tzinfo=UTC)
-
-#: Longest time left (s) that is told, a century.
-CENTURY = 100 * 365.25 * 86400
-
-#: A time of a progress file.
-Time = Annotated[AwareDatetime, Field(ge=EARLIEST, le=LATEST)]
+#: Seconds without a report after which a run on another machine is taken for interrupted.
+LONGEST_SILENCE = 600.0
 
 
 class Progress(BaseModel):
@@ -64,10 +49,8 @@ class Progress(BaseModel):
         for loading and for settling a bed, is not representative.
     elapsed : float
         Seconds since this process started on the point, by a monotonic clock.
-    started, updated : datetime
-        When this process started on the point, and when the file was written.
-    expires : datetime
-        Until when another machine should assume that the run is alive.
+    updated : datetime
+        When the file was written.
     pid, host : int, str
         The process and its machine.
     """
@@ -75,15 +58,13 @@ class Progress(BaseModel):
     model_config = ConfigDict(frozen=True, allow_inf_nan=False)
 
     point: str
-    done: int = Field(ge=0, le=LARGEST)
-    total: int = Field(gt=0, le=LARGEST)
+    done: int = Field(ge=0)
+    total: int = Field(gt=0)
     at_most: bool
-    particles: int = Field(gt=0, le=LARGEST)
-    rate: float = Field(ge=0, le=LARGEST)
-    elapsed: float = Field(ge=0, le=LARGEST)
-    started: Time
-    updated: Time
-    expires: Time
+    particles: int
+    rate: float = Field(ge=0)
+    elapsed: float
+    updated: AwareDatetime
     pid: int = Field(gt=0, lt=2**31)
     host: str
 
@@ -94,11 +75,8 @@ class Progress(BaseModel):
 
     @property
     def remaining_seconds(self) -> float | None:
-        """Expected seconds to the total; None until a rate is known by which it will be reached."""
-        if self.rate == 0:
-            return None
-        seconds = max(0, self.total - self.done) * self.particles / self.rate
-        return seconds if seconds < CENTURY else None
+        """Expected seconds to the total; None until a rate is known."""
+        return (self.total - self.done) * self.particles / self.rate if self.rate else None
 
     @property
     def remaining_time(self) -> str:
@@ -191,9 +169,7 @@ class _Meter:
         self.particles = parameters.particles
         self.total = parameters.replicates * parameters.steps
         self.done = done
-        self.started = datetime.now(UTC)
         self.start = self.latest = monotonic()
-        self.longest = 0.0
         self.samples = 0
         self.reference = (done, self.start)
         self.pause, self.next_line = FIRST_PAUSE, self.start + FIRST_PAUSE
@@ -205,15 +181,12 @@ class _Meter:
             self.reference = (self.done, self.latest)
         self.samples += 1
         self.done += steps
-        self.longest = max(self.longest, now - self.latest)
         self.latest = now
         return now
 
     def read(self) -> Progress:
         """Return the present content of the progress file."""
         steps, seconds = self.done - self.reference[0], self.latest - self.reference[1]
-        now = datetime.now(UTC)
-        credit = max(CREDIT, CREDIT_SAMPLES * self.longest)
         return Progress(
             point=self.point,
             done=self.done,
@@ -223,9 +196,7 @@ class _Meter:
             # The first sample includes loading, and compilation where it is still needed.
             rate=steps * self.particles / seconds if self.samples > 1 and seconds > 0 else 0.0,
             elapsed=self.latest - self.start,
-            started=self.started,
-            updated=now,
-            expires=now + timedelta(seconds=credit),
+            updated=datetime.now(UTC),
             pid=os.getpid(),
             host=socket.gethostname(),
         )

@@ -107,8 +107,6 @@ def take_runs(runs: Path, shared: Mapping[str, SharedRun]) -> set[str]:
                 with suppress(OSError):
                     if _take(run, runs / f"{key}.nc", folder):
                         taken.add(key)
-                        # It shows the file that was here before.
-                        (runs.parent / "pages" / f"{key}.html").unlink(missing_ok=True)
     if taken:
         date_back_readers(runs.parent)
     return taken

@@ -84,10 +84,10 @@ class Option(Declared):
     ``parameters`` are its own, and ``owns`` names those of Talus that have an effect with it alone.
     """
 
-    description: Line
+    description: Line = ""
     make: Callable[..., Any]
-    parameters: dict[str, Annotated[Any, _MADE]]
-    owns: Names
+    parameters: dict[str, Annotated[Any, _MADE]] = {}
+    owns: Names = ()
 
     @property
     def compiled_by_hand(self) -> tuple[str, ...]:

@@ -38,31 +38,14 @@ class Form(Declared):
     inputs: dict[str, Column] = {}
 
 
-def form(
-    name: str,
-    *,
-    system: str | Collection[str],
-    observable: str,
-    meaning: str,
-    scale: Column | None = None,
-    inputs: Mapping[str, Column] | None = None,
-) -> None:
+def form(name: str, *, system: str | Collection[str], **fields: Any) -> None:
     """Declare a form; a surrogate chooses among those of its system and observable by itself.
 
-    The functions get the parameters of points by name, in the units of study files.
+    ``fields`` are those of `Form`. Its functions get the parameters of points by name, in the units
+    of study files.
     """
     systems = (system,) if isinstance(system, str) else tuple(system)
-    value = declared(
-        Form,
-        f"form {name}",
-        name=name,
-        systems=systems,
-        observable=observable,
-        meaning=meaning,
-        scale=scale,
-        inputs=inputs or {},
-    )
-    add(_FORM, name, value)
+    add(_FORM, name, declared(Form, f"form {name}", name=name, systems=systems, **fields))
 
 
 def require_observables(system: str, observables: Collection[str]) -> None:

@@ -1,11 +1,11 @@
 """Contact laws: what a law is, and the call that adds one."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from importlib.util import find_spec
 from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from sim.base.additions import attribute_errors_to, plain_name
 from sim.base.errors import InputError
@@ -34,37 +34,25 @@ class Law(Option):
     force: Annotated[Callable[..., Any], takes(8)] | None
     energy: Annotated[Callable[..., Any], takes(6)] | None
     collision_time: Annotated[Callable[[Any], float], takes(1)]
-    remembers: int = Field(ge=0, le=MOST_REMEMBERED)
-    one_mass: bool
-    max_overlap: float = Field(gt=0)
-    variants: dict[type, tuple[Callable[..., Any], int]]
+    remembers: int = Field(USUALLY_REMEMBERED, ge=0, le=MOST_REMEMBERED)
+    one_mass: bool = False
+    max_overlap: float = Field(math.inf, gt=0)
+    variants: dict[type, tuple[Callable[..., Any], int]] = {}
 
     def of(self, kind: type) -> tuple[Callable[..., Any] | None, int]:
         """Return the force of a type that ``make`` gives, and how many numbers it remembers."""
         return self.variants.get(kind, (self.force, self.remembers))
 
 
-def law(
-    name: str,
-    *,
-    description: str = "",
-    make: Callable[[Any, Any], Any],
-    force: Callable[..., Any] | None,
-    energy: Callable[..., Any] | None,
-    collision_time: Callable[[Any], float],
-    parameters: Mapping[str, Any] | None = None,
-    remembers: int = USUALLY_REMEMBERED,
-    one_mass: bool = False,
-    max_overlap: float = math.inf,
-    owns: tuple[str, ...] = (),
-    variants: Mapping[type, tuple[Callable[..., Any], int]] | None = None,
-) -> None:
+def law(name: str, **fields: Any) -> None:
     """Declare a contact law of the spheres, an option of the parameter ``law``.
 
     Parameters
     ----------
     name : str
         What points call it.
+    **fields
+        The following, of which a plug-in's law needs the functions.
     description : str
         What it is, in a few words for the reference of parameters, with its source. A law that
         ships has one.
@@ -102,21 +90,7 @@ def law(
         Types of what ``make`` returns that have another ``force``, with it and how many numbers
         that gives to remember. It may call ``force``.
     """
-    LAW.add(
-        name,
-        Law,
-        description=description,
-        make=make,
-        force=force,
-        energy=energy,
-        collision_time=collision_time,
-        parameters=parameters or {},
-        remembers=remembers,
-        one_mass=one_mass,
-        max_overlap=max_overlap,
-        owns=owns,
-        variants=variants or {},
-    )
+    LAW.add(name, Law, **fields)
 
 
 #: The choice of an engine.
@@ -127,32 +101,22 @@ class Engine(Option):
     """An engine: see `flow_engine`."""
 
     make: Annotated[Callable[..., Any], takes(3)]
-    refuses: Annotated[Callable[[Any], Iterable[tuple[str, str]]], takes(1)]
-    lacks: Names
-    module: Line
-    package: Line
-    speed: float = Field(gt=0)
+    refuses: Annotated[Callable[[Any], Iterable[tuple[str, str]]], takes(1)] = lambda p: ()
+    lacks: Annotated[Names, BeforeValidator(tuple)] = ()
+    module: Line = ""
+    package: Line = ""
+    speed: float = Field(1.0, gt=0)
 
 
-def flow_engine(
-    name: str,
-    *,
-    description: str = "",
-    make: Callable[[Any, int, int], Any],
-    refuses: Callable[[Any], Iterable[tuple[str, str]]] = lambda p: (),
-    lacks: Iterable[str] = (),
-    module: str = "",
-    package: str = "",
-    speed: float = 1.0,
-    parameters: Mapping[str, Any] | None = None,
-    owns: tuple[str, ...] = (),
-) -> None:
+def flow_engine(name: str, **fields: Any) -> None:
     """Declare a program that computes flows on a plane, an option of the parameter ``engine``.
 
     Parameters
     ----------
     name : str
         What points call it.
+    **fields
+        The following, of which it needs ``make``.
     description : str
         What it is, in a few words for the reference of parameters. An engine that ships has one.
     make : callable
@@ -172,19 +136,7 @@ def flow_engine(
     owns : tuple of str
         Parameters of Talus that have an effect with this engine alone.
     """
-    ENGINE.add(
-        name,
-        Engine,
-        description=description,
-        make=make,
-        refuses=refuses,
-        lacks=tuple(lacks),
-        module=module,
-        package=package,
-        speed=speed,
-        parameters=parameters or {},
-        owns=owns,
-    )
+    ENGINE.add(name, Engine, **fields)
 
 
 def engine_of(parameters: Any) -> Engine:
@@ -229,15 +181,7 @@ class Motion(Option):
     state: Annotated[Callable[..., Any], takes(2)] | None
 
 
-def motion(
-    name: str,
-    *,
-    description: str = "",
-    make: Callable[[Any], Any],
-    state: Callable[..., Any] | None,
-    parameters: Mapping[str, Any] | None = None,
-    owns: tuple[str, ...] = (),
-) -> None:
+def motion(name: str, **fields: Any) -> None:
     """Declare a motion of the belt and of the plane of the conveyor.
 
     It is an option of their parameter ``motion``, which is ``harmonic``.
@@ -246,6 +190,8 @@ def motion(
     ----------
     name : str
         What points call it.
+    **fields
+        The following, of which a plug-in's motion needs the functions.
     description : str
         What it is, in a few words for the reference of parameters. A motion that ships has one.
     make : callable
@@ -260,5 +206,4 @@ def motion(
     owns : tuple of str
         Parameters of Talus that have an effect with it alone: under other motions they are refused.
     """
-    own = {"make": make, "state": state, "parameters": parameters or {}, "owns": owns}
-    MOTION.add(name, Motion, description=description, **own)
+    MOTION.add(name, Motion, **fields)

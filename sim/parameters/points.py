@@ -269,7 +269,6 @@ def with_larger_amounts(parameters: Parameters, available: Mapping[str, float]) 
 
 
 def _larger(name: str, first: float, second: float) -> float:
-    """Return the value of an amount that asks for more."""
     return min(first, second) if name in _FINER else max(first, second)
 
 

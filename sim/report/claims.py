@@ -156,7 +156,6 @@ def claim_rows(
 def _cost(
     claim: Mapping[str, Any], runs: Mapping[str, Mapping[str, Any]]
 ) -> dict[str, float] | None:
-    """Return number and wall time (s) of the points behind the checks of the headline reading."""
     headline_variants = [
         variant for variant in claim["variants"] if variant["reading"] in claim["headings"]
     ]
@@ -198,7 +197,6 @@ def _check(check: Mapping[str, Any], numbers: Mapping[str, int]) -> dict[str, An
 
 
 def _measured_text(check: Mapping[str, Any]) -> str:
-    """Write the measured value of a check with its interval, or with the p-value of its test."""
     if check["tested"]:
         return value_with_p(check["value"], check["p_holds"], check.get("text", ""))
     return check.get("text") or value_with_interval(check["value"], check["half_width"])
@@ -308,7 +306,6 @@ def _reading(
 
 
 def _is_reproduced(verdict: str) -> bool:
-    """Return whether a verdict is reproduced, wholly or in part."""
     return verdict.startswith("reproduced")
 
 

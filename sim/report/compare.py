@@ -116,7 +116,6 @@ def _mean_text(mean: Mean) -> str:
 
 
 def _summary(comparison: Comparison) -> list[str]:
-    """Return lines on the number of pairs that differ, their ratios, and unmatched points."""
     number, differing = len(comparison.pairs), sum(comparison.is_real)
     unknown = sum(not np.isfinite(pair.chance) for pair in comparison.pairs)
     several = "points differ" if differing != 1 else "point differs"

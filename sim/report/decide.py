@@ -150,7 +150,6 @@ def _readings(study: Study, judgement: Judgement) -> list[str]:
 
 
 def _precision_offers(study: Study, results: Results, precision: float) -> Iterator[Offer]:
-    """Yield an offer for each steady flow whose mean is less precise than requested."""
     dataset = results.dataset
     columns = ("point", "point_regime", "point_velocity", "point_half_width")
     for point, regime, velocity, half_width in zip(
@@ -217,6 +216,5 @@ def _longer_run_offers(
 
 
 def _wall_times(dataset: xr.Dataset, point: str) -> np.ndarray:
-    """Return the wall time (s) of each replicate of a point."""
     wall_times = dataset["wall_time"].sel(point=point).values
     return wall_times[np.isfinite(wall_times)]

@@ -53,7 +53,7 @@ def explorer_data(
     dataset : xarray.Dataset
         The dataset of the study.
     runs : sequence of mapping
-        Its table of runs, see `sim.report.runs.run_rows`, with the ``page`` of each point.
+        Its table of runs, see `sim.report.runs.run_rows`.
     varied : mapping
         The parameters that vary, see `sim.report.runs.varied_parameters`.
     surrogates : sequence of Surrogate
@@ -66,7 +66,7 @@ def explorer_data(
         its unit, a ``kind`` (``parameter``, ``observable`` or ``word``) and its ``values``, one per
         point and ``None`` where unknown; the series of a point are a list. An observable is a mean
         over replicates; its ``half`` is half the width of the 95 % interval. ``links`` lead to the
-        page of a point, or to its row in the table of runs. ``curves`` are sections of surrogates:
+        row of a point in the table of runs. ``curves`` are sections of surrogates:
         ``y`` is the observable, ``x`` the parameter, and ``note`` says what is held. ``rows`` have
         the value of the parameter, ``mean``, ``low`` and ``high`` of the 95 % band, ``likely``:
         whether the regimes of the mean are, the number of the ``part`` of the line in which this is
@@ -83,7 +83,7 @@ def explorer_data(
         ]
         systems[system] = {
             "columns": columns,
-            "links": [run["page"] or f"#run-{run['number']}" for run in rows],
+            "links": [f"#run-{run['number']}" for run in rows],
             "curves": [
                 section
                 for surrogate in surrogates
@@ -95,7 +95,6 @@ def explorer_data(
 
 
 def _parameters(varied: Mapping[str, np.ndarray], system: str) -> list[dict[str, Any]]:
-    """Return the columns of the parameters that differ between the points of a system."""
     columns = []
     for name, values in varied.items():
         is_number = values.dtype.kind in "fi"
@@ -168,7 +167,6 @@ def _curves(surrogate: Surrogate) -> Iterator[dict[str, Any]]:
 
 
 def _numbers(values: np.ndarray) -> list[float | None]:
-    """Return numbers of a few digits, ``None`` where they are not finite."""
     return [_rounded(value) if isfinite(value) else None for value in values]
 
 

@@ -1,8 +1,8 @@
-"""Export the particles of a run in formats of other programs: AMBER, extended XYZ, LAMMPS, VTK."""
+"""Export the particles of a run: AMBER, extended XYZ, LAMMPS, VTK, or an animation."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
 from typing import IO, NamedTuple
@@ -132,7 +132,6 @@ def frames_of(file: netCDF4.Dataset, parameters: Parameters, replicate: int) -> 
 
 
 def _times_of_ends(file: netCDF4.Dataset, replicate: int) -> np.ndarray:
-    """Return the times of the first and the last state of a replicate."""
     samples = np.isfinite(file["mean_velocity"][replicate]).sum()
     return np.array([0.0, file["time"][samples - 1] if samples else 0.0])
 
@@ -140,7 +139,6 @@ def _times_of_ends(file: netCDF4.Dataset, replicate: int) -> np.ndarray:
 def _cell(
     parameters: Parameters, radius: np.ndarray, height: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, tuple[bool, bool, bool]]:
-    """Return the low and high corner of a cell with all particles, and its periodic directions."""
     bottom = min(0.0, float((height - radius).min(initial=0.0)))
     top = float((height + radius).max(initial=parameters.diameter))
     side = parameters.period
@@ -153,6 +151,9 @@ def _cell(
 
 #: Å in a metre, ps in a second.
 ANGSTROM, PICOSECOND = 1e10, 1e12
+
+#: Most frames of an animation.
+MOST_FRAMES = 60
 
 #: Longest part of the name of a file that tells a point of a study apart.
 MOST_LETTERS = 60
@@ -237,7 +238,6 @@ def _short_names(ids: Sequence[str]) -> list[str]:
 
 
 def _export_run(path: Path, to: str, output: Path | None, replicate: int) -> str:
-    """Export a run into a file; see `export`."""
     endings, write = FORMATS[to]
     if not path.name or (output and not output.name):
         raise InputError.of_value("export", "", str(output or path), "the name of a file")
@@ -395,7 +395,6 @@ def _numbers(frame: Frame) -> str:
 
 
 def _vtk_folder(path: Path) -> Path:
-    """Return the folder of the frames that a PVD file lists."""
     return path.with_suffix("")
 
 
@@ -441,10 +440,31 @@ def _corners(frames: Frames) -> np.ndarray:
     return np.array(list(product(*zip(frames.low, frames.high, strict=True))))
 
 
+def write_webp(path: Path, frames: Frames) -> None:
+    """Write an endless animation of up to `MOST_FRAMES` frames, seen along y, in diameters."""
+    from sim.figures.run import ParticleFrames, animation
+
+    chosen = np.unique(np.linspace(0, len(frames.times) - 1, MOST_FRAMES).astype(int))
+    places = tuple(frames._places[number] for number in chosen)
+    shown = [*replace(frames, times=frames.times[chosen], _places=places)]
+    diameter = 2 * float(frames.radius.mean())
+    content = animation(
+        ParticleFrames(
+            np.stack([frame.position for frame in shown]) / diameter,
+            np.stack([frame.velocity[:, 0] for frame in shown]),
+            2 * frames.radius / diameter,
+            float(frames.high[0] - frames.low[0]) / diameter,
+        )
+    )
+    with atomic_write(path) as temporary:
+        temporary.write_bytes(content)
+
+
 #: Suffixes of the files of each format, the usual one first, and the function that writes one.
 FORMATS: dict[str, tuple[tuple[str, ...], Callable[[Path, Frames], None]]] = {
     "amber": ((".ncdf", ".nc"), write_amber),
     "extxyz": ((".xyz", ".extxyz"), write_extxyz),
     "lammps-dump": ((".dump", ".lammpstrj"), write_lammps_dump),
     "vtk": ((".pvd",), write_vtk),
+    "webp": ((".webp",), write_webp),
 }

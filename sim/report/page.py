@@ -251,7 +251,7 @@ def render(
     refusals = _refusals(study, figures.parent)
     specs = {name: spec for name, spec in study.entries.items() if spec.answer.file not in refusals}
     plots = [spec for name, spec in specs.items() if name in study.plots]
-    runs = _runs(results, [text for text, _ in caveats], plots, figures.parent)
+    runs = _runs(results, [text for text, _ in caveats], plots)
     parameters = varied_parameters(dataset)
     varied, settings = varied_columns(dataset, parameters)
     all_rows = claim_rows(claims, runs, study.figures)
@@ -263,7 +263,6 @@ def render(
         if one.file not in refusals
     ]
     order = _page_order(study, entries, rows)
-    counts = count_verdicts(rows)
     return template("report.html.j2").render(
         study=study,
         study_files={file.name: file.read_text(encoding="utf-8") for file in study.sources},
@@ -271,22 +270,15 @@ def render(
         caveats=caveats,
         refusals=_own_reasons(list(refusals.values())),
         doubts=_doubts(study, figures.parent),
-        verdicts=VERDICTS,
-        outcomes=VERDICTS | REPORTED,
-        claims=rows,
         own_claims=[row for row in all_rows if row not in rows],
-        counts=counts,
-        authors={name: papers()[name].author for name in counts},
-        reading_tables=reading_tables(rows, results) if "claims" in order["parts"] else [],
-        has_tested_claims=has_tested_claims(rows),
         **order,
+        **_claims(rows, results, "claims" in order["parts"]),
         plots=[
             entry | {"points": [run for run in runs if entry["name"] in run["plots"]]}
             for entry in entries
             if entry["own"]
         ],
         headline=headline_figures(entries),
-        checks=engine_checks(rows),
         state=state_of(runs),
         runs=runs,
         explorer=compressed(explorer_data(dataset, runs, parameters, surrogates)),
@@ -302,16 +294,31 @@ def render(
     )
 
 
+def _claims(
+    rows: Sequence[dict[str, Any]], results: Results, with_readings: bool
+) -> dict[str, Any]:
+    """Return what the templates show of the claims of papers and of their verdicts."""
+    counts = count_verdicts(rows)
+    return {
+        "verdicts": VERDICTS,
+        "outcomes": VERDICTS | REPORTED,
+        "claims": rows,
+        "counts": counts,
+        "authors": {name: papers()[name].author for name in counts},
+        "reading_tables": reading_tables(rows, results) if with_readings else [],
+        "has_tested_claims": has_tested_claims(rows),
+        "checks": engine_checks(rows),
+    }
+
+
 def _runs(
-    results: Results, caveats: Sequence[str], plots: Sequence[FigureSpec], folder: Path
+    results: Results, caveats: Sequence[str], plots: Sequence[FigureSpec]
 ) -> list[dict[str, Any]]:
-    """Return a row per point, with the plots that show it, where it comes from, and its page."""
+    """Return a row per point, with the plots that show it, and where it comes from."""
     runs = run_rows(results.dataset, caveats)
     for run in runs:
         run["plots"] = [spec.name for spec in plots if spec.is_fed_by(run["system"], run["series"])]
         run["adopted"], _ = results.adopted.get(run["point"], ("", ""))
-        page = Path("pages") / f"{run['point']}.html"
-        run["page"] = page.as_posix() if (folder / page).is_file() else ""
     return runs
 
 
@@ -347,20 +354,17 @@ def _page_order(
 
 
 def _refusals(study: Study, folder: Path) -> dict[str, str]:
-    """Return why questions have no answer, by the file of the answer."""
     texts = {question.file: refusal_in(folder / question.file) for question in study.questions}
     return {file: text for file, text in texts.items() if text}
 
 
 def _doubts(study: Study, folder: Path) -> dict[str, str]:
-    """Return the caveats of answers as sentences, by the name of the answer."""
     files = [folder / question.file for question in study.questions]
     texts = {upper_first(answer_name(file)): sentence(caveats_in(file)) for file in files}
     return {name: text for name, text in texts.items() if text}
 
 
 def _summary(dataset: xr.Dataset, runs: list[dict[str, Any]]) -> dict[str, Any]:
-    """Return the numbers of the first screen: runs, results, cost and versions."""
     is_completed, is_sound = dataset["status"] == "completed", dataset["caveat"] == ""
     missing_energy = dataset["missing_energy"].where(is_completed)
     return {
@@ -390,7 +394,6 @@ def _dates(first: str, last: str) -> str:
 
 
 def _adopted_provenance(results: Results) -> dict[str, str]:
-    """Return a line of provenance with the number of points from each adopted dataset."""
     text = "; ".join(
         f"{count_text(row['points'], 'point')} from dataset {row['dataset']}, "
         f"run {_dates(row['from'], row['to'])}"
@@ -400,7 +403,6 @@ def _adopted_provenance(results: Results) -> dict[str, str]:
 
 
 def _plugin_provenance(study: Study) -> dict[str, str]:
-    """Return a line of provenance with the plug-ins of a study and the hashes of their content."""
     text = ", ".join(f"{plugin.name} ({plugin.code})" for plugin in study.plugins)
     return {"Plug-ins": text} if text else {}
 

@@ -154,7 +154,6 @@ def warnings(study: Study, results: Path) -> Iterator[str]:
 
 
 def _doubtful_lengths(study: Study) -> Iterator[str]:
-    """Yield a warning of each length that looks like one in another unit."""
     lengths = Counter(
         (row.name, getattr(parameters, row.name))
         for parameters in (point.parameters for point in study.points.values())
@@ -186,7 +185,6 @@ def _row(point: Point, cost: Estimate) -> tuple[str, ...]:
 
 
 def _design_lines(study: Study) -> list[str]:
-    """Return a line per design: its parameters, how many points differ, and how it grows."""
     return [
         f"design {name}: {design.kind}, {count_text(design.size, 'point')} over "
         f"{', '.join(design.names)}"
@@ -198,7 +196,6 @@ def _design_lines(study: Study) -> list[str]:
 
 
 def _plot_lines(study: Study) -> list[str]:
-    """Return a line per plot that the study file defines."""
     return [
         f"plot {name}: {spec.title} ({count_text(len(study.figures[name]), 'point')})"
         + f"; {SCATTER_HINT}" * bool(spec.scattered)
@@ -221,7 +218,6 @@ def _caveat_lines(study: Study) -> list[str]:
 
 
 def _pair_lines(study: Study) -> list[str]:
-    """Return a line with the number of points that have two replicates, if any has."""
     pairs = sum(point.parameters.replicates == 2 for point in study.points.values())
     return [
         f"warning of replicates: 2 at {count_text(pairs, 'point')}: the 95 % interval of two is "
@@ -241,7 +237,6 @@ def _total_line(costs: Sequence[Estimate]) -> str:
 
 
 def _adopted_lines(adopted: Mapping[str, str], costs: Mapping[str, Estimate]) -> list[str]:
-    """Return a line with the number of adopted points and the core time of the others, if any."""
     if not adopted:
         return []
     seconds = sum(cost.core_seconds for key, cost in costs.items() if key not in adopted)
@@ -255,7 +250,6 @@ def _adopted_lines(adopted: Mapping[str, str], costs: Mapping[str, Estimate]) ->
 def _shared_lines(
     shared: Mapping[str, SharedRun], adopted: Container[str], costs: Mapping[str, Estimate]
 ) -> list[str]:
-    """Return a line with what other studies have of the points and the core time of the others."""
     seconds = sum(
         cost.core_seconds
         for key, cost in costs.items()
@@ -266,7 +260,6 @@ def _shared_lines(
 
 
 def _trajectory_lines(costs: Sequence[Estimate]) -> list[str]:
-    """Return a line with the disk space of trajectories, if there are any."""
     sizes = [cost.trajectory for cost in costs if cost.trajectory]
     if not sizes:
         return []
@@ -279,7 +272,6 @@ def _trajectory_lines(costs: Sequence[Estimate]) -> list[str]:
 
 
 def _run_lines(study: Study, results: Path) -> list[str]:
-    """Return a line with the number of points that have been run already, if there are any."""
     folder = results / study.name
     if not (folder / "runs").is_dir():
         return []
@@ -299,7 +291,6 @@ def _decision_line(budget: float) -> str:
 
 
 def _surrogate_lines(study: Study) -> list[str]:
-    """Return a line for each surrogate whose rounds add points."""
     return [
         f"surrogate {one.name}: rounds of {count_text(one.batch, 'point')} may add up to "
         f"{one.budget:g} core hours, until its error is {100 * one.error:g} %"

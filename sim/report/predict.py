@@ -84,7 +84,6 @@ def _current_folder(source: Path, of: str | None, results: Path) -> Path:
 
 
 def _is_of(spec: SurrogateFile, surrogate: Surrogate, dataset: Results) -> bool:
-    """Return whether a surrogate is what a study's entry asks for, of the runs in the dataset."""
     entry = spec.observable, spec.axes, spec.mean_regimes
     if entry != (surrogate.observable, surrogate.axes, surrogate.mean_regimes):
         return False
@@ -96,7 +95,6 @@ def _is_of(spec: SurrogateFile, surrogate: Surrogate, dataset: Results) -> bool:
 
 
 def _values(surrogate: Surrogate, at: Sequence[str]) -> dict[str, Any]:
-    """Return the values of the option ``--at`` by parameter: numbers where they are."""
     values: dict[str, Any] = {}
     for text in at:
         name, sign, written = text.partition("=")
@@ -124,7 +122,6 @@ def _value(surrogate: Surrogate, name: str, text: str) -> Any:
 
 
 def _rows(answer: xr.Dataset, regimes: Sequence[str]) -> list[dict[str, Any]]:
-    """Return a mapping for each place: parameters, mean, half width, probability by regime."""
     columns = {name: answer["probability"].sel(regime=name, drop=True) for name in regimes}
     table = answer.drop_dims("regime").assign(columns)
     # A single place has no dimension, of which a table needs one.
@@ -140,7 +137,6 @@ def _rows(answer: xr.Dataset, regimes: Sequence[str]) -> list[dict[str, Any]]:
 def _lines(
     surrogate: Surrogate, rows: Sequence[dict[str, Any]], caveats: Sequence[str]
 ) -> list[str]:
-    """Return a line for each row, after headings, and what else is to be known."""
     given = [axis.name for axis in surrogate.axes]
     unit = "" if surrogate.unit == "1" else f" ({surrogate.unit})"
     headings = (*given, f"{surrogate.observable}{unit}", "± 95 %", *surrogate.regimes.names)

@@ -147,7 +147,6 @@ def _entity(crate: Any, identifier: str, kind: str, **properties: Any) -> Any:
 def _describe_publication(
     crate: Any, provenance: Mapping[str, Any], citation: Mapping[str, Any]
 ) -> None:
-    """Describe the publication as a whole: title, authors, licence and size."""
     root, licence = crate.root_dataset, citation["license"]
     crate.name = provenance["title"] or provenance["study"]
     crate.description = f"Runs, figures and verdicts of the study {provenance['study']}."
@@ -163,7 +162,6 @@ def _describe_publication(
 
 
 def _author(crate: Any, number: int, author: Mapping[str, Any]) -> Any:
-    """Add an author of a citation to a crate."""
     given, family = (str(author.get(key) or "") for key in ("given-names", "family-names"))
     name = str(author.get("name", f"{given} {family}".strip()))
     details = {"givenName": given, "familyName": family, "affiliation": author.get("affiliation")}
@@ -177,13 +175,11 @@ def _author(crate: Any, number: int, author: Mapping[str, Any]) -> Any:
 
 
 def _property(crate: Any, name: str, provenance: Mapping[str, Any]) -> Any:
-    """Add a number or a text of the provenance to a crate."""
     identifier = f"#{name.replace(' ', '-')}"
     return _entity(crate, identifier, "PropertyValue", name=name, value=str(provenance[name]))
 
 
 def _describe_files(crate: Any, folder: Path) -> None:
-    """Describe each file: its size, its media type and what it holds."""
     for path in sorted(path for path in folder.rglob("*") if path.is_file()):
         file = crate.get(path.relative_to(folder).as_posix())
         guess = guess_type(path.name)[0] or "application/octet-stream"
@@ -193,7 +189,6 @@ def _describe_files(crate: Any, folder: Path) -> None:
 
 
 def _describe_computation(crate: Any, study_file: str, provenance: Mapping[str, Any]) -> None:
-    """Describe what made the results: the program, its numerics, libraries and command."""
     program = _entity(
         crate,
         "#talus",
@@ -296,7 +291,6 @@ def publish(
 
 
 def _published_files(study: Study) -> list[str]:
-    """Return the names of the result files of a study that are published unchanged."""
     figures = (
         f"figures/{name}{end}"
         for name, spec in study.entries.items()
@@ -308,14 +302,12 @@ def _published_files(study: Study) -> list[str]:
 
 
 def _require_files(folder: Path, names: Sequence[str]) -> None:
-    """Raise an error where a result file is missing: the study has not been run to its end."""
     for name in names:
         if not (folder / name).is_file():
             raise InputError(f"{folder / name}: missing; run the study to its end first")
 
 
 def _require_distinct(files: Sequence[Path], names: Sequence[str]) -> None:
-    """Raise an error where a study file has the name of another published file."""
     published_names = {Path(name).parts[0] for name in (*names, *GENERATED_FILES, "boundaries.csv")}
     for file in files:
         if file.name in published_names:
@@ -351,7 +343,6 @@ def write_checksums(folder: Path) -> None:
 
 
 def _require_small(temporary: Path, output: Path, target: Path) -> None:
-    """Raise an error where all published studies together would be too large."""
     others = [
         path
         for path in target.iterdir()

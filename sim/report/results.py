@@ -147,7 +147,6 @@ class LabelledResults(datasets.Results):
         return draw(plot_entry(PlotContents(plot, shown, "results", "plot"), names), self)
 
     def _points(self) -> list[Point]:
-        """Return the points of the dataset as those of a study."""
         columns = {str(name): one.values for name, one in self.dataset.coords.variables.items()}
         return [
             Point(
@@ -160,7 +159,6 @@ class LabelledResults(datasets.Results):
         ]
 
     def _system(self, system: str) -> str:
-        """Return the system of a grid: the one that is named, or the only one."""
         systems = list(dict.fromkeys(map(str, self.dataset["system"].values)))
         if not system and len(systems) == 1:
             return systems[0]
@@ -169,7 +167,6 @@ class LabelledResults(datasets.Results):
         return system
 
     def _lines(self) -> list[tuple[str, str]]:
-        """Return what the results hold: pairs of a heading and a text."""
         from sim.figures.data import varying_parameters
 
         dataset = self.dataset
@@ -277,7 +274,6 @@ def _parameters(columns: dict[str, np.ndarray], row: int) -> Parameters:
 
 
 def _few(items: Any, separator: str = ", ") -> str:
-    """Return the first of some items as text, and how many more there are."""
     texts = [written(item) if isinstance(item, float | int) else str(item) for item in items]
     others = [f"{len(texts) - MOST_SHOWN} more"] if len(texts) > MOST_SHOWN else []
     return separator.join(texts[:MOST_SHOWN] + others)

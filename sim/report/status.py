@@ -7,7 +7,7 @@ import sys
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime, timedelta
+from datetime import UTC, datetime
 from functools import cache
 from itertools import chain
 from pathlib import Path
@@ -25,7 +25,7 @@ from sim.dataset.replicates import caveat_of_run
 from sim.dataset.rounds import points_of_rounds, rounds_to_come
 from sim.dataset.run_file import summary_of
 from sim.engine.identity import NUMERICS, numerics_of
-from sim.engine.progress import CREDIT, Progress, progress_file, read_progress
+from sim.engine.progress import LONGEST_SILENCE, Progress, progress_file, read_progress
 from sim.engine.shared_runs import SharedRun, describe, find_runs
 from sim.engine.stored_run import has_enough
 from sim.parameters import Parameters, amounts, point_id
@@ -69,15 +69,15 @@ class PointStatus:
     ----------
     state : str
         One of `STATES`.
-    threads : int
-        Threads of its run.
+    cores : int
+        Cores of its run.
     reason : str
         Why it failed.
     progress : Progress or None
         Last progress report of its run, while it is running or interrupted.
     core_seconds : float
-        Wall time (s) of the run of a point that is done, failed or adopted, wherever it was made,
-        times its cores; with compiling and waiting.
+        Wall time (s) of the run of a point that has ended, wherever it was made, times its cores;
+        with compiling and waiting.
     outdated : bool
         Whether other numerics made its run file.
     caveat : str
@@ -87,7 +87,7 @@ class PointStatus:
     """
 
     state: str
-    threads: int
+    cores: int
     reason: str = ""
     progress: Progress | None = None
     core_seconds: float = 0.0
@@ -97,25 +97,12 @@ class PointStatus:
 
 
 @dataclass(frozen=True)
-class Budget:
-    """Core hours that rounds of decisions may add in total, and core hours spent."""
-
-    hours: float
-    spent: float
-
-    @property
-    def hours_left(self) -> float:
-        """Core hours that they may still add."""
-        return max(0.0, self.hours - self.spent)
-
-
-@dataclass(frozen=True)
 class StudyStatus:
     """The progress of a study.
 
     Attributes
     ----------
-    name, title : str
+    study, title : str
         As in the study file.
     points : dict
         `PointStatus` by id, in the order of the study.
@@ -128,20 +115,21 @@ class StudyStatus:
     orphans : tuple of str
         Points no longer in the study that have run files, or states of a stopped run. Empty while
         rounds are to come, as these may need any of them.
-    budget : Budget, optional
-        The budget of a study with a ``decide`` section.
+    budget : dict, optional
+        Core hours that rounds of decisions may add in total, ``hours``, those ``spent`` and
+        ``left``, of a study with a ``decide`` section.
     answers : tuple of str
         A line for each surrogate that is there.
     """
 
-    name: str
+    study: str
     title: str
     points: dict[str, PointStatus]
     core_seconds_left: float
-    rounds_left: int = 0
-    orphans: tuple[str, ...] = ()
-    budget: Budget | None = None
-    answers: tuple[str, ...] = ()
+    rounds_left: int
+    orphans: tuple[str, ...]
+    budget: dict[str, float] | None
+    answers: tuple[str, ...]
 
     @property
     def counts(self) -> dict[str, int]:
@@ -150,32 +138,26 @@ class StudyStatus:
         return {state: states.count(state) for state in STATES}
 
     @property
-    def caveats(self) -> int:
-        """Number of points that carry a caveat."""
-        return sum(bool(point.caveat) for point in self.points.values())
-
-    @property
     def is_over(self) -> bool:
         """Whether every point, those of rounds included, is done, failed or adopted."""
         has_ended = all(point.state in ENDED_STATES for point in self.points.values())
         return has_ended and not self.rounds_left
 
     @property
-    def cores(self) -> int:
-        """Cores that running points use now."""
-        return sum(point.threads for point in self.points.values() if point.state == "running")
+    def totals(self) -> dict[str, Any]:
+        """Points with ``caveats``, ``cores`` in use, and core time (s) and time left (s).
 
-    @property
-    def core_seconds(self) -> float:
-        """Wall time (s), times cores, of the points that are done, failed or adopted."""
-        return sum(point.core_seconds for point in self.points.values())
-
-    @property
-    def seconds_left(self) -> float | None:
-        """Estimated seconds to the end on the cores that are used now; None while none is used."""
-        if self.is_over:
-            return 0.0
-        return self.core_seconds_left / self.cores if self.cores else None
+        The time left is that on the cores in use, None while none is.
+        """
+        points = self.points.values()
+        cores = sum(point.cores for point in points if point.state == "running")
+        left = self.core_seconds_left / cores if cores else None
+        return {
+            "caveats": sum(bool(point.caveat) for point in points),
+            "cores": cores,
+            "core_seconds": sum(point.core_seconds for point in points),
+            "seconds_left": 0.0 if self.is_over else left,
+        }
 
 
 def survey(study: Study, results: str | Path = "results") -> StudyStatus:
@@ -215,7 +197,12 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
     every = (twins(study, other).values() for other in other_engines().values())
     known = points.keys() | set(map(point_id, chain.from_iterable(every)))
     orphans = () if to_come else tuple(sorted(stored - known))
-    budget = _budget(study.decide.budget, points, extra) if study.decide else None
+    budget = None
+    if study.decide:
+        hours = sum(point.core_seconds for point in points.values()) / 3600
+        spent = max(0.0, hours - extra.before) if extra.amounts else 0.0
+        left = max(0.0, study.decide.budget - spent)
+        budget = {"hours": study.decide.budget, "spent": spent, "left": left}
     return StudyStatus(
         study.name,
         study.title,
@@ -228,25 +215,20 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
     )
 
 
-def _budget(hours: float, points: Mapping[str, PointStatus], extra: ExtraAmounts) -> Budget:
-    spent = sum(point.core_seconds for point in points.values()) / 3600
-    return Budget(hours, max(0.0, spent - extra.before) if extra.amounts else 0.0)
-
-
 def _point_status(
     key: str, parameters: Parameters, runs: Path, present: set[str], adopted: AdoptedPoint | None
 ) -> PointStatus:
     """Return the status of one point; a running run takes precedence over an earlier run file."""
-    threads = parameters.cores
+    cores = parameters.cores
     path = runs / f"{key}.nc"
     progress = read_progress(path) if progress_file(path).name in present else None
     if progress and progress.point != key:
         progress = None
     if progress and _is_running(progress):
-        return PointStatus("running", threads, progress=progress)
+        return PointStatus("running", cores, progress=progress)
     if adopted:
-        core_seconds = float(np.nansum(adopted.wanted_scalars(parameters)["wall_time"])) * threads
-        return PointStatus("adopted", threads, core_seconds=core_seconds, caveat=adopted.caveat)
+        core_seconds = float(np.nansum(adopted.wanted_scalars(parameters)["wall_time"])) * cores
+        return PointStatus("adopted", cores, core_seconds=core_seconds, caveat=adopted.caveat)
     if path.name in present:
         try:
             return _read_ended(path, path.stat().st_mtime_ns, parameters)
@@ -254,14 +236,14 @@ def _point_status(
             # A damaged file has been set aside in the meantime.
             pass
         except OSError as error:
-            return PointStatus("failed", threads, f"{path}: cannot be read: {error.strerror}")
-    return PointStatus("interrupted" if progress else "waiting", threads, progress=progress)
+            return PointStatus("failed", cores, f"{path}: cannot be read: {error.strerror}")
+    return PointStatus("interrupted" if progress else "waiting", cores, progress=progress)
 
 
 def _is_running(progress: Progress) -> bool:
     """Return whether the process that wrote a progress file is alive, as far as is visible here."""
     if progress.host != socket.gethostname():
-        return progress.updated - timedelta(seconds=CREDIT) <= datetime.now(UTC) <= progress.expires
+        return (datetime.now(UTC) - progress.updated).total_seconds() < LONGEST_SILENCE
     try:
         process = psutil.Process(progress.pid)
         # A process that started after the last report has reused the process id.
@@ -278,7 +260,7 @@ def _read_ended(path: Path, changed: int, parameters: Parameters) -> PointStatus
     ``changed`` (ns) is the time of the file. It is part of the cache key, so that each version of a
     file is opened once.
     """
-    threads = parameters.cores
+    cores = parameters.cores
     try:
         run = summary_of(path, amounts(parameters))
         attributes, caveat = run.attrs, caveat_of_run(run, parameters)
@@ -292,16 +274,16 @@ def _read_ended(path: Path, changed: int, parameters: Parameters) -> PointStatus
         "failed",
     ):
         reason = f"{path}: not the run file of this point; delete it and rerun"
-        return PointStatus("failed", threads, reason)
+        return PointStatus("failed", cores, reason)
     outdated = numerics_of(attributes) != NUMERICS
     if not outdated and not has_enough(path, parameters):
         # The run must still grow.
-        return PointStatus("waiting", threads)
+        return PointStatus("waiting", cores)
     return PointStatus(
         "done" if attributes["status"] == "completed" else "failed",
-        threads,
+        cores,
         reason=str(attributes.get("reason", "")),
-        core_seconds=max(0.0, wall_time) * threads,
+        core_seconds=max(0.0, wall_time) * cores,
         outdated=outdated,
         caveat=caveat,
     )
@@ -310,7 +292,6 @@ def _read_ended(path: Path, changed: int, parameters: Parameters) -> PointStatus
 def _core_seconds_left(
     points: Mapping[str, PointStatus], parameters: Mapping[str, Parameters]
 ) -> float:
-    """Return the core time of missing points, see `StudyStatus`."""
     measured, estimated, missing = 0.0, 0.0, 0.0
     for key, point in points.items():
         cost = estimate(parameters[key]).core_seconds
@@ -382,45 +363,24 @@ def as_text(status: StudyStatus) -> str:
         outdated=sum(point.outdated for _, point in points),
         shared=describe(point.shared for _, point in points if point.shared),
         program=program(),
+        **status.totals,
     )
     return text.strip()
 
 
 def as_json(status: StudyStatus) -> str:
     """Return the counts, every point and the time left (s; null while nothing runs) as JSON."""
-    budget = status.budget
-    document = {
-        "study": status.name,
-        "title": status.title,
-        "counts": status.counts,
-        "caveats": status.caveats,
-        "points": [_point_entry(key, point) for key, point in status.points.items()],
-        "cores": status.cores,
-        "core_seconds": status.core_seconds,
-        "core_seconds_left": status.core_seconds_left,
-        "seconds_left": status.seconds_left,
-        "rounds_left": status.rounds_left,
-        "orphans": status.orphans,
-        "budget": budget
-        and {"hours": budget.hours, "spent": budget.spent, "left": budget.hours_left},
-        "answers": status.answers,
-    }
+    points = [_point_entry(key, point) for key, point in status.points.items()]
+    document = vars(status) | {"counts": status.counts} | status.totals | {"points": points}
     return json.dumps(document, indent=2, ensure_ascii=False)
 
 
 def _point_entry(key: str, point: PointStatus) -> dict[str, Any]:
-    entry: dict[str, Any] = {"id": key, "state": point.state}
+    entry = {"id": key} | {name: value for name, value in vars(point).items() if value}
     if point.progress:
-        entry |= point.progress.model_dump(include={"done", "total", "elapsed", "at_most"})
-        entry["particle_steps_per_second"] = point.progress.rate
-        entry["seconds_left"] = point.progress.remaining_seconds
-    if point.shared:
-        entry["shared"] = str(point.shared.path)
-    if point.state in ENDED_STATES:
-        entry |= {"core_seconds": point.core_seconds, "outdated": point.outdated}
-        entry |= {"reason": point.reason} if point.reason else {}
-        entry |= {"caveat": point.caveat} if point.caveat else {}
-    return entry
+        known = point.progress.model_dump(include={"done", "total", "rate", "elapsed"})
+        entry["progress"] = known | {"seconds_left": point.progress.remaining_seconds}
+    return entry | ({"shared": str(point.shared.path)} if point.shared else {})
 
 
 def list_orphans(study: Study, results: Path, remove: bool) -> list[str]:

@@ -54,7 +54,6 @@ def ask(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
 
 
 def _pictures(question: SurrogateFile | SensitivityFile | CalibrateFile) -> Iterator[FigureSpec]:
-    """Yield the pictures of the answer to a question."""
     observable = numbers(question.of.system)[question.of.observable]
     what = name_in_words(observable.name), observable.meaning
     match question:

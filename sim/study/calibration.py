@@ -131,7 +131,6 @@ class CalibrateFile(Question):
     def _measurements(
         self, table: MeasuredTable, surrogate: SurrogateFile, place: Place
     ) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """Return what was measured and its errors, in the unit of the observable."""
         observable = numbers(surrogate.system)[surrogate.observable]
         name, units = self.observable or observable.name, self.units
         column = self.error or f"{name}_error"
@@ -155,7 +154,6 @@ class CalibrateFile(Question):
     def _condition(
         self, table: MeasuredTable, axis: Axis, surrogate: SurrogateFile
     ) -> tuple[float, ...]:
-        """Return the values of a parameter at each measurement."""
         table.require_column(
             axis.name, f"as surrogate {surrogate.name} varies it and parameters does not name it"
         )

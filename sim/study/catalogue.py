@@ -42,7 +42,6 @@ _LIMITS = {
 
 
 def _one_or_tuple(value: Any) -> Any:
-    """Return a value of a parameter, or a tuple of the values of a list."""
     values = value if isinstance(value, list) else [value]
     if not all(isinstance(one, bool | int | float | str) for one in values):
         raise broken_rule("", value, "a value of a parameter, or a list of values")
@@ -207,7 +206,6 @@ def read_figures(paper: Paper) -> list[FigureSpec]:
 def _spec(
     paper: Paper, figure: FigureFile, words: Mapping[str, str], source: str, key: str
 ) -> FigureSpec:
-    """Return what the figure at ``key`` of a file is."""
     words = {**words, **figure.words, **figure.where}
     texts = _fill(
         figure.model_dump(include={"title", "lead", "says", "details"}), words, source, key
@@ -232,7 +230,6 @@ def _spec(
 def _fill(
     texts: Mapping[str, str], words: Mapping[str, Any], source: str, key: str
 ) -> dict[str, str]:
-    """Return texts with words in place of their braces."""
     filled = {}
     for name, text in texts.items():
         try:

@@ -70,7 +70,6 @@ def init(target: Path, model: str) -> str:
 
 
 def _template_texts() -> dict[str, str]:
-    """Return the texts of the studies that come with Talus by name, except those with parts."""
     texts = {path.stem: path.read_text("utf-8") for path in package_folder("config").glob("*.yaml")}
     return {name: texts[name] for name in sorted(texts) if "\nparts:" not in texts[name]}
 
@@ -163,7 +162,6 @@ def run_with_signals(command: Sequence[str]) -> int:
 
 
 def _missing_environment() -> dict[str, str]:
-    """Return the environment variables that Snakemake needs and that many containers lack."""
     missing = {}
     try:
         getpass.getuser()

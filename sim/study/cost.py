@@ -118,5 +118,4 @@ def plan_batches(points: Mapping[str, Parameters], cores: float | None) -> dict[
 
 
 def _batch_name(members: list[str]) -> str:
-    """Return a name for a batch, unique to its points."""
     return f"batch_{hashlib.sha256(' '.join(members).encode()).hexdigest()[:8]}"

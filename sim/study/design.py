@@ -233,7 +233,6 @@ class Design:
         return self._draw(count)[0]
 
     def _draw(self, count: int) -> tuple[np.ndarray, list[dict[str, Any]]]:
-        """Return the first points as shares and as values."""
         shares: list[np.ndarray] = []
         rows: list[dict[str, Any]] = []
         drawn = 0
@@ -253,7 +252,6 @@ class Design:
         return np.concatenate(shares)[:count], rows[:count]
 
     def _chunks(self, count: int) -> Iterator[tuple[np.ndarray, Mapping[str, list[Any]]]]:
-        """Yield points of the sequence as shares, and the values of each parameter there."""
         if self.columns:
             columns = {name: list(values) for name, values in self.columns.items()}
             yield np.empty((len(next(iter(columns.values()))), 0)), columns
@@ -482,11 +480,9 @@ class DesignFile(Strict):
 
     @property
     def _values(self) -> dict[str, Any]:
-        """List or distribution of each parameter, in the order of the reference."""
         return {name: values for name, values in self.over if values is not None}
 
     def _distribution(self, name: str) -> Distribution:
-        """Return how the values of a parameter are spread; a list has the ends of a range."""
         values = self._values[name]
         if not isinstance(values, list):
             return values

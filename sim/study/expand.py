@@ -26,9 +26,6 @@ from sim.study.file import MAX_POINTS, BoundaryFile, SeriesFile, StudyFile
 from sim.study.model import Boundary, Point, Study
 from sim.study.refine import divide_range
 
-#: Maximum number of points of a study with a page for each point.
-MAX_PAGES = 1000
-
 
 def expand(files: Sequence[tuple[Path, StudyFile]]) -> Study:
     """Return the study that a file and its parts describe, without its figures.
@@ -61,7 +58,7 @@ def expand(files: Sequence[tuple[Path, StudyFile]]) -> Study:
                 designs[entry.name] = family.design
     path, file = files[0]
     readings = _readings_by_system(file)
-    _require_valid_points(points, file, str(path))
+    _require_valid_points(points, str(path))
     return Study(
         name=file.study,
         title=file.title,
@@ -73,7 +70,6 @@ def expand(files: Sequence[tuple[Path, StudyFile]]) -> Study:
         designs=designs,
         readings=readings,
         decide=file.decide,
-        pages=file.pages,
     )
 
 
@@ -94,7 +90,6 @@ class _Draft:
         return self._replaced(values, paths)
 
     def _replaced(self, values: dict[str, Any], paths: dict[str, str]) -> "_Draft":
-        """Return a copy in which values replace earlier ones, and mass and density each other."""
         other = {DENSITY: "mass", "mass": DENSITY}
         gone = {other[name] for name in other if name in values} - values.keys()
         earlier = {name: value for name, value in self.values.items() if name not in gone}
@@ -180,7 +175,6 @@ class _Family:
             yield self._parameters(draft), figures
 
     def _drafts(self) -> Iterator[_Draft]:
-        """Yield the drafts of the points of a series, or of boundaries."""
         cases = self.entry.cases if isinstance(self.entry, SeriesFile) else None
         rows = self.design.rows(self.design.size) if self.design else []
         for base in self._bases():
@@ -210,12 +204,10 @@ class _Family:
             yield replace(base, other_readings=frozenset(others))
 
     def _parameters_in_design(self, row: Mapping[str, Any]) -> Parameters:
-        """Return the parameters of a point of the design, under the first reading."""
         base = next(self._bases())
         return self._parameters(base.with_values(dict(row), f"{self.key}.design.over"))
 
     def _parameters_along(self, draft: _Draft, value: float, key: str = "range") -> Parameters:
-        """Return the parameters of the point of a boundary at a value of the parameter along it."""
         assert isinstance(self.entry, BoundaryFile)
         along = self.entry.along
         paths = draft.paths | {along: f"{self.key}.{key}"}
@@ -290,7 +282,7 @@ def _readings_by_system(file: StudyFile) -> dict[str, list[dict[str, Any]]]:
     return readings
 
 
-def _require_valid_points(points: dict[str, Point], file: StudyFile, source: str) -> None:
+def _require_valid_points(points: dict[str, Point], source: str) -> None:
     """Raise ``InputError`` for too many points, or a start from what is not there.
 
     A point may start from one of the study or from a run file.
@@ -298,9 +290,6 @@ def _require_valid_points(points: dict[str, Point], file: StudyFile, source: str
     if len(points) > MAX_POINTS:
         allowed = f"at most {MAX_POINTS:,} points in the study"
         raise InputError.of_value(source, "parts", f"{len(points):,} points", allowed)
-    if file.pages and len(points) > MAX_PAGES:
-        allowed = f"false, for more than {MAX_PAGES:,} points"
-        raise InputError.of_value(source, "pages", True, allowed)
     for point in points.values():
         start = point.parameters.start_from
         if start in points:

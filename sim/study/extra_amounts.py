@@ -59,7 +59,6 @@ def read_extra_amounts(folder: Path) -> ExtraAmounts:
 
 
 def _checked_amount(name: str, value: float) -> float:
-    """Return an amount if a point may have it; raise ``ValueError`` otherwise."""
     maximum = 1000 if name == "replicates" else 1e12
     if name not in AMOUNTS or not 0 < float(value) <= maximum:
         raise ValueError(f"{name}: {value} is no amount of a run")

@@ -47,7 +47,6 @@ def feed(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
 
 
 def _figures(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> dict[str, FigureSpec]:
-    """Return the entries of the catalogue that the series of a study feed."""
     feeds: dict[str, tuple[str, str]] = {}
     for path, file in files:
         for key, entry in file.entries:
@@ -72,7 +71,6 @@ def _figures(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> dict[str,
 def _require_known_names(
     contents: PlotContents, series: Sequence[str], entries: Iterable[str]
 ) -> None:
-    """Raise ``InputError`` for a plot of unknown series, or with the name of another figure."""
     name = contents.plot.name
     # Some file systems do not tell capitals from small letters.
     if name.lower() in FIGURES:
@@ -111,7 +109,6 @@ def plot_entry(contents: PlotContents, series: Sequence[str]) -> FigureSpec:
 def _require_points_vary(
     spec: FigureSpec, figure_points: Sequence[Point], source: str, path: str
 ) -> None:
-    """Raise ``InputError`` for a figure without points, or whose points do not vary its axes."""
     if not figure_points:
         conditions = ", ".join(f"{key} {values}" for key, values in spec.taken.items())
         raise InputError.of_value(source, path, spec.name, f"series with a point at {conditions}")
@@ -128,7 +125,6 @@ def _require_points_vary(
 def _require_distinct_positions(
     spec: FigureSpec, figure_points: Sequence[Point], source: str, path: str
 ) -> None:
-    """Raise ``InputError`` if a figure would draw two points indistinguishably at one position."""
     if not spec.draws_curves:
         return
     points_by_position: dict[tuple[Any, ...], Point] = {}
@@ -150,7 +146,6 @@ def _settings(spec: FigureSpec, parameters: Parameters) -> str:
 
 
 def _differences(first: Parameters, second: Parameters) -> str:
-    """Return text with the parameters in which two points differ, and both values of each."""
     names = type(first).model_fields
     pairs = {name: (getattr(first, name), getattr(second, name)) for name in names}
     return ", ".join(
@@ -161,7 +156,6 @@ def _differences(first: Parameters, second: Parameters) -> str:
 
 
 def _series_note(first: Point, second: Point) -> str:
-    """Return text with the series of two points, empty if it is the same."""
     names = first.series[0], second.series[0]
     return f" (series {names[0]} and {names[1]})" if names[0] != names[1] else ""
 

@@ -226,7 +226,9 @@ class StudyFile(Strict):
 
     @classmethod
     def hint(cls, key: str, value: Any) -> str:
-        """Return where a parameter belongs that stands at the top of the file."""
+        """Return where a parameter belongs that stands at the top of the file, or what is gone."""
+        if key == "pages":
+            return "gone: talus points RUN.nc describes a run, talus export RUN.nc shows it"
         is_parameter = any(key in model.model_fields for model in SYSTEMS.values())
         text = f"{key} is a parameter: it belongs under defaults.<system>, or base of a series"
         return text if is_parameter and key not in cls.model_fields else ""
@@ -260,9 +262,6 @@ class StudyFile(Strict):
     )
     calibrate: list[CalibrateFile] = optional("which parameters measurements allow", min_length=1)
     plots: list[PlotFile] = optional("plots of the study's own points", min_length=1)
-    pages: bool = Field(
-        False, description="a page on each point, linked by the report: what came out, pictures"
-    )
     decide: DecideFile = optional(
         "what more replicates and longer runs are to decide, and at what cost"
     )

@@ -66,7 +66,6 @@ def parse_study(
 
 
 def _study(documents: list[Document], results: str | Path | None) -> Study:
-    """Return the study of documents, with the amounts that decisions have added to its points."""
     files = validate(documents)
     study = expand(files)
     study = ask(feed(study, files), files)

@@ -100,7 +100,6 @@ class MeasuredTable:
         return tuple(values)
 
     def _factor(self, column: str, to: str, unit: str) -> float:
-        """Return the factor from the unit of a column to another."""
         own = self.units[column]
         if own and unit and conversion(own, unit) != 1:
             allowed = f"{own}, as in its heading, or no unit there"
@@ -161,7 +160,6 @@ def read_measured(path: Path) -> MeasuredTable:
 
 
 def _read_headings(path: Path, line: int, headings: list[str]) -> tuple[list[str], list[str]]:
-    """Return the names of the columns, and their units or empty texts."""
     names, units = [], []
     for heading in headings:
         match = _HEADING.fullmatch(heading)

@@ -107,8 +107,6 @@ class Study:
         parameters that differ from their defaults to values.
     decide : DecideFile or None
         What more replicates are to decide. The parameters of the points include those added so far.
-    pages : bool
-        Whether each point has a page, except points of later rounds.
     plugins : tuple of Plugin
         The plug-ins that it and its parts name.
     data : tuple of Path
@@ -132,7 +130,6 @@ class Study:
     entries: dict[str, FigureSpec] = field(default_factory=dict)
     readings: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
     decide: DecideFile | None = None
-    pages: bool = False
     plugins: tuple[Plugin, ...] = ()
     data: tuple[Path, ...] = ()
     surrogates: tuple[SurrogateFile, ...] = ()
@@ -197,10 +194,10 @@ class Study:
         return Need(self.particles_shown(chain(*lists)), True)
 
     def needs_run_file(self, point: str) -> bool:
-        """Return whether a point needs its run file: for its page or a plot of time series."""
+        """Return whether a point needs its run file: for a plot of time series."""
         if point in self.points:
             system, series = self.points[point].parameters.system, self.points[point].series
-            return self.pages or any(spec.is_fed_by(system, series) for spec in self._time_series)
+            return any(spec.is_fed_by(system, series) for spec in self._time_series)
         names = {boundary.name for boundary in self.boundaries}
         names |= {one.series for one in self.surrogates}
         return any(not names.isdisjoint(spec.series) for spec in self._time_series)

@@ -196,7 +196,6 @@ def _of(systems: Sequence[str]) -> str:
 def _sections(
     what: str, headings: Sequence[str], rows: Mapping[str, Mapping[str, Sequence[str]]]
 ) -> list[str]:
-    """Return headings and tables, one of each for the systems that share rows."""
     shared = sorted(rows, key=lambda of: (of != "all systems", " and " not in of))
     return [
         part

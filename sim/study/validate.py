@@ -50,7 +50,6 @@ class SystemModels(NamedTuple):
 
 
 def _system_models(system: str) -> SystemModels:
-    """Return the models of the entries of a study file with the parameters of a system."""
     model, first = SYSTEMS[system], next(iter(SYSTEMS))
     # No boundary is along a parameter that flows do not depend on, such as the length of a run.
     excluded = roles.numerical_parameters(model) - set(roles.start_parameters(model))
@@ -146,12 +145,10 @@ def _with_field_types(
 
 
 def _list_type(kind: Any) -> Any:
-    """Return the type ``list[kind]``, for a ``kind`` that is only known at run time."""
     return GenericAlias(list, (kind,))
 
 
 def _union_type(kinds: Iterable[type[BaseModel]]) -> Any:
-    """Return the union of the types of an entry, discriminated by its key ``system``."""
     return Annotated[reduce(or_, kinds), Field(discriminator="system")]
 
 

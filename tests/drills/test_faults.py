@@ -80,7 +80,6 @@ STEPS = {
     "compare": ["compare", RESULTS, RESULTS],
     "orphans": ["orphans", "faulty.yaml"],
     "info": ["info"],
-    "page": ["page", "-o", "pages"],
     "export": ["export", "-o", "beads.extxyz"],
 }
 
@@ -128,7 +127,7 @@ class Study:
             update = {"average": AVERAGES[name]}
             points = [point.model_copy(update=update) for point in self._points]
             stdin = json.dumps([canonical_values(point) for point in points])
-        if words[0] in ("info", "page", "export"):
+        if words[0] in ("info", "export"):
             words = [*words, f"{RESULTS}/runs/{point_id(self._points[0])}.nc"]
         outcome = self.commands.run(words, stdin=stdin)
         assert outcome.code == 0, outcome

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from sim.engine.progress import CREDIT, progress, progress_file, read_progress
+from sim.engine.progress import progress, progress_file, read_progress
 from sim.parameters import point_id
 from tests.engine_motion.points import belt_point, chute_point
 
@@ -172,34 +172,13 @@ def test_a_file_that_cannot_be_written_does_not_end_the_run(clock, tmp_path):
         advance(1)
 
 
-def test_slow_samples_are_given_more_time(clock, output):
-    with progress(POINT, output) as advance:
-        clock.time += 5.0
-        advance(1)
-        now = read_progress(output)
-        assert (now.expires - now.updated).total_seconds() == CREDIT
-        clock.time += 1000.0
-        advance(1)
-        now = read_progress(output)
-    assert (now.expires - now.updated).total_seconds() > 1000.0
-
-
 def test_files_that_say_nothing_are_nothing(clock, output):
     with progress(POINT, output):
         text = progress_file(output).read_text()
         assert read_progress(output) is not None
-        fields = json.loads(text)
         broken = [b"", b"\xff\x00", text[: len(text) // 2].encode(), b"[1]", b"null", b"{}"]
-        for change in (
-            {"rate": "fast"},
-            {"rate": float("nan")},
-            {"rate": float("inf")},
-            {"done": -1},
-            {"total": 0},
-            {"pid": 10**30},
-            {"updated": "2026-01-01T00:00:00"},
-        ):
-            broken.append(json.dumps(fields | change).encode())
+        for change in ({"rate": "fast"}, {"done": -1}, {"total": 0}):
+            broken.append(json.dumps(json.loads(text) | change).encode())
         for content in broken:
             progress_file(output).write_bytes(content)
             assert read_progress(output) is None, content

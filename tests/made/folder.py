@@ -52,9 +52,7 @@ class Folder:
             "particles": 100,
             "rate": 5e3,
             "elapsed": 10.0,
-            "started": NOW,
             "updated": datetime.now(UTC),
-            "expires": datetime.now(UTC) + timedelta(days=1),
             "pid": os.getpid(),
             "host": socket.gethostname(),
         }

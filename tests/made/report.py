@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from unittest.mock import patch
 
@@ -58,76 +59,55 @@ def made_claims(points: list[str]) -> list[Judgement]:
     unknown = Check("spread", float("nan"), float("inf"), float("-inf"), 1.0, "Hz", (belt,), 9.0)
     trend = replace(good, half_width=float("nan"), tested=(0.01, 0.99))
     model = Check("error of e", 1e-5, 0.0, float("-inf"), 1e-3)
-    ghost = "belt_ghost false"
+    strange, small = replace(open_, value=20.0), replace(open_, value=16.0)
+    parts = replace(bad, part="a"), replace(good, part="b")
+    withheld = replace(good, part="a"), replace(trend, part="b", withheld="too young")
+    said = {"parts": {"a": "18 Hz", "b": "Γ = 0.8"}, "contradiction": "18 Hz is not Γ = 0.8"}
+    converged, published = partial(Variant, "converged"), partial(Variant, "published")
     return [
-        Judgement(
-            _claim("W1", "Restitution", kind="model"), (Variant("model", "default", (model,)),)
+        _judged("W1", "Restitution", Variant("model", "default", (model,)), kind="model"),
+        _judged(
+            "W9",
+            "Deeper is faster",
+            *(converged("default", (good,)), published("default", (bad, good))),
+            figures=["walton_2"],
         ),
-        Judgement(
-            _claim("W9", "Deeper is faster", figures=["walton_2"]),
-            (
-                Variant("converged", "default", (good,)),
-                Variant("published", "default", (bad, good)),
-            ),
+        _judged(
+            "G3",
+            "Onset near 16 Hz",
+            converged("default", (open_, unknown)),
+            published("default", reason="no boundary at α = 30°"),
+            figures=["gallas_1a", "belt_onset"],
         ),
-        Judgement(
-            _claim("G3", "Onset near 16 Hz", figures=["gallas_1a", "belt_onset"]),
-            (
-                Variant("converged", "default", (open_, unknown)),
-                Variant("published", "default", reason="no boundary at α = 30°"),
-            ),
+        _judged(
+            "G4",
+            "Onset whatever γ",
+            *(one("default", (strange,)) for one in (converged, published)),
+            converged("belt_ghost false", (small,)),
         ),
-        Judgement(
-            _claim("G4", "Onset whatever γ"),
-            (
-                Variant("converged", "default", (replace(open_, value=20.0),)),
-                Variant("published", "default", (replace(open_, value=20.0),)),
-                Variant("converged", ghost, (replace(open_, value=16.0),)),
-            ),
+        _judged("G6", "Onset at a small amplitude", published("default", parts), **said),
+        _judged(
+            "G13",
+            "Stiffness hardly matters",
+            published("default", (bad,), checks_by_number={0.1: (good,), 0.15: (bad,)}),
+            number=Number(bound="margin", what="weak", values=[0.1, 0.15], headline=0.15),
         ),
-        Judgement(
-            _claim(
-                "G6",
-                "Onset at a small amplitude",
-                contradiction="18 Hz is not Γ = 0.8",
-                parts={"a": "18 Hz", "b": "Γ = 0.8"},
-            ),
-            (Variant("published", "default", (replace(bad, part="a"), replace(good, part="b"))),),
+        _judged(
+            "W21",
+            "Stiffer is slower",
+            published("default", withheld),
+            parts={"a": "shallow", "b": "deep"},
         ),
-        Judgement(
-            _claim(
-                "G13",
-                "Stiffness hardly matters",
-                number=Number(bound="margin", what="weak", values=[0.1, 0.15], headline=0.15),
-            ),
-            (
-                Variant(
-                    "published", "default", (bad,), checks_by_number={0.1: (good,), 0.15: (bad,)}
-                ),
-            ),
-        ),
-        Judgement(
-            _claim("W21", "Stiffer is slower", parts={"a": "shallow", "b": "deep"}),
-            (
-                Variant(
-                    "published",
-                    "default",
-                    (replace(good, part="a"), replace(trend, part="b", withheld="too young")),
-                ),
-            ),
-        ),
-        Judgement(
-            _claim("G31", "Obstacles slow the flow"),
-            tuple(
-                Variant(protocol, "default", reason="no obstacle")
-                for protocol in ("converged", "published")
-            ),
+        _judged(
+            "G31",
+            "Obstacles slow the flow",
+            *(one("default", reason="no obstacle") for one in (converged, published)),
         ),
     ]
 
 
-def _claim(name: str, title: str, **others) -> Claim:
-    return Claim(
+def _judged(name: str, title: str, *variants: Variant, **others) -> Judgement:
+    claim = Claim(
         id=name,
         title=title,
         statement=f"What the paper says: {title.lower()}.",
@@ -141,6 +121,7 @@ def _claim(name: str, title: str, **others) -> Claim:
         first=First(verdict="inconclusive", criterion="another", why="a band of ours"),
         **others,
     )
+    return Judgement(claim, variants)
 
 
 def write_claims(path: Path, points: list[str]) -> None:

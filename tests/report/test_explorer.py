@@ -23,10 +23,9 @@ def dataset(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def systems(dataset):
-    runs = run_rows(dataset, [])
-    for run in runs:
-        run["page"] = f"pages/{run['point']}.html" if run["number"] == 1 else ""
-    return explorer_data(dataset, runs, varied_parameters(dataset), [made_surrogate()])
+    return explorer_data(
+        dataset, run_rows(dataset, []), varied_parameters(dataset), [made_surrogate()]
+    )
 
 
 def column(systems, system: str, name: str) -> dict:
@@ -42,10 +41,9 @@ def test_each_system_has_its_points(dataset, systems):
     assert sum(len(table["links"]) for table in systems.values()) == dataset.sizes["point"]
 
 
-def test_links_lead_to_the_page_of_a_point_or_to_its_row(systems):
+def test_links_lead_to_the_row_of_a_point(systems):
     links = [link for table in systems.values() for link in table["links"]]
-    assert [link for link in links if link.startswith("pages/")] == [links[0]]
-    assert len(set(links)) == len(links)
+    assert sorted(links) == sorted(f"#run-{number}" for number in range(1, len(links) + 1))
 
 
 def test_observables_are_means_of_completed_replicates_with_their_interval(dataset, systems):

@@ -10,6 +10,7 @@ import meshio
 import netCDF4
 import numpy as np
 import pytest
+from PIL import Image
 
 from sim.__main__ import main
 from sim.base.command_line import parse
@@ -115,6 +116,11 @@ def exported(run: Path, to: str, *words: str) -> Path:
     output = run.parent / "out" / f"run{FORMATS[to][0][0]}"
     assert main(["export", str(run), "--to", to, "-o", str(output), *words]) == 0
     return output
+
+
+def test_a_trajectory_plays(system, run, tmp_path):
+    stored = StoredReplicate(run, system)
+    assert Image.open(exported(run, "webp")).n_frames == len(stored.time)
 
 
 @pytest.mark.parametrize("to", READERS)

@@ -1,7 +1,6 @@
 """The report of a study of one's own: its state and its plots first, claims folded if at all."""
 
 import re
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -209,14 +208,3 @@ def test_advice_on_undetermined_points_keeps_what_has_been_run(protocol, stopped
     assert (found["undetermined"], found["longer"], found["drifting"]) == (2, [longer], 0)
     assert longer in amounts(ChuteParameters(protocol=protocol))
     assert state_of([open_one | {"quality": "drifting"}])["drifting"] == 1
-
-
-def test_the_report_links_the_pages_that_there_are(study, tmp_path):
-    study_path, results = study
-    shutil.copytree(results / "own", tmp_path / "own")
-    run = next((results / "own" / "runs").glob("*.nc"))
-    (tmp_path / "own" / "pages").mkdir()
-    (tmp_path / "own" / "pages" / f"{run.stem}.html").touch()
-    text = build(study_path, tmp_path).read_text(encoding="utf-8")
-    assert re.findall(r'href="(pages/[^"]+)"', text) == [f"pages/{run.stem}.html"]
-    assert "but the pages of its points" in text

@@ -30,10 +30,10 @@ def test_the_study_file_comes_first_and_its_parts_in_their_order(study_path):
 
 
 def test_a_part_is_validated_before_a_point_is_expanded(study_path):
-    # Pages are too many once all points are known; the unknown key of a part is found before.
-    grid = "{name: c, system: chute, grid: {seed: {start: 1, stop: 1001, step: 1}}}"
-    study_path.write_text(f"study: s\npages: true\nparts: [one.yaml]\nseries: [{grid}]\n")
-    with pytest.raises(InputError, match=r"study\.yaml: pages"):
+    # A start is looked for once all points are known; the unknown key of a part is found before.
+    base = "{name: c, system: chute, base: {start_from: none.nc}}"
+    study_path.write_text(f"study: s\nparts: [one.yaml]\nseries: [{base}]\n")
+    with pytest.raises(InputError, match=r"study\.yaml: start_from"):
         load_study(study_path, None)
     part = study_path.with_name("one.yaml")
     part.write_text("titles: x\n" + part.read_text())

@@ -413,16 +413,3 @@ def test_what_points_start_from_is_bought_as_many_replicates_as_they(parse):
         *_, first = study.points
     longer = with_extra_amounts(study.points, ExtraAmounts({first: {"replicates": 5.0}}))
     assert [point.parameters.replicates for point in longer.values()] == [5, 5, 5]
-
-
-def test_pages_are_for_studies_of_which_one_looks_at_each_point():
-    series = {
-        "name": "one",
-        "system": "belt",
-        "grid": {"seed": {"start": 1, "stop": 1001, "step": 1}},
-    }
-    study = {"study": "s", "pages": True, "series": [series]}
-    with pytest.raises(InputError, match=r"pages: got true; allowed: false, for more than 1,000"):
-        parse_study(study, "s.yaml", None)
-    series["grid"]["seed"]["stop"] = 1000
-    assert parse_study(study, "s.yaml", None).pages

@@ -38,7 +38,6 @@ from sim.study.plan import Plan
 
 STUDY = """\
 study: planned
-pages: true
 defaults: {belt: {beads: 10, width: 5, replicates: 2}}
 series:
   - {name: beds, system: belt, grid: {frequency: [20, 40, 60]}, figures: [gallas_1a]}

@@ -79,11 +79,12 @@ def test_only_what_the_dataset_has_not_is_run(finished_tree, tmp_path):
     (adopted_file,) = (results / "small" / "adopted").iterdir()
     assert text.count("; adopted") == 2
     assert f"2 points from dataset {adopted_file.stem}, run 20" in text
-    # More of each point is none of the dataset's; pages need run files.
+    # More of each point is none of the dataset's; time series need run files.
     (tmp_path / "more.yaml").write_text(STUDY % 3)
     assert len(frequencies(plan(tmp_path, study="more.yaml"))) == 4
-    (tmp_path / "paged.yaml").write_text(STUDY % 2 + "pages: true\n")
-    assert frequencies(plan(tmp_path, study="paged.yaml")) == {"20", "30"}
+    series = "y: velocity}, {name: v, kind: time_series, y: velocity}]"
+    (tmp_path / "series.yaml").write_text((STUDY % 2).replace("y: velocity}]", series))
+    assert frequencies(plan(tmp_path, study="series.yaml")) == {"20", "30"}
     # The dataset gone, its points are run.
     adopted_file.unlink()
     assert frequencies(plan(tmp_path, study="small.yaml")) == {"20", "30"}

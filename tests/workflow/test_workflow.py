@@ -132,11 +132,6 @@ def test_another_figure_of_the_same_points_makes_the_dataset_again(tree):
     assert planned_jobs(tree, study="fewer.yaml")["dataset"] == 1
 
 
-def test_pages_are_made_where_they_are_asked_for(tree):
-    (tree / "paged.yaml").write_text((tree / STUDY).read_text() + "pages: true\n")
-    assert planned_jobs(tree, study="paged.yaml") == {"pages": 1, "report": 1}
-
-
 @pytest.mark.parametrize(
     ("target", "expected"),
     [
