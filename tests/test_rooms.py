@@ -39,17 +39,17 @@ ONLY = {
 WEIGHT = {
     "base": 1_460,
     "parameters": 2_050,
-    "study": 3_672,
-    "engine": 5_631,
+    "study": 3_681,
+    "engine": 5_684,
     "laws": 182,
     "engines": 402,
     "measures": 455,
-    "dataset": 1_692,
+    "dataset": 1_671,
     "surrogates": 1_815,
     "figures": 4_360,
     "claims": 1_434,
     "papers": 2_321,
-    "report": 2_725,
+    "report": 2_678,
 }
 
 

@@ -81,6 +81,7 @@ def _write(path: Path, folder: Path, report: str, code: str) -> None:
             return
         parameters = parameters_of(file, path)
         run = RunFile(file)
+        run.require_whole(path)
         caveat = caveat_of_run(summary_of(path), parameters, layer_orders(run, parameters))
         page = _page(run, parameters, caveat, _log_end(path), report)
     with atomic_write(output) as temporary:
