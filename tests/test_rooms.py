@@ -44,7 +44,7 @@ WEIGHT = {
     "laws": 182,
     "engines": 402,
     "measures": 455,
-    "dataset": 1_692,
+    "dataset": 1_671,
     "surrogates": 1_815,
     "figures": 4_262,
     "claims": 1_428,

@@ -318,9 +318,9 @@ OLD = 86400.0
 YEAR_2000 = 946684800.0
 FIFTY_YEARS = 50 * 365.25 * 86400
 
-#: Outputs of the workflow in the folder of a study, beside adopted datasets.
+#: Outputs of the workflow in the folder of a study.
 OUTPUTS = (
-    *("adopted/*.nc", "runs/*.nc", "runs/.warm", "rounds/*.json", "figures/*"),
+    *("runs/*.nc", "runs/.warm", "rounds/*.json", "figures/*"),
     *("dataset.nc", "boundaries.csv", "claims.csv", "verdicts.csv", "claims.json", "report.html"),
 )
 

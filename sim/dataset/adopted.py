@@ -1,186 +1,41 @@
-"""Datasets that were made elsewhere: the points that they cover are not run again."""
+"""Datasets that were made elsewhere: their rows become run files, so that no point is run again."""
 
 import hashlib
-from collections import defaultdict
-from collections.abc import Mapping
-from functools import cache
-from json import loads
+from contextlib import suppress
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import netCDF4
 import numpy as np
+import xarray as xr
 
 from sim.base.errors import InputError, count_text
-from sim.base.files import atomic_write, read_regular
-from sim.base.seals import checked_read, is_damaged
-from sim.dataset.rounds import SCALARS, points_of_rounds
-from sim.dataset.rows import (
-    PARTICLES,
-    RUNS,
-    Rows,
-    points_with_profiles,
-    reader_hash,
-    stored_names,
-    stored_particles,
-)
+from sim.base.files import atomic_write, date_back_readers, file_lock, read_regular
+from sim.base.seals import append_summary, checked_read, seal
+from sim.dataset.earlier import read_rows
+from sim.dataset.grids import Values, open_group
+from sim.dataset.results import parameters_of_row, with_all_parameters
+from sim.dataset.rounds import points_of_rounds
+from sim.dataset.rows import OF_PROFILES, RUNS, Rows, dimensions, select_rows, stored_names
 from sim.engine.identity import NUMERICS
-from sim.engine.stored_run import has_enough
-from sim.parameters import Parameters, amounts, covers
-from sim.parameters.variables import ALL
+from sim.engine.stored_run import (
+    STATE,
+    has_enough,
+    is_reduced,
+    measured_names,
+    read_stage_amounts,
+)
+from sim.parameters import Parameters, amounts, canonical_values, covers, point_id
+from sim.parameters.variables import ALL, SCALARS
 from sim.study.load import load_study
-from sim.study.model import Need, Study
+from sim.study.model import Need
+from sim.study.plot_kinds import Shown
 
-#: Folder of the adopted datasets of a study, beside its runs.
-FOLDER = "adopted"
-
-#: What messages call such a dataset.
-_KIND = "dataset that was adopted"
-
-#: Digits of the SHA-256 of an adopted dataset that are its file name.
+#: Digits of the SHA-256 of an adopted dataset that are its name in run files and datasets.
 DIGITS = 16
 
 #: Most variables that a message names.
 MOST_NAMED = 3
-
-
-class AdoptedPoint(NamedTuple):
-    """One point in an adopted dataset.
-
-    Attributes
-    ----------
-    dataset : Path
-        The dataset.
-    amounts : mapping
-        Amounts of the point that it holds.
-    stored : Need
-        What it stores of the point besides its scalars.
-    caveat : str
-        Caveat of the point.
-    scalars : mapping
-        Scalars that decide the side of a boundary, and ``wall_time`` (s), each over replicates.
-    """
-
-    dataset: Path
-    amounts: Mapping[str, float]
-    stored: Need
-    caveat: str
-    scalars: Mapping[str, np.ndarray]
-
-    def is_enough_for(self, parameters: Parameters, need: Need) -> bool:
-        """Return whether a point may be adopted: its amounts, particles and profiles are stored."""
-        needed = amounts(parameters)
-        is_covered = needed.keys() <= self.amounts.keys() and covers(self.amounts, needed)
-        # The state is that of the first replicate that completed.
-        has_state = "completed" in self.wanted_scalars(parameters)["status"]
-        has_particles = has_state and self.stored.particles >= need.particles
-        has_profiles = self.stored.profiles >= need.profiles
-        return is_covered and has_profiles and (has_particles or not need.particles)
-
-    def wanted_scalars(self, parameters: Parameters) -> dict[str, np.ndarray]:
-        """Return the scalars of as many replicates as the point has."""
-        return {name: values[: parameters.replicates] for name, values in self.scalars.items()}
-
-
-class AdoptedPoints:
-    """The points of a study that are in its adopted datasets.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-    folder : Path
-        Its results. ``files`` are the adopted datasets there.
-
-    Raises
-    ------
-    DamagedError
-        When one of the datasets cannot be read. It is set aside, so that its points are run.
-    """
-
-    def __init__(self, study: Study, folder: Path):
-        self.files = sorted((folder / FOLDER).glob("*.nc"))
-        self._runs = folder / "runs"
-        self._needs_run_file, self._need = study.needs_run_file, study.need
-        self._candidates: dict[str, list[AdoptedPoint]] = defaultdict(list)
-        for path in self.files:
-            with checked_read(path, _KIND, replaceable=True):
-                for point, row in read_points(path).items():
-                    self._candidates[point].append(row)
-
-    def source(self, point: str, parameters: Parameters) -> AdoptedPoint | None:
-        """Return the adopted row of a point, none where its run file is there or is needed."""
-        need = self._need(point)
-        rows = [
-            row for row in self._candidates.get(point, ()) if row.is_enough_for(parameters, need)
-        ]
-        run_file = self._runs / f"{point}.nc"
-        if not rows or self._needs_run_file(point) or has_enough(run_file, parameters):
-            return None
-        # A row of exactly these amounts comes first: the numbers of a longer run differ.
-        return min(rows, key=lambda row: row.amounts != amounts(parameters))
-
-    def sources(self, points: Mapping[str, Parameters]) -> dict[str, AdoptedPoint]:
-        """Return a map from point id to adopted row, without points that other runs start from."""
-        rows = {key: row for key, point in points.items() if (row := self.source(key, point))}
-        runs = [key for key in points if key not in rows]
-        for key in runs:
-            start = points[key].start_from
-            if rows.pop(start, None):
-                runs.append(start)
-        return rows
-
-    def rows(self, points: Mapping[str, Parameters]) -> list[Rows]:
-        """Return the rows of those points that are adopted, see `source`."""
-        # Imported here, because plans of studies do not need the table libraries.
-        from sim.dataset.earlier import adopted_rows
-
-        members: dict[Path, dict[str, Parameters]] = defaultdict(dict)
-        for key, point in points.items():
-            if source := self.source(key, point):
-                members[source.dataset][key] = point
-        blocks: list[Rows] = []
-        for path in sorted(members):
-            with checked_read(path, _KIND, replaceable=True):
-                blocks += adopted_rows(path, members[path], self._need)
-        return blocks
-
-
-def read_points(path: Path) -> dict[str, AdoptedPoint]:
-    """Return a map from point id to the row of a dataset, for rows as good as their run file.
-
-    A row is left out if its numerics differ or if the writer of the dataset did not know a variable
-    that is stored now. Raises ``ValueError`` when the file is damaged, and errors of the library
-    when it is no dataset.
-    """
-    return _read_points(path, path.stat().st_mtime_ns, reader_hash())
-
-
-@cache
-def _read_points(path: Path, changed: int, code: str) -> dict[str, AdoptedPoint]:
-    """Read the rows once; ``changed`` (ns) tells successive files of the same name apart."""
-    if is_damaged(path):
-        raise ValueError("its checksum is wrong or missing")
-    with netCDF4.Dataset(path) as file:
-        file.set_auto_mask(False)
-        runs = file.groups[RUNS]
-        states = file.groups[PARTICLES].groups if PARTICLES in file.groups else {}
-        with_profiles = points_with_profiles(file)
-        scalars = {name: file[name][:] for name in (*SCALARS, "wall_time")}
-        columns = (file["point"], file["system"], runs["wanted"], runs["numerics"], file["caveat"])
-        table: Any = list(zip(*(column[:].tolist() for column in columns), strict=True))
-        complete = {system for _, system, *_ in table if not missing_variables(runs, system)}
-        return {
-            point: AdoptedPoint(
-                dataset=path,
-                amounts={name: float(value) for name, value in loads(point_amounts).items()},
-                stored=Need(stored_particles(states, point), point in with_profiles),
-                caveat=caveat,
-                scalars={name: values[row] for name, values in scalars.items()},
-            )
-            for row, (point, system, point_amounts, numerics, caveat) in enumerate(table)
-            if numerics == str(NUMERICS) and system in complete
-        }
 
 
 def missing_variables(group: Any, system: str) -> list[str]:
@@ -201,7 +56,10 @@ def missing_variables(group: Any, system: str) -> list[str]:
 
 
 def adopt(study_path: Path, dataset_path: Path, results: Path) -> str:
-    """Copy a dataset into ``results/<study>/adopted``, from where the study takes its rows.
+    """Make the rows of a dataset reduced run files of a study.
+
+    A run file that is there stays where it holds enough of its point, or something that the row
+    does not hold. Where rounds may add points to the study, rows of any point become run files.
 
     Parameters
     ----------
@@ -215,7 +73,7 @@ def adopt(study_path: Path, dataset_path: Path, results: Path) -> str:
     Returns
     -------
     str
-        A message: how many points of the study it covers, and where it is now.
+        A message: how many points of the study it covers.
 
     Raises
     ------
@@ -223,39 +81,129 @@ def adopt(study_path: Path, dataset_path: Path, results: Path) -> str:
         When the dataset is missing or damaged, has other numerics, or covers no point. Nothing is
         written then.
     """
-    # Imported here, because plans of studies do not need the table libraries.
-    from sim.dataset.earlier import adopted_rows
-
     study = load_study(study_path, results)
     folder = results / study.name
     points = points_of_rounds(study, folder)
-    is_run_file_needed = study.needs_run_file
     with checked_read(dataset_path, "dataset", replaceable=False, sealed=True):
         content = read_regular(dataset_path)
         _require_origin(dataset_path)
-        rows = read_points(dataset_path)
-        covered = {
-            key: point
-            for key, point in points.items()
-            if key in rows
-            and rows[key].is_enough_for(point, study.need(key))
-            and not is_run_file_needed(key)
+        stored = _read_points(dataset_path)
+        wanted = stored if study.rounds else stored.keys() & points.keys()
+        usable = {
+            key: stored[key]
+            for key in wanted
+            if key not in points or covers(amounts(stored[key]), amounts(points[key]))
         }
-        adopted_rows(dataset_path, covered, study.need)
+        blocks = list(
+            read_rows(
+                dataset_path,
+                lambda row, _: row.point in usable,
+                lambda point: study.need(point)._replace(series=False),
+            )
+        )
+    covered = [
+        key
+        for block in blocks
+        for key in block.points
+        if key in points and not study.need(key).series
+    ]
     if not covered:
-        common = len(points.keys() & rows.keys())
+        common = len(points.keys() & stored.keys())
         raise InputError(
             f"{dataset_path}: covers no point of {study.path}: "
             f"of {count_text(len(points), 'point')} it has {common:,}, "
-            "none with the wanted replicates and length"
+            "none with all that is wanted of it"
         )
-    output = folder / FOLDER / f"{hashlib.sha256(content).hexdigest()[:DIGITS]}.nc"
-    if not output.is_file() or read_regular(output) != content:
-        output.parent.mkdir(parents=True, exist_ok=True)
-        with atomic_write(output) as temporary:
-            temporary.write_bytes(content)
+    name = hashlib.sha256(content).hexdigest()[:DIGITS]
+    (folder / "runs").mkdir(parents=True, exist_ok=True)
+    for block in blocks:
+        for key in block.points:
+            path = folder / "runs" / f"{key}.nc"
+            # A run that holds the lock is making the file.
+            with suppress(OSError), file_lock(path, wait=False):
+                if not _stays(path, points.get(key), usable[key], study.need(key)):
+                    _write_run(path, usable[key], select_rows([block], {key})[0], name)
+    date_back_readers(folder)
     number = f"{len(covered):,} of {count_text(len(points), 'point')}"
-    return f"{study.name}: {dataset_path} covers {number}; adopted as {output}"
+    return f"{study.name}: {dataset_path} covers {number}; in {folder / 'runs'}, from {name}"
+
+
+def _read_points(path: Path) -> dict[str, Parameters]:
+    """Return the points of a dataset by id, with the amounts that it holds, as good as run files.
+
+    A row is left out if its numerics differ or if the writer of the dataset did not know a variable
+    that is stored now.
+    """
+    with netCDF4.Dataset(path) as file:
+        runs = file.groups[RUNS]
+        systems, numerics = file["system"][:].tolist(), runs["numerics"][:].tolist()
+        complete = {system for system in {*systems} if not missing_variables(runs, system)}
+        root = open_group(file, None)
+        rows = [
+            row
+            for row, system in enumerate(systems)
+            if system in complete and numerics[row] == str(NUMERICS)
+        ]
+        table = with_all_parameters(root.drop_vars(list(root.data_vars)).isel(point=rows).load())
+    columns = {str(name): values.values for name, values in table.coords.items()}
+    points: dict[str, Parameters] = {}
+    for row in range(len(rows)):
+        # A law may be one of a plug-in that is not loaded.
+        with suppress(InputError):
+            point = parameters_of_row(columns, row)
+            points[point_id(point)] = point
+    return points
+
+
+def _stays(path: Path, wanted: Parameters | None, row: Parameters, need: Need) -> bool:
+    """Return whether a run file stays: it is whole, and large enough or no smaller than a row."""
+    point = wanted or row
+    if is_reduced(path, point):
+        return False
+    held = read_stage_amounts(path, point)
+    return has_enough(path, point, need) or (bool(held) and not covers(amounts(row), held[0]))
+
+
+def _write_run(path: Path, point: Parameters, row: Rows, dataset: str) -> None:
+    """Write a row as a reduced run file; its particles go into a group."""
+    origin = {name: texts[0] for name, texts in row.origin.items()}
+    values = {name: array[0] for name, array in row.values.items()}
+    state = row.states.get(point_id(point))
+    shown = Shown.NOTHING if state is None else Shown.PATH if "path" in state else Shown.STATE
+    attributes = {name: origin[name] for name in _KEPT} | {
+        "title": f"Talus run {point_id(point)}, its row in a dataset",
+        "system": point.system,
+        "point_id": point_id(point),
+        "numerics": NUMERICS,
+        "status": "failed" if "failed" in values["status"] else "completed",
+        "reason": "; ".join(filter(None, values["reason"])),
+        "steps": float(np.nansum(values["steps"])),
+        "wall_time": float(np.nansum(values["wall_time"])),
+        "reduced": [int(shown), int(bool(values.keys() & OF_PROFILES.keys())), 0],
+        "adopted": dataset,
+        "variables": " ".join(values),
+        "measured": " ".join(sorted(measured_names(point.system))),
+    }
+    root = xr.Dataset(
+        {**canonical_values(point), "particles": point.particles, "time_step": point.time_step}
+        | {name: (dimensions(name), array) for name, array in values.items()},
+        attrs=attributes,
+    )
+    scalars = {name: array.tolist() for name, array in values.items() if name in SCALARS}
+    with atomic_write(path) as temporary:
+        with netCDF4.Dataset(temporary, "w") as file:
+            writer = Values()
+            writer.define(root, file)
+            if state is not None:
+                writer.define(state, file.createGroup(STATE))
+            writer.fill()
+        summary = {"attributes": attributes, "held": [amounts(point)], "scalars": scalars}
+        append_summary(temporary, summary)
+        seal(temporary)
+
+
+#: What a reduced run file takes over from the file that the row was read from.
+_KEPT = ("seal", "engine_version", "source_hash", "versions", "created", "caveat")
 
 
 def _require_origin(path: Path) -> None:

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 from sim.base.errors import InputError
 from sim.base.files import atomic_write
-from sim.dataset.adopted import AdoptedPoints
-from sim.dataset.rounds import RESULT_COLUMNS, side, side_of_run
+from sim.dataset.rounds import RESULT_COLUMNS, side_of_run
 from sim.parameters import Parameters, complete_values, field_info, point_id
 from sim.study.expand import point_with_membership
 from sim.study.load import Boundary, Study, load_study
@@ -25,8 +24,7 @@ SideFinder = Callable[[Boundary, Parameters], str | None]
 def added_points(study: Study, number: int, runs: Path) -> dict[str, Parameters]:
     """Return the points by id that round ``number`` adds to all before it.
 
-    They depend only on the run files in ``runs`` and on the adopted datasets in the folder next to
-    it, so every call gives the same points.
+    They depend only on the run files in ``runs``, so every call gives the same points.
     """
     earlier = set(study.points)
     added: dict[str, Parameters] = {}
@@ -74,17 +72,11 @@ def _walk(boundary: Boundary, count: int, side_of: SideFinder) -> tuple[Sides, l
 
 
 def side_reader(study: Study, runs: Path) -> SideFinder:
-    """Return a function that reads the side of a point from its run file in the folder ``runs``.
-
-    For an adopted point it reads the side from the adopted dataset.
-    """
-    adopted = AdoptedPoints(study, runs.parent)
+    """Return a function that reads the side of a point from its run file in the folder ``runs``."""
 
     def side_of(boundary: Boundary, point: Parameters) -> str | None:
-        key, full_point = point_id(point), with_study_amounts(study, point)
-        if row := adopted.source(key, full_point):
-            return side(row.wanted_scalars(full_point), boundary.of, full_point)
-        return side_of_run(runs / f"{key}.nc", boundary.of, full_point)
+        path = runs / f"{point_id(point)}.nc"
+        return side_of_run(path, boundary.of, with_study_amounts(study, point))
 
     return side_of
 

@@ -21,7 +21,6 @@ import xarray as xr
 from sim.base.errors import InputError
 from sim.base.files import atomic_write, require_writable
 from sim.base.seals import seal
-from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.boundaries import add_rounds, find_sides, tabulate
 from sim.dataset.earlier import keep_dataset
 from sim.dataset.grids import Values
@@ -72,7 +71,6 @@ def build(
     """Combine the run files of a study into ``results/<study>/dataset.nc``.
 
     Run files that the earlier dataset was made from are not read again; the result is the same.
-    Rows of adopted points come from the adopted datasets.
 
     Parameters
     ----------
@@ -86,8 +84,8 @@ def build(
     scheduler : str, optional
         Address of a dask scheduler whose workers read them instead.
     finished : Path, optional
-        Write this file instead, which must not exist yet. Its dataset has only points that are
-        adopted or whose run files are whole and have their amounts, and no boundaries.
+        Write this file instead, which must not exist yet. Its dataset has only points whose run
+        files are undamaged and have what is wanted of them, and no boundaries.
 
     Returns
     -------
@@ -182,18 +180,13 @@ def _select_finished(study: Study, folder: Path, output: Path) -> Study:
                 points[key] = point_with_membership(
                     points, parameters, boundary.name, boundary.figures
                 )
-    adopted = AdoptedPoints(study, folder).sources(
-        {key: point.parameters for key, point in points.items()}
-    )
     finished = {
         key: point
         for key, point in points.items()
-        if key in adopted or current_status(folder / "runs" / f"{key}.nc", point.parameters)
+        if current_status(folder / "runs" / f"{key}.nc", point.parameters, study.need(key))
     }
     if not finished:
-        raise InputError(
-            f"{study.path}: no point is adopted or has a run file with all that is wanted of it"
-        )
+        raise InputError(f"{study.path}: no point has a run file with all that is wanted of it")
     output.parent.mkdir(parents=True, exist_ok=True)
     return replace(study, points=finished, boundaries=())
 

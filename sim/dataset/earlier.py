@@ -1,13 +1,13 @@
-"""Rows from datasets instead of run files: the earlier dataset of the study, and adopted ones."""
+"""Rows of datasets: those of the earlier dataset spare reading run files."""
 
 import os
 import shutil
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import netCDF4
-import numpy as np
 import pandas as pd
 
 from sim.base.files import atomic_write
@@ -20,7 +20,6 @@ from sim.dataset.rows import (
     WORDS,
     Rows,
     amounts_text,
-    dimensions,
     points_with_profiles,
     reader_hash,
     stored_names,
@@ -62,60 +61,23 @@ def earlier_rows(
     path = folder / EARLIER_FILE
     texts = {point: amounts_text(amounts(value)) for point, value in points.items()}
 
-    def is_same(point: str, seal: str, wanted: str, code: str) -> bool:
-        run = folder / "runs" / f"{point}.nc"
-        return wanted == texts.get(point) and code == reader_hash() and _has_seal(run, seal)
+    def is_same(row: Any, code: str) -> bool:
+        run, wanted = folder / "runs" / f"{row.point}.nc", texts.get(row.point)
+        return row.wanted == wanted and code == reader_hash() and _has_seal(run, row.seal)
 
     with suppress(*UNREADABLE):
         if path.is_file() and not is_damaged(path):
-            return list(_read_rows(path, is_same, need))
+            return list(read_rows(path, is_same, need))
     return []
 
 
-def adopted_rows(
-    path: Path,
-    points: Mapping[str, Parameters],
-    need: Callable[[str], Need],
-) -> list[Rows]:
-    """Return the rows of points in an adopted dataset, without replicates beyond their amounts.
-
-    Parameters
-    ----------
-    path : Path
-        The dataset, which has at least these amounts. Its stem becomes the origin of the rows.
-    points : mapping
-        The points, by id.
-    need : callable
-        Returns what must be stored of a point besides its scalars, by its id.
-    """
-    blocks = _read_rows(path, lambda point, *_: point in points, need)
-    return [_trim_replicates(block, points, path.stem) for block in blocks]
-
-
-def _trim_replicates(block: Rows, points: Mapping[str, Parameters], dataset: str) -> Rows:
-    """Return the rows of an adopted dataset with the replicates beyond the amounts left empty."""
-    counts = np.array([points[point].replicates for point in block.points])
-    values = {}
-    for name, array in block.values.items():
-        values[name] = array
-        if dimensions(name)[0] == "replicate":
-            values[name] = array.copy()
-            is_beyond = np.arange(array.shape[1]) >= counts[:, np.newaxis]
-            values[name][is_beyond] = "" if name in WORDS else np.nan
-    texts = [amounts_text(amounts(points[point])) for point in block.points]
-    origin = block.origin | {"wanted": texts, "adopted": [dataset] * len(texts)}
-    return block._replace(origin=origin, values=values)
-
-
-def _read_rows(
-    path: Path,
-    is_selected: Callable[[str, str, str, str], bool],
-    need: Callable[[str], Need],
+def read_rows(
+    path: Path, is_selected: Callable[[Any, str], bool], need: Callable[[str], Need]
 ) -> Iterator[Rows]:
     """Yield the selected rows of a dataset that store enough of profiles and particles.
 
-    ``is_selected`` gets the id of the point, the seal of its run file, the amounts that were read,
-    and the hash of the code that read them. Variables unknown to the present code are left out.
+    ``is_selected`` gets the id of a point, its system and what the group `RUNS` says of it, by
+    name, and the hash of the code that read it. Variables unknown to the present code are left out.
     """
     with netCDF4.Dataset(path) as file:
         states = file.groups[PARTICLES].groups if PARTICLES in file.groups else {}
@@ -131,8 +93,9 @@ def _read_rows(
         selection = [
             particles.get(point, Shown.NOTHING) >= need(point).particles
             and (point in with_profiles or not need(point).profiles)
-            and is_selected(point, seal, wanted, runs.attrs["code"])
-            for point, seal, wanted in table[["point", "seal", "wanted"]].itertuples(index=False)
+            and is_selected(row, runs.attrs["code"])
+            for row in table.itertuples(index=False)
+            for point in [row.point]
         ]
         groups = table[selection].groupby(["system", "variables"], sort=False)
         for (system, variables), group in groups:
@@ -155,7 +118,7 @@ def _read_rows(
                 states={
                     point: open_group(file, f"{PARTICLES}/{point}").load()
                     for point in points
-                    if need(point).particles
+                    if point in particles
                 },
             )
 

@@ -12,6 +12,7 @@ import xarray as xr
 from sim.base.additions import attribute_errors_to
 from sim.base.errors import InputError
 from sim.base.seals import checked_read, read_seal, read_summary
+from sim.dataset.grids import open_group
 from sim.dataset.rows import (
     SINGLE,
     STATE_VARIABLES,
@@ -20,14 +21,20 @@ from sim.dataset.rows import (
     amounts_text,
     row_arrays,
     row_scalars,
+    stored_names,
 )
 from sim.dataset.run_file import Replicate, RunFile
 from sim.engine.identity import numerics_of
-from sim.engine.stored_run import stage_amounts
+from sim.engine.stored_run import STATE, require_all, stage_amounts
 from sim.parameters.variables import OBSERVABLE, SCALARS, Observable, observables
+from sim.study.model import Need
+from sim.study.plot_kinds import Shown
 
 #: Without these attributes a file is no run file.
 ATTRIBUTES = {"point_id", "system", "engine_version", "source_hash", "versions", "created"}
+
+#: The least that is needed of a run.
+SCALARS_ALONE = Need(Shown.NOTHING, profiles=False)
 
 #: Profiles over the cycle of the vibration, each with the time series that it averages.
 OVER_CYCLE = {
@@ -38,9 +45,9 @@ OVER_CYCLE = {
 
 
 def read_run(
-    path: Path, amounts: Mapping[str, float] | None = None, has_state: bool = False
+    path: Path, amounts: Mapping[str, float] | None = None, need: Need = SCALARS_ALONE
 ) -> Rows:
-    """Read the row of a run file in a dataset.
+    """Read the row of a run file, whole or reduced, in a dataset.
 
     Parameters
     ----------
@@ -48,13 +55,14 @@ def read_run(
         The file; its name is the id of its point.
     amounts : mapping, optional
         Amounts to read, see `sim.parameters.points`; all that the file holds if omitted.
-    has_state : bool
-        Read the state of the particles of the first completed replicate too.
+    need : Need
+        What is needed besides scalars. The particles are those of the first completed replicate.
 
     Raises
     ------
     InputError
-        When there is no such file, or it holds less than these amounts.
+        When there is no such file, or it holds less than these amounts, or a reduced one holds less
+        than is needed.
     DamagedError
         When it cannot be read as the run that its name says; it is set aside.
     """
@@ -71,16 +79,37 @@ def read_run(
                     f"{path}: holds {stored} of {_list_amounts(amounts)}; "
                     "rerun the study to let it grow"
                 )
+            # Time series are for figures, which read them from run files.
+            require_all(run.attrs, path, need._replace(series=False))
             origin = {"seal": seal, "wanted": amounts_text(amounts)} | _provenance(run.attrs)
-            origin["adopted"] = ""
-            values = _scalars(run) | _profiles(run)
-            state = _state(run) if has_state else None
+            if "reduced" in run.attrs:
+                origin |= {name: run.attrs[name] for name in ("seal", "adopted")}
+                values, state = _row(run), _row_state(run, file)
+            else:
+                origin["adopted"] = ""
+                values = _scalars(run) | _profiles(run)
+                state = _state(run) if need.particles else None
     return Rows(
         points=[path.stem],
         origin={name: [str(text)] for name, text in origin.items()},
         values={name: array[np.newaxis] for name, array in values.items()},
         states={} if state is None else {path.stem: state},
     )
+
+
+def _row(run: RunFile) -> dict[str, np.ndarray]:
+    """Return the variables of a reduced run file that are known, as a whole one gives them."""
+    return {
+        name: run[name].astype(object if name in WORDS else np.float32 if name in SINGLE else float)
+        for name in run.attrs["variables"].split()
+        if name in stored_names()
+    }
+
+
+def _row_state(run: RunFile, file: netCDF4.Dataset) -> xr.Dataset | None:
+    """Return the particles in a reduced run file, if there are any."""
+    is_there = STATE in file.groups and "completed" in run["status"]
+    return open_group(file, STATE).load() if is_there else None
 
 
 def _require_point(run: RunFile, file: netCDF4.Dataset, point: str) -> None:

@@ -18,8 +18,8 @@ from sim.base.messages import one_of
 from sim.base.seals import checked_read
 from sim.dataset.grids import GRIDS, number_density_name, open_group, regrid
 from sim.dataset.rounds import RESULT_COLUMNS
-from sim.dataset.rows import CENTRES, PARTICLES, RUNS
-from sim.parameters import SYSTEMS, amounts, defaults_of_added
+from sim.dataset.rows import CENTRES, PARTICLES
+from sim.parameters import SYSTEMS, Parameters, amounts, defaults_of_added, parse_point
 from sim.study.model import Study
 
 #: Parameters of all systems, including `system` itself.
@@ -57,9 +57,6 @@ class Results:
         replicate.
     runs : Path, optional
         Folder of the run files, for their time series.
-    adopted : mapping of str to tuple of str
-        For each point whose row comes from an adopted dataset: the name of that dataset, and when
-        the point was run.
     grid : str
         Default grid of profiles, one of `sim.dataset.grids.GRIDS`.
     """
@@ -69,7 +66,6 @@ class Results:
     boundaries: pd.DataFrame
     states: Mapping[str, xr.Dataset] = field(default_factory=dict)
     runs: Path | None = None
-    adopted: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     grid: str = "centres"
 
     def of(self, system: str) -> xr.Dataset:
@@ -175,25 +171,13 @@ def load_results(path: str | Path) -> Results:
     with _checked_dataset(path), netCDF4.Dataset(path) as file:
         groups = set(file.groups)
         points = list(file.groups[PARTICLES].groups) if PARTICLES in groups else []
-        # Before xarray turns off that characters are read as text.
-        adopted = _read_adopted(file) if RUNS in groups else {}
         return Results(
             dataset=with_all_parameters(_load_group(file, None)),
             profiles=Groups(path, {name: name for name in SYSTEMS if name in groups}),
             boundaries=_read_boundaries(file),
             states=Groups(path, {point: f"{PARTICLES}/{point}" for point in points}),
             runs=path.parent / "runs",
-            adopted=adopted,
         )
-
-
-def _read_adopted(file: netCDF4.Dataset) -> dict[str, tuple[str, str]]:
-    runs = file.groups[RUNS].variables
-    if "adopted" not in runs:
-        return {}
-    columns = (file["point"], runs["adopted"], runs["created"])
-    table = zip(*(column[:].tolist() for column in columns), strict=True)
-    return {point: (dataset, created) for point, dataset, created in table if dataset}
 
 
 def load(results: str | Path) -> Results:
@@ -276,6 +260,16 @@ def added_columns(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
             blank = values == "" if is_text else np.isnan(values)
             filled[name] = np.where((systems == system) & blank, default, values)
     return filled
+
+
+def parameters_of_row(columns: Mapping[str, np.ndarray], row: int) -> Parameters:
+    """Return the parameters of a row of a dataset, whose switches and counts are numbers."""
+    fields = SYSTEMS[str(columns["system"][row])].model_fields
+    values = {name: columns[name][row] for name in fields if name in columns}
+    for name, value in values.items():
+        kind = fields[name].annotation
+        values[name] = kind(value) if kind in (bool, int, float) else str(value)
+    return parse_point(values, "results")
 
 
 def require_known_options(dataset: xr.Dataset, path: Path) -> None:

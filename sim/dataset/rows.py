@@ -12,6 +12,7 @@ import numpy as np
 from sim.base.additions import codes
 from sim.base.program import files_hash, room_hash
 from sim.engine import identity
+from sim.engine.stored_run import measured_names
 from sim.parameters import SYSTEMS
 from sim.parameters.variables import (
     OBSERVABLE,
@@ -101,13 +102,9 @@ def _package_hash() -> str:
 
 
 def stored_names(system: str | None = None) -> set[str]:
-    """Return the names of all variables that this code stores of a system, or of all systems.
-
-    Observables of plug-ins come with their names and hashes too.
-    """
-    scalars = row_scalars(system)
-    own_codes = (code for code in codes(OBSERVABLE).split() if code.rpartition(".")[0] in scalars)
-    return {*scalars, *row_arrays(system), *STATE_VARIABLES, *own_codes}
+    """Return the names of all variables that this code stores of a system, or of all systems."""
+    names = {*row_scalars(system), *row_arrays(system), *STATE_VARIABLES}
+    return names | measured_names(system)
 
 
 def stored_particles(states: Mapping[str, Any], point: str) -> Shown:

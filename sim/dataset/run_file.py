@@ -13,7 +13,7 @@ import numpy as np
 
 from sim.base.errors import InputError
 from sim.base.seals import is_damaged, read_summary
-from sim.engine.stored_run import find_group, find_stage, read_parameters
+from sim.engine.stored_run import find_group, find_stage, read_parameters, require_all
 from sim.parameters import RUN_FILE, Parameters, require_compatible_source
 from sim.parameters.variables import SCALARS
 from sim.study.model import Study
@@ -78,6 +78,10 @@ class RunFile(Mapping[str, np.ndarray]):
 
     def __contains__(self, name: object) -> bool:
         return name in self._variables
+
+    def require_whole(self, path: Path) -> None:
+        """Raise `InputError` where the file is reduced, so that it has no series and no states."""
+        require_all(self.attrs, path)
 
     def read_slice(self, name: str, index: Any) -> np.ndarray:
         """Read one slice of a variable, over all its replicates, without loading the rest."""

@@ -8,7 +8,6 @@ import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
-from functools import partial
 from multiprocessing import get_context, parent_process
 from multiprocessing.connection import wait
 from pathlib import Path
@@ -16,7 +15,6 @@ from typing import Any, NamedTuple
 
 from sim.base.errors import InputError
 from sim.base.plugins import load, places
-from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.earlier import earlier_rows
 from sim.dataset.gather import read_run
 from sim.dataset.rows import (
@@ -29,7 +27,7 @@ from sim.dataset.rows import (
     without_profiles,
 )
 from sim.parameters import amounts
-from sim.study.model import Point, Study
+from sim.study.model import Need, Point, Study
 
 #: Most run files that are read before their rows are handed over.
 BATCH = 40
@@ -47,8 +45,8 @@ _KEY = "--dask-scheduler"
 
 _READ_LOCK = threading.Lock()
 
-#: A run file, the amounts to read, and whether to read the state of its particles.
-File = tuple[Path, Mapping[str, float], bool]
+#: A run file, the amounts to read, and what is needed of it.
+File = tuple[Path, Mapping[str, float], Need]
 
 
 class Batch(NamedTuple):
@@ -67,7 +65,7 @@ def gather_rows(
 ) -> list[Rows]:
     """Return the rows of points of a study, each from the first source that has it.
 
-    These are the earlier dataset, adopted datasets, and run files.
+    These are the earlier dataset and run files.
 
     Parameters
     ----------
@@ -83,17 +81,15 @@ def gather_rows(
     Raises
     ------
     InputError
-        When an adopted dataset is damaged, or run files are missing or damaged, see `read_files`.
+        When run files are missing or damaged, see `read_files`.
     """
-    need, blocks = study.need, []
-    missing = {key: point.parameters for key, point in points.items()}
-    for source in (partial(earlier_rows, folder, need), AdoptedPoints(study, folder).rows):
-        blocks += source(missing)
-        stored = set(row_points(blocks))
-        missing = {key: point for key, point in missing.items() if key not in stored}
+    need = study.need
+    blocks = earlier_rows(folder, need, {key: one.parameters for key, one in points.items()})
+    stored = set(row_points(blocks))
     files = [
-        (folder / "runs" / f"{key}.nc", amounts(point), bool(need(key).particles))
-        for key, point in missing.items()
+        (folder / "runs" / f"{key}.nc", amounts(point.parameters), need(key))
+        for key, point in points.items()
+        if key not in stored
     ]
     blocks = list(map(round_scalars, blocks + read_files(files, processes, scheduler)))
     others = {key for key in points if not need(key).profiles}
@@ -110,8 +106,8 @@ def read_files(
 
     Parameters
     ----------
-    files : sequence of (Path, mapping, bool)
-        The files, the amounts of each, and whether to read the state of its particles.
+    files : sequence of (Path, mapping, Need)
+        The files, the amounts of each, and what is needed of it.
     processes : int
         Number of processes that read in parallel, where there are files enough.
     scheduler : str, optional
@@ -149,9 +145,9 @@ def read_batch(files: Sequence[File]) -> Batch:
     rows, problems = [], []
     # A worker of a cluster may have several threads, and HDF5 is not thread-safe.
     with _READ_LOCK:
-        for path, wanted, has_state in files:
+        for path, wanted, need in files:
             try:
-                rows.append(read_run(path, wanted, has_state))
+                rows.append(read_run(path, wanted, need))
             except InputError as error:
                 problems.append(str(error))
     return Batch(merge_rows(rows), problems)

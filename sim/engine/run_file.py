@@ -13,6 +13,7 @@ from sim.base.errors import InputError
 from sim.base.files import atomic_write
 from sim.base.seals import append_summary, seal
 from sim.engine.stored_run import (
+    has_all,
     is_run_of,
     open_run_file,
     read_attributes,
@@ -290,11 +291,12 @@ def _write_records(file: _GroupWriter, records: list[Record], layout: Layout) ->
 def read_stages(path: Path, parameters: Parameters) -> list[Stage]:
     """Return the runs in a run file of the same point and numerics, the longest first.
 
-    The list is empty where there is no such file, or where it is damaged. Raises ``OSError`` where
-    the system does not give its bytes.
+    The list is empty where there is no such file, or where it is damaged or reduced. Raises
+    ``OSError`` where the system does not give its bytes.
     """
     with suppress(InputError), open_run_file(path) as file:
-        if is_run_of(read_attributes(file), parameters):
+        attributes = read_attributes(file)
+        if is_run_of(attributes, parameters) and has_all(attributes, None):
             lengths = stage_amounts(file, amounts(parameters))
             stages = zip(stage_groups(file), lengths, strict=True)
             return [_read_stage(group, parameters, length) for group, length in stages]

@@ -9,7 +9,7 @@ import os
 import shutil
 import stat
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from graphlib import TopologicalSorter
 from pathlib import Path
@@ -20,6 +20,7 @@ from sim.base.files import date_back_readers, file_lock, open_regular, temporary
 from sim.base.seals import is_damaged
 from sim.engine.states import state_file, stored_samples
 from sim.engine.stored_run import (
+    Levels,
     find_stage,
     has_enough,
     is_alike,
@@ -47,7 +48,9 @@ class SharedRun(NamedTuple):
     is_enough: bool
 
 
-def find_runs(runs: Path, points: Mapping[str, Parameters]) -> dict[str, SharedRun]:
+def find_runs(
+    runs: Path, points: Mapping[str, Parameters], need: Callable[[str], Levels] = lambda _: None
+) -> dict[str, SharedRun]:
     """Return what other studies have of those points that lack a large enough run file here.
 
     Of several run files that are large enough, one that holds a run of just the wanted length is
@@ -61,9 +64,13 @@ def find_runs(runs: Path, points: Mapping[str, Parameters]) -> dict[str, SharedR
         Folder of the run files of a study. Those of other studies are beside its parent.
     points : mapping
         Points of the study, by id.
+    need : callable
+        Returns what a reduced run file must have of a point here, by its id.
     """
     lacking = {
-        key: point for key, point in points.items() if not has_enough(runs / f"{key}.nc", point)
+        key: point
+        for key, point in points.items()
+        if not has_enough(runs / f"{key}.nc", point, need(key))
     }
     files = _files_elsewhere(runs, {f"{key}.nc" for key in lacking})
     starts = {key: {point.start_from} & lacking.keys() for key, point in lacking.items()}

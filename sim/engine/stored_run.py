@@ -1,12 +1,18 @@
-"""Inspection of an existing run file: its point, its numerics and its amounts."""
+"""Inspection of an existing run file: its point, its numerics and its amounts.
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+A file is whole, or reduced to the row of a dataset that was adopted: it has no series and no state
+to go on from, and may lack profiles and particles. Attribute ``reduced`` says what it has of these,
+in the order of a need (`sim.study.model.Need`).
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 import netCDF4
 
+from sim.base.additions import codes
 from sim.base.errors import InputError
 from sim.base.seals import checked_read, read_summary
 from sim.engine.identity import NUMERICS, numerics_of
@@ -19,22 +25,92 @@ from sim.parameters import (
     point_id,
     with_larger_amounts,
 )
+from sim.parameters.variables import OBSERVABLE, observable_variables
 
 #: What such a file is called in messages.
 _KIND = "run file"
 
+#: Group of a reduced run file with its particles.
+STATE = "state"
 
-def current_status(path: Path, parameters: Parameters) -> str:
+#: What must be stored of a point besides scalars, least to most; None where the run must be whole.
+Levels = Sequence[int] | None
+
+
+def has_all(attributes: Mapping[str, Any], need: Levels) -> bool:
+    """True where a run file is whole, or has all that is needed of its point."""
+    if (held := attributes.get("reduced")) is None:
+        return True
+    has_levels = need is not None and all(
+        have >= level for have, level in zip(held, need, strict=True)
+    )
+    return has_levels and measured_names(attributes["system"]) <= {*attributes["measured"].split()}
+
+
+def measured_names(system: str | None = None) -> set[str]:
+    """Return the names of the observables of a system, or of all.
+
+    Those of plug-ins come with their names and hashes too. A whole run is measured anew for them.
+    """
+    names = observable_variables(system).keys()
+    own_codes = (code for code in codes(OBSERVABLE).split() if code.rpartition(".")[0] in names)
+    return {*names, *own_codes}
+
+
+def require_all(attributes: Mapping[str, Any], path: Path, need: Levels = None) -> None:
+    """Raise `InputError` where a reduced run file lacks something of a need."""
+    if not has_all(attributes, need):
+        raise InputError(
+            f"{path}: only a row of a dataset that was adopted, without the series, particles or "
+            "observables that are needed here; rerun the study, which runs its point"
+        )
+
+
+def starts_to_run(
+    runs: Path, points: Mapping[str, Parameters], need: Callable[[str], Levels]
+) -> set[str]:
+    """Return the points whose reduced run file will not do: one that is to be run starts from it.
+
+    Parameters
+    ----------
+    runs : Path
+        Folder of the run files.
+    points : mapping
+        Points by id.
+    need : callable
+        Returns what is needed of a point, by its id.
+    """
+
+    def is_there(key: str) -> bool:
+        return has_enough(runs / f"{key}.nc", points[key], need(key))
+
+    starts = {key: one.start_from for key, one in points.items() if one.start_from in points}
+    to_run = [key for key in starts if not is_there(key)]
+    found: set[str] = set()
+    for key in to_run:
+        start = starts.get(key, "")
+        if not start or start in found or not is_there(start):
+            continue
+        if not has_enough(runs / f"{start}.nc", points[start]):
+            found.add(start)
+            to_run.append(start)
+    return found
+
+
+def current_status(path: Path, parameters: Parameters, need: Levels = None) -> str:
     """Return the status of a run file if it is current, else an empty text.
 
     A file is current if it is undamaged, belongs to the same point and numerics, and has at least
-    the amounts of the point: a run would write the same numbers again. Other versions of libraries
-    may round differently, but do not make a file old. Raises ``OSError`` where the system does not
+    the amounts of the point: a run would write the same numbers again, besides what a reduced
+    file has of the ``need``. Other versions of libraries may round differently, but do not make a
+    file old. Raises ``OSError`` where the system does not
     give the bytes of the file.
     """
     with suppress(InputError), open_run_file(path) as file:
-        if is_run_of(read_attributes(file), parameters) and find_group(file, amounts(parameters)):
-            return str(file.getncattr("status"))
+        attributes = read_attributes(file)
+        is_current = is_run_of(attributes, parameters) and has_all(attributes, need)
+        if is_current and find_group(file, amounts(parameters)):
+            return str(attributes["status"])
     return ""
 
 
@@ -48,41 +124,59 @@ def find_stage(stages: Sequence[Mapping[str, float]], minimum: Mapping[str, floa
     return numbers[-1] if numbers else None
 
 
-def has_enough(path: Path, parameters: Parameters) -> bool:
+def has_enough(path: Path, parameters: Parameters, need: Levels = None) -> bool:
     """True where a run file of the present numerics has all amounts of its point.
 
-    The file is not checked for damage.
+    A reduced one must have what is needed, too. The file is not checked for damage.
     """
-    return find_stage(read_stage_amounts(path, parameters), amounts(parameters)) is not None
+    return find_stage(read_stage_amounts(path, parameters, need), amounts(parameters)) is not None
 
 
-def needs_growth(path: Path, parameters: Parameters) -> bool:
-    """True where a run file of the present numerics has less than the amounts of its point."""
-    stages = read_stage_amounts(path, parameters)
-    return bool(stages) and find_stage(stages, amounts(parameters)) is None
+def needs_growth(path: Path, parameters: Parameters, need: Levels = None) -> bool:
+    """True where a run file of the present numerics has less than is needed of its point."""
+    return _read_held(path, parameters) is not None and not has_enough(path, parameters, need)
 
 
-def planned_amounts(path: Path, parameters: Parameters) -> dict[str, float]:
+def is_reduced(path: Path, parameters: Parameters) -> bool:
+    """True where a point has a run file of the present numerics that is a row of a dataset."""
+    held = _read_held(path, parameters)
+    return held is not None and not has_all(held[0], None)
+
+
+def planned_amounts(path: Path, parameters: Parameters, need: Levels = None) -> dict[str, float]:
     """Return the amounts of a run file after it has grown to those of its point.
 
     These are its present amounts where they are enough. The file is not checked for damage.
     """
-    stages = read_stage_amounts(path, parameters)
+    stages = read_stage_amounts(path, parameters, need)
     return amounts(with_larger_amounts(parameters, stages[0]) if stages else parameters)
 
 
-def read_stage_amounts(path: Path, parameters: Parameters) -> list[dict[str, float]]:
-    """Return the amounts of each stage of a run file of a point; empty for other numerics.
+def read_stage_amounts(
+    path: Path, parameters: Parameters, need: Levels = None
+) -> list[dict[str, float]]:
+    """Return the amounts of each stage of a run file of a point.
 
-    Raises ``OSError`` where the system does not give the bytes of the file.
+    It is empty for other numerics, and where a reduced file lacks something of the ``need``. Raises
+    ``OSError`` where the system does not give the bytes of the file.
     """
+    held = _read_held(path, parameters)
+    return held[1] if held and has_all(held[0], need) else []
+
+
+def _read_held(
+    path: Path, parameters: Parameters
+) -> tuple[dict[str, Any], list[dict[str, float]]] | None:
+    """Return attributes and amounts of the stages of a run file, None for other numerics."""
     with suppress(InputError), checked_read(path, _KIND, replaceable=False):
         if summary := read_summary(path):
-            return summary["held"] if is_run_of(summary["attributes"], parameters) else []
+            attributes, stages = summary["attributes"], summary["held"]
+            return (attributes, stages) if is_run_of(attributes, parameters) else None
         with netCDF4.Dataset(path) as file:
-            if is_run_of(read_attributes(file), parameters):
-                return stage_amounts(file, amounts(parameters))
-    return []
+            attributes = read_attributes(file)
+            if is_run_of(attributes, parameters):
+                return attributes, stage_amounts(file, amounts(parameters))
+    return None
 
 
 def is_alike(first: Sequence[int], second: Sequence[int]) -> bool:
@@ -167,4 +261,4 @@ def find_group(file: netCDF4.Dataset, minimum: Mapping[str, float]) -> netCDF4.D
 
 def stage_groups(file: netCDF4.Dataset) -> list[netCDF4.Dataset]:
     """Return the groups of a run file with one complete run each, the longest run first."""
-    return [file, *file.groups.values()]
+    return [file, *(file[name] for name in file.groups if name != STATE)]

@@ -81,6 +81,7 @@ def read_time_series(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
         netCDF4.Dataset(path) as file,
     ):
         run = RunFile(file, _point_amounts(data.spec.system, row))
+        run.require_whole(path)
         completed = np.flatnonzero(np.asarray(run["status"]) == "completed")
         time, values = np.asarray(run["time"]), np.asarray(run[observable.source])
     value_scale = scale_of_point(data, row, observable.unit)

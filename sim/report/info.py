@@ -53,6 +53,8 @@ def _summary(file: netCDF4.Dataset, parameters: Parameters, caveat: str) -> str:
         head.append(f"reason: {file.getncattr('reason')}")
     if caveat:
         head.append(f"caveat: {caveat}")
+    if "adopted" in file.ncattrs():
+        head.append(f"only its row of dataset {file.adopted}, which was adopted")
     sections = [
         [*head, f"particles: {parameters.particles:,}", f"dimensions: {sizes}"],
         ["parameters", *_indent(_parameter_lines(parameters))],

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import pandas as pd
 import xarray as xr
 
-from sim.base.errors import count_text, upper_first
+from sim.base.errors import upper_first
 from sim.base.files import atomic_write
 from sim.base.program import __version__
 from sim.base.seals import checked_read
@@ -33,7 +33,6 @@ from sim.report.compare import opinions_of
 from sim.report.explorer import compressed, drawing_program, explorer_data
 from sim.report.numbers import template
 from sim.report.runs import (
-    adopted_datasets,
     boundary_rows,
     parameter_rows,
     run_rows,
@@ -266,7 +265,7 @@ def render(
     return template("report.html.j2").render(
         study=study,
         study_files={file.name: file.read_text(encoding="utf-8") for file in study.sources},
-        summary=_summary(dataset, runs) | {"adopted": len(results.adopted)},
+        summary=_summary(dataset, runs),
         caveats=caveats,
         refusals=_own_reasons(list(refusals.values())),
         doubts=_doubts(study, figures.parent),
@@ -290,7 +289,7 @@ def render(
         boundaries=boundary_rows(study, results.boundaries),
         opinions=opinions_of(study, dataset, figures.parent),
         energy_limit=CLOSED_SHARE,
-        provenance=_provenance(dataset) | _adopted_provenance(results) | _plugin_provenance(study),
+        provenance=_provenance(dataset) | _plugin_provenance(study),
     )
 
 
@@ -314,11 +313,10 @@ def _claims(
 def _runs(
     results: Results, caveats: Sequence[str], plots: Sequence[FigureSpec]
 ) -> list[dict[str, Any]]:
-    """Return a row per point, with the plots that show it, and where it comes from."""
+    """Return a row per point, with the plots that show it."""
     runs = run_rows(results.dataset, caveats)
     for run in runs:
         run["plots"] = [spec.name for spec in plots if spec.is_fed_by(run["system"], run["series"])]
-        run["adopted"], _ = results.adopted.get(run["point"], ("", ""))
     return runs
 
 
@@ -391,15 +389,6 @@ def _dates(first: str, last: str) -> str:
     '2026-01-30 to 2026-02-01'
     """
     return " to ".join(dict.fromkeys((first[:10], last[:10])))
-
-
-def _adopted_provenance(results: Results) -> dict[str, str]:
-    text = "; ".join(
-        f"{count_text(row['points'], 'point')} from dataset {row['dataset']}, "
-        f"run {_dates(row['from'], row['to'])}"
-        for row in adopted_datasets(results)
-    )
-    return {"Adopted": text} if text else {}
 
 
 def _plugin_provenance(study: Study) -> dict[str, str]:

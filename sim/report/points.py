@@ -3,7 +3,7 @@
 import json
 import sys
 from collections import Counter
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,6 @@ import psutil
 from sim.base.errors import InputError, align_table, count_text, duration
 from sim.base.files import require_writable
 from sim.base.program import program
-from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.run_file import require_start_files
 from sim.engine.shared_runs import SharedRun, describe, find_runs
 from sim.parameters import complete_values, field_info
@@ -54,26 +53,18 @@ def show(path: Path, results: Path, format: str, as_point: bool = False) -> str:
     for warning in warnings(study, results):
         print(f"warning: {warning}", file=sys.stderr)
     points = {key: point.parameters for key, point in study.points.items()}
-    sources = AdoptedPoints(study, results / study.name).sources(points)
-    adopted = {key: source.dataset.stem for key, source in sources.items()}
-    others = {key: point for key, point in points.items() if key not in adopted}
-    shared = find_runs(results / study.name / "runs", others)
+    shared = find_runs(results / study.name / "runs", points, study.need)
     if format == "json":
-        return as_json(study, adopted, shared)
+        return as_json(study, shared)
     earlier = earlier_regimes.lines(study, results)
-    return "\n".join((as_table(study, adopted, shared), *_run_lines(study, results), *earlier))
+    return "\n".join((as_table(study, shared), *_run_lines(study, results), *earlier))
 
 
-def as_table(
-    study: Study,
-    adopted: Mapping[str, str] = _NOTHING,
-    shared: Mapping[str, SharedRun] = _NOTHING,
-) -> str:
+def as_table(study: Study, shared: Mapping[str, SharedRun] = _NOTHING) -> str:
     """Return an aligned line per point, then what is known of the study, and totals.
 
-    That is designs, plots, points that figures omit, and caveats. ``adopted`` are the names of the
-    datasets from which points are adopted, by id of the point, and ``shared`` the runs that other
-    studies have. ``steps`` and ``core time`` are sums over all replicates of a point.
+    That is designs, plots, points that figures omit, and caveats. ``shared`` are the runs that
+    other studies have. ``steps`` and ``core time`` are sums over all replicates of a point.
     """
     costs = _costs(study)
     rows = [_row(point, costs[point.id]) for point in study.points.values()]
@@ -86,8 +77,7 @@ def as_table(
         paper_values.lines(point.parameters for point in study.points.values()),
         [
             _total_line(list(costs.values())),
-            *_adopted_lines(adopted, costs),
-            *_shared_lines(shared, adopted, costs),
+            *_shared_lines(shared, costs),
             *_trajectory_lines(list(costs.values())),
             *([_refinement_line(study)] if study.boundaries else []),
             *_surrogate_lines(study),
@@ -97,11 +87,7 @@ def as_table(
     return "\n\n".join("\n".join(lines) for lines in sections if lines)
 
 
-def as_json(
-    study: Study,
-    adopted: Mapping[str, str] = _NOTHING,
-    shared: Mapping[str, SharedRun] = _NOTHING,
-) -> str:
+def as_json(study: Study, shared: Mapping[str, SharedRun] = _NOTHING) -> str:
     """Return the study, its points with all parameters, and the totals as JSON; see `as_table`."""
     costs = _costs(study)
     points = [
@@ -112,7 +98,6 @@ def as_json(
             "figures": point.figures,
             "left_out": point.left_out,
             "caveat": point.parameters.caveat,
-            "adopted": adopted.get(point.id, ""),
             "shared": str(shared[point.id].path) if point.id in shared else "",
             "particles": costs[point.id].particles,
             "steps": costs[point.id].steps,
@@ -236,24 +221,11 @@ def _total_line(costs: Sequence[Estimate]) -> str:
     )
 
 
-def _adopted_lines(adopted: Mapping[str, str], costs: Mapping[str, Estimate]) -> list[str]:
-    if not adopted:
-        return []
-    seconds = sum(cost.core_seconds for key, cost in costs.items() if key not in adopted)
-    names = ", ".join(sorted(set(adopted.values())))
-    return [
-        f"{count_text(len(adopted), 'point')} adopted from {names}, not to be run; "
-        f"core time of the others {duration(seconds)}"
-    ]
-
-
-def _shared_lines(
-    shared: Mapping[str, SharedRun], adopted: Container[str], costs: Mapping[str, Estimate]
-) -> list[str]:
+def _shared_lines(shared: Mapping[str, SharedRun], costs: Mapping[str, Estimate]) -> list[str]:
     seconds = sum(
         cost.core_seconds
         for key, cost in costs.items()
-        if key not in adopted and not (key in shared and shared[key].is_enough)
+        if not (key in shared and shared[key].is_enough)
     )
     line = describe(shared.values())
     return [f"{line}; core time of the others {duration(seconds)}"] if line else []

@@ -21,7 +21,6 @@ from sim.figures.figure_records import require_unchanged
 from sim.figures.render import derive_texts
 from sim.report.claims import read_claims, require_table
 from sim.report.page import relative_link, render
-from sim.report.runs import adopted_datasets
 from sim.study.extra_amounts import extra_amounts_file
 from sim.study.load import Study, load_study
 
@@ -380,7 +379,6 @@ def provenance(results: Results) -> dict[str, object]:
         "title": data.attrs["title"],
         "points": data.sizes["point"],
         "runs": int((data["status"] != "").sum()),
-        "points from adopted datasets": adopted_datasets(results),
         "failed runs": int((data["status"] == "failed").sum()),
         "time steps": int(data["steps"].sum()),
         "core hours": round(float(data["wall_time"].sum()) / 3600, 2),

@@ -7,7 +7,6 @@ from math import prod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import pandas as pd
 import xarray as xr
 from pydantic import ValidationError
@@ -17,7 +16,7 @@ from sim.base.messages import input_error, one_of
 from sim.dataset import results as datasets
 from sim.dataset.results import require_known_options
 from sim.figures.caption import first_clause
-from sim.parameters import NUMERICAL, SYSTEMS, Parameters, parse_point
+from sim.parameters import NUMERICAL, SYSTEMS
 from sim.parameters.variables import mask_failed
 from sim.study.feed import plot_entry
 from sim.study.model import Point
@@ -151,7 +150,7 @@ class LabelledResults(datasets.Results):
         return [
             Point(
                 str(point),
-                _parameters(columns, row),
+                datasets.parameters_of_row(columns, row),
                 tuple(str(columns["series"][row]).split()),
                 tuple(str(columns["figures"][row]).split()),
             )
@@ -261,16 +260,6 @@ def _require_grid(rows: pd.DataFrame, names: list[str]) -> None:
         got = f"{len(rows):,} points at {prod(counts.values()):,} places of {', '.join(names)}"
         allowed = "a grid, as of one series; results.dataset has the points of a design as rows"
         raise _grid_error("", got, allowed)
-
-
-def _parameters(columns: dict[str, np.ndarray], row: int) -> Parameters:
-    """Return the parameters of a row of a dataset, whose switches and counts are numbers."""
-    fields = SYSTEMS[str(columns["system"][row])].model_fields
-    values = {name: columns[name][row] for name in fields if name in columns}
-    for name, value in values.items():
-        kind = fields[name].annotation
-        values[name] = kind(value) if kind in (bool, int, float) else str(value)
-    return parse_point(values, "results")
 
 
 def _few(items: Any, separator: str = ", ") -> str:

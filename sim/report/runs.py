@@ -9,7 +9,6 @@ import pandas as pd
 import xarray as xr
 
 from sim.dataset.replicates import UNSOUND_SHARE, outcomes
-from sim.dataset.results import Results
 from sim.figures.data import label_with_unit
 from sim.parameters import SYSTEMS, Parameters, default_of, field_info
 from sim.parameters.roles import amount_parameters
@@ -71,17 +70,6 @@ def run_rows(dataset: xr.Dataset, caveats: Sequence[str]) -> list[dict[str, Any]
             }
         )
     return rows
-
-
-def adopted_datasets(results: Results) -> list[dict[str, Any]]:
-    """Return one row per adopted dataset: name, number of its points, and when they ran."""
-    created: dict[str, list[str]] = {}
-    for dataset, when in results.adopted.values():
-        created.setdefault(dataset, []).append(when)
-    return [
-        {"dataset": name, "points": len(times), "from": min(times), "to": max(times)}
-        for name, times in sorted(created.items())
-    ]
 
 
 def boundary_rows(study: Study, boundaries: pd.DataFrame) -> list[dict[str, Any]]:

@@ -13,21 +13,19 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import psutil
 
 from sim.base.errors import InputError, align_table, count_text, duration, printable
 from sim.base.files import is_of_system
 from sim.base.program import program
 from sim.base.seals import UNREADABLE
-from sim.dataset.adopted import AdoptedPoint, AdoptedPoints
 from sim.dataset.replicates import caveat_of_run
 from sim.dataset.rounds import points_of_rounds, rounds_to_come
 from sim.dataset.run_file import summary_of
 from sim.engine.identity import NUMERICS, numerics_of
 from sim.engine.progress import LONGEST_SILENCE, Progress, progress_file, read_progress
 from sim.engine.shared_runs import SharedRun, describe, find_runs
-from sim.engine.stored_run import has_enough
+from sim.engine.stored_run import has_enough, starts_to_run
 from sim.parameters import Parameters, amounts, point_id
 from sim.report.numbers import template
 from sim.study.cost import estimate
@@ -39,15 +37,16 @@ from sim.study.extra_amounts import (
     with_extra_amounts,
 )
 from sim.study.load import DEFAULT_STUDY, Study, load_study
+from sim.study.model import Need
 from sim.surrogates.answers import summary_lines
 
-STATES = ("done", "failed", "adopted", "running", "interrupted", "waiting")
+STATES = ("done", "failed", "running", "interrupted", "waiting")
 
 #: States in which a point has ended.
-ENDED_STATES = STATES[:3]
+ENDED_STATES = STATES[:2]
 
 #: States in which a point may take the run of another study.
-WAITING_STATES = STATES[4:]
+WAITING_STATES = STATES[3:]
 
 #: Names of run files, states and progress files; a point stopped midway may have only the latter.
 RUN_FILES = re.compile(r"([^.].*)\.nc|\.([^.].*)\.nc\.(?:state|progress)")
@@ -139,7 +138,7 @@ class StudyStatus:
 
     @property
     def is_over(self) -> bool:
-        """Whether every point, those of rounds included, is done, failed or adopted."""
+        """Whether every point, those of rounds included, is done or failed."""
         has_ended = all(point.state in ENDED_STATES for point in self.points.values())
         return has_ended and not self.rounds_left
 
@@ -179,14 +178,14 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
     extra = read_extra_amounts(folder) if study.decide else ExtraAmounts()
     study = replace(study, points=with_extra_amounts(study.points, extra))
     parameters = points_of_rounds(study, folder)
-    adopted = AdoptedPoints(study, folder).sources(parameters)
     runs = folder / "runs"
+    starts = starts_to_run(runs, parameters, study.need)
     try:
         present = {path.name for path in runs.iterdir()}
     except OSError:
         present = set()
     points = {
-        key: _point_status(key, value, runs, present, adopted.get(key))
+        key: _point_status(key, value, runs, present, None if key in starts else study.need(key))
         for key, value in parameters.items()
     }
     waiting = {key: parameters[key] for key in points if points[key].state in WAITING_STATES}
@@ -216,7 +215,7 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
 
 
 def _point_status(
-    key: str, parameters: Parameters, runs: Path, present: set[str], adopted: AdoptedPoint | None
+    key: str, parameters: Parameters, runs: Path, present: set[str], need: Need | None
 ) -> PointStatus:
     """Return the status of one point; a running run takes precedence over an earlier run file."""
     cores = parameters.cores
@@ -226,12 +225,9 @@ def _point_status(
         progress = None
     if progress and _is_running(progress):
         return PointStatus("running", cores, progress=progress)
-    if adopted:
-        core_seconds = float(np.nansum(adopted.wanted_scalars(parameters)["wall_time"])) * cores
-        return PointStatus("adopted", cores, core_seconds=core_seconds, caveat=adopted.caveat)
     if path.name in present:
         try:
-            return _read_ended(path, path.stat().st_mtime_ns, parameters)
+            return _read_ended(path, path.stat().st_mtime_ns, parameters, need)
         except FileNotFoundError:
             # A damaged file has been set aside in the meantime.
             pass
@@ -254,7 +250,7 @@ def _is_running(progress: Progress) -> bool:
 
 
 @cache
-def _read_ended(path: Path, changed: int, parameters: Parameters) -> PointStatus:
+def _read_ended(path: Path, changed: int, parameters: Parameters, need: Need | None) -> PointStatus:
     """Return the status of a point from its run file.
 
     ``changed`` (ns) is the time of the file. It is part of the cache key, so that each version of a
@@ -276,7 +272,7 @@ def _read_ended(path: Path, changed: int, parameters: Parameters) -> PointStatus
         reason = f"{path}: not the run file of this point; delete it and rerun"
         return PointStatus("failed", cores, reason)
     outdated = numerics_of(attributes) != NUMERICS
-    if not outdated and not has_enough(path, parameters):
+    if not outdated and not has_enough(path, parameters, need):
         # The run must still grow.
         return PointStatus("waiting", cores)
     return PointStatus(

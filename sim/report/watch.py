@@ -5,7 +5,7 @@ import os
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -51,15 +51,13 @@ class Watch(threading.Thread):
         The study. Points of rounds of refinement are reported once they have run files.
     folder : Path
         Its results: ``runs`` and ``logs/runs``.
-    sources : iterable of str
-        Ids of points that come from adopted datasets, which need no run.
     """
 
-    def __init__(self, study: Study, folder: Path, sources: Iterable[str] = ()):
+    def __init__(self, study: Study, folder: Path):
         super().__init__(daemon=True)
         self._study, self._folder = study, folder
         self._runs, self._logs = folder / "runs", folder / "logs" / "runs"
-        self._points = study.points.keys() - set(sources)
+        self._points = study.points.keys()
         self._ended = threading.Event()
         self._inodes = self._read_run_files()
         self._failed_count = 0

@@ -19,10 +19,11 @@ from sim.study.surrogate import MOST_ROUNDS, SurrogateFile
 
 
 class Need(NamedTuple):
-    """What a dataset stores of a point besides scalars: a level of particles, and profiles."""
+    """What is read of a point besides scalars: a level of particles, profiles, and series."""
 
     particles: Shown
     profiles: bool
+    series: bool = False
 
 
 @dataclass(frozen=True)
@@ -181,26 +182,27 @@ class Study:
         return max((self.entries[name].particles for name in figures), default=Shown.NOTHING)
 
     def need(self, point: str) -> Need:
-        """Return what the dataset must store of a point besides its scalars."""
+        """Return what the dataset must store of a point besides its scalars.
+
+        ``series`` is whether a plot reads time series from its run file.
+        """
         if point not in self.points:
             return self._later_need
-        shown = self.particles_shown(self.points[point].figures)
-        return Need(max(self._later_need.particles, shown), self.points[point].profiles)
+        one = self.points[point]
+        shown = max(self._later_need.particles, self.particles_shown(one.figures))
+        has_series = any(
+            spec.is_fed_by(one.parameters.system, one.series) for spec in self._time_series
+        )
+        return Need(shown, one.profiles, has_series)
 
     @cached_property
     def _later_need(self) -> Need:
         """What a point of a later round may need: the figures that it feeds are not known yet."""
         lists = [one.figures for one in self.boundaries] + [one.figures for one in self.surrogates]
-        return Need(self.particles_shown(chain(*lists)), True)
-
-    def needs_run_file(self, point: str) -> bool:
-        """Return whether a point needs its run file: for a plot of time series."""
-        if point in self.points:
-            system, series = self.points[point].parameters.system, self.points[point].series
-            return any(spec.is_fed_by(system, series) for spec in self._time_series)
         names = {boundary.name for boundary in self.boundaries}
         names |= {one.series for one in self.surrogates}
-        return any(not names.isdisjoint(spec.series) for spec in self._time_series)
+        has_series = any(not names.isdisjoint(spec.series) for spec in self._time_series)
+        return Need(self.particles_shown(chain(*lists)), True, has_series)
 
     @cached_property
     def _time_series(self) -> list[FigureSpec]:

@@ -17,32 +17,31 @@ from sim.parameters import RUN_FILE, Parameters, canonical_json
 from sim.parameters.laws import engine_of
 from sim.study.cost import Estimate, estimate, plan_batches
 from sim.study.load import load_study
-from sim.study.model import Study
+from sim.study.model import Need, Study
 
 
 class RunFiles(Protocol):
     """Functions that say how much run files hold: the module `sim.engine.stored_run`."""
 
-    def has_enough(self, path: Path, parameters: Parameters) -> bool: ...
-    def needs_growth(self, path: Path, parameters: Parameters) -> bool: ...
-    def planned_amounts(self, path: Path, parameters: Parameters) -> dict[str, float]: ...
+    def has_enough(self, path: Path, parameters: Parameters, need: Need | None) -> bool: ...
+    def needs_growth(self, path: Path, parameters: Parameters, need: Need | None) -> bool: ...
+    def is_reduced(self, path: Path, parameters: Parameters) -> bool: ...
+    def planned_amounts(
+        self, path: Path, parameters: Parameters, need: Need | None
+    ) -> dict[str, float]: ...
+    def starts_to_run(
+        self, runs: Path, points: Mapping[str, Parameters], need: Callable[[str], Need]
+    ) -> set[str]: ...
 
 
 class SharedRuns(Protocol):
     """Functions that take runs of other studies: the module `sim.engine.shared_runs`."""
 
-    def find_runs(self, runs: Path, points: Mapping[str, Parameters]) -> dict[str, Any]: ...
+    def find_runs(
+        self, runs: Path, points: Mapping[str, Parameters], need: Callable[[str], Need | None]
+    ) -> dict[str, Any]: ...
     def take_runs(self, runs: Path, shared: Mapping[str, Any]) -> set[str]: ...
     def describe(self, shared: Iterable[Any]) -> str: ...
-
-
-class Adopted(Protocol):
-    """Points whose rows come from other datasets: `sim.dataset.adopted.AdoptedPoints`."""
-
-    files: list[Path]
-
-    def source(self, point: str, parameters: Parameters) -> object: ...
-    def sources(self, points: Mapping[str, Parameters]) -> Mapping[str, object]: ...
 
 
 class Plan:
@@ -56,13 +55,16 @@ class Plan:
         Its results.
     run_files : RunFiles
         How much run files hold.
-    adopted : Adopted
-        Its adopted points. Points in ``sources`` need no run file.
     read_round : callable
         Function: file of a round of refinement → points that it adds, by id.
     shared_runs : SharedRuns, optional
         Runs of other studies, which are taken where points lack a large enough run file here. They
         count as run files of this study, also before `take_shared` is called.
+
+    Raises
+    ------
+    InputError
+        When its results have a dataset that an earlier version adopted as a file.
     """
 
     def __init__(
@@ -70,23 +72,22 @@ class Plan:
         study: Study,
         folder: Path,
         run_files: RunFiles,
-        adopted: Adopted,
         read_round: Callable[[Path], Mapping[str, Parameters]],
         shared_runs: SharedRuns | None = None,
     ):
         self.study, self.folder = study, folder
-        self._run_files, self._adopted, self._read_round = run_files, adopted, read_round
-        self.sources = adopted.sources(
-            {key: point.parameters for key, point in study.points.items()}
-        )
+        self._run_files, self._read_round = run_files, read_round
         self._shared_runs, self._shared = shared_runs, dict[str, Any]()
-        self._find_shared(
-            {
-                key: point.parameters
-                for key, point in study.points.items()
-                if key not in self.sources
-            }
-        )
+        for path in sorted((folder / "adopted").glob("*.nc")):
+            raise InputError(
+                f"{path}: adopted by an earlier version; to take its rows over into run files, "
+                f"run: talus job adopt {study.path} {path}; then remove it"
+            )
+        #: Points that are to be run since others start from them, though they have been adopted.
+        self._starts = set[str]()
+        self._reduced: list[str] = []
+        points = {key: point.parameters for key, point in study.points.items()}
+        self._look_up(points, points)
         self._amount_texts: dict[str, str] = {}
         #: Points of each round by its file and when that was written.
         self._rounds: dict[tuple[Path, int], Mapping[str, Parameters]] = {}
@@ -127,8 +128,12 @@ class Plan:
     def take_shared(self, forget: Callable[[str], object]) -> None:
         """Take the runs of other studies; ``forget`` what is recorded of run files of these names.
 
-        What is damaged is not taken, so these points are run.
+        What is damaged is not taken, so these points are run. Run files of adopted points have come
+        from elsewhere, too.
         """
+        for point in self._reduced:
+            forget(self.run_file(point))
+        self._reduced = []
         shared, self._shared = self._shared, {}
         if self._shared_runs and shared:
             for point in self._shared_runs.take_runs(self.folder / "runs", shared):
@@ -137,14 +142,24 @@ class Plan:
             self._amount_texts.pop(point, None)
             self.needs_run(point)
 
-    def _find_shared(self, points: Mapping[str, Parameters]) -> None:
+    def _look_up(self, new: Mapping[str, Parameters], points: Mapping[str, Parameters]) -> None:
+        """Look up which new ones of all points are adopted or have been run elsewhere."""
+        runs = self.folder / "runs"
+        self._starts |= self._run_files.starts_to_run(runs, points, self.study.need)
+        self._reduced += [
+            key for key in new if self._run_files.is_reduced(runs / f"{key}.nc", new[key])
+        ]
         if self._shared_runs:
-            self._shared |= self._shared_runs.find_runs(self.folder / "runs", points)
+            self._shared |= self._shared_runs.find_runs(runs, new, self._need)
+
+    def _need(self, point: str) -> Need | None:
+        """Return what is needed of a point; None where others that are to be run start from it."""
+        return None if point in self._starts else self.study.need(point)
 
     def files_to_gather(
         self, rounds: Iterable[Path], forget: Callable[[str], object] | None = None
     ) -> list[str]:
-        """Return the run files of the study and of some rounds, and the adopted datasets.
+        """Return the run files of the study and of some rounds.
 
         Parameters
         ----------
@@ -154,30 +169,30 @@ class Plan:
         forget : callable, optional
             See `take_shared`, which is called if it is given.
         """
-        points = [point for point in self.study.points if point not in self.sources]
+        points = {key: point.parameters for key, point in self.study.points.items()}
         for path in rounds:
             if not (added := self._read_round(path)):
                 break
-            to_run = [point for point in added if not self._adopted.source(point, added[point])]
-            self._find_shared({point: added[point] for point in to_run})
-            for point in to_run:
+            points |= added
+            self._look_up(added, points)
+            for point in added:
                 self.needs_run(point)
-            points += to_run
         if forget:
             self.take_shared(forget)
-        return [*map(self.readable_file, points), *map(str, self._adopted.files)]
+        return list(map(self.readable_file, points))
 
     def needs_run(self, point: str) -> bool:
         """True where a point lacks a run file with the present numerics and large enough amounts.
 
-        A file with smaller amounts is dated back until they suffice. Snakemake records the
+        A file that has less is dated back until it suffices. Snakemake records the
         parameters of a failed job as if it were done, so they cannot show that the file must grow.
         """
         if shared := self._shared.get(point):
             return not shared.is_enough
         path, parameters = Path(self.run_file(point)), self.parameters(point)
-        is_enough = self._run_files.has_enough(path, parameters)
-        age(path, not is_enough and self._run_files.needs_growth(path, parameters))
+        need = self._need(point)
+        is_enough = self._run_files.has_enough(path, parameters, need)
+        age(path, not is_enough and self._run_files.needs_growth(path, parameters, need))
         return not is_enough
 
     def amount_text(self, point: str) -> str:
@@ -188,7 +203,7 @@ class Plan:
         if point not in self._amount_texts:
             shared, parameters = self._shared.get(point), self.parameters(point)
             path = shared.path if shared else Path(self.run_file(point))
-            planned = self._run_files.planned_amounts(path, parameters)
+            planned = self._run_files.planned_amounts(path, parameters, self._need(point))
             self._amount_texts[point] = json.dumps(planned, sort_keys=True)
         return self._amount_texts[point]
 
@@ -204,7 +219,7 @@ class Plan:
         """
         points_by_amount: dict[str, dict[str, Parameters]] = defaultdict(dict)
         for point in self.study.points:
-            if point not in self.sources and self.needs_run(point) and not self.origin_files(point):
+            if self.needs_run(point) and not self.origin_files(point):
                 points_by_amount[self.amount_text(point)][point] = self.parameters(point)
         return {
             name: members
@@ -254,7 +269,7 @@ class Plan:
     def require_engines(self) -> None:
         """Raise `InputError` where a point to run is one of an engine that is not installed."""
         for key, point in self.study.points.items():
-            if getattr(point.parameters, "engine", "") and key not in self.sources:
+            if getattr(point.parameters, "engine", ""):
                 option = point.parameters.option("engine")
                 if option.module and self.needs_run(key):
                     engine_of(point.parameters)

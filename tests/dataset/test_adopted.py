@@ -1,5 +1,6 @@
 """A study goes on from datasets: their points are not run, and the result is the same."""
 
+import hashlib
 import shutil
 from pathlib import Path
 
@@ -8,15 +9,17 @@ import pytest
 import xarray as xr
 
 from sim.base.errors import InputError
-from sim.base.seals import DamagedError
 from sim.dataset import adopted, rows
-from sim.dataset.adopted import AdoptedPoints, adopt
+from sim.dataset.adopted import adopt
 from sim.dataset.build import build
 from sim.dataset.results import load_results
+from sim.engine import stored_run
 from sim.engine.identity import NUMERICS
-from sim.report.points import as_table, show
-from sim.report.publish import provenance
-from sim.report.runs import adopted_datasets
+from sim.engine.run_file import read_stages
+from sim.engine.stored_run import current_status, has_enough, is_reduced
+from sim.figures.render import draw_figures
+from sim.report.export import export
+from sim.report.points import show
 from sim.report.status import survey
 from sim.study.load import load_study
 from sim.surrogates.rounds import write_round
@@ -74,19 +77,25 @@ def study(tmp_path) -> Mixed:
 
 
 def adopted_ids(study: Mixed) -> set[str]:
+    """Return the points whose run file is a row of a dataset that has what is wanted of them."""
     held = load_study(study.path, study.results)
-    points = {key: point.parameters for key, point in held.points.items()}
-    return set(AdoptedPoints(held, study.output.parent).sources(points))
+    return {
+        key
+        for key, point in held.points.items()
+        for path in [study.runs / f"{key}.nc"]
+        if is_reduced(path, point.parameters) and has_enough(path, point.parameters, held.need(key))
+    }
 
 
 def test_a_study_goes_on_from_half_of_its_runs(study, half_dataset, complete_study):
     said = adopt(study.path, half_dataset, study.results)
-    (there,) = (study.output.parent / "adopted").iterdir()
-    assert said == f"made: {half_dataset} covers 3 of 6 points; adopted as {there}"
+    name = hashlib.sha256(half_dataset.read_bytes()).hexdigest()[:16]
+    assert said == f"made: {half_dataset} covers 3 of 6 points; in {study.runs}, from {name}"
     assert adopt(study.path, half_dataset, study.results) == said
     assert adopted_ids(study) == set(ids(study, *HALF))
     status = survey(load_study(study.path, study.results), study.results)
-    assert (status.counts["adopted"], status.counts["waiting"]) == (3, 3)
+    assert [status.counts[state] for state in ("done", "failed", "waiting")] == [2, 1, 3]
+    assert "3 of 6 points have been run" in show(study.path, study.results, "table")
     assert status.totals["core_seconds"] == pytest.approx(1.5 * (1 + 3 + 2))
     for number in REST:
         study.write(number)
@@ -95,11 +104,10 @@ def test_a_study_goes_on_from_half_of_its_runs(study, half_dataset, complete_stu
     # And again, from the earlier dataset where that has rows of run files.
     again = study.output.read_bytes()
     assert build(study.path, study.results).read_bytes() == again
-    results = load_results(study.output)
-    row = {"dataset": there.stem, "points": 3, "from": "2026-01-01T00:00:00Z"}
-    assert adopted_datasets(results) == [row | {"to": "2026-01-01T00:00:00Z"}]
-    assert provenance(results)["points from adopted datasets"] == adopted_datasets(results)
-    assert set(results.adopted) == adopted_ids(study)
+    with netCDF4.Dataset(study.output) as file:
+        names = file["runs"]["adopted"][:].tolist()
+        adopted = {key for key, text in zip(file["point"][:], names, strict=True) if text == name}
+    assert adopted == adopted_ids(study)
 
 
 def test_a_dataset_of_adopted_points_alone_can_be_adopted(study, complete_study, tmp_path):
@@ -116,11 +124,11 @@ def test_a_dataset_of_adopted_points_alone_can_be_adopted(study, complete_study,
 def test_a_run_file_that_holds_enough_goes_before(study, complete_study):
     adopt(study.path, complete_study.output, study.results)
     study.write(3, velocity=0.7)
+    adopt(study.path, complete_study.output, study.results)
     assert adopted_ids(study) == set(ids(study, 0, 1, 2, 4, 5))
     build(study.path, study.results)
     results = load_results(study.output)
     point = ids(study, 3)[0]
-    assert point not in results.adopted
     velocity = results.dataset["velocity"].sel(point=point).values[0]
     assert velocity == pytest.approx(0.7)
 
@@ -150,29 +158,15 @@ def test_a_point_of_which_more_is_wanted_is_run(study, complete_study):
     assert "covers 6 of 6" in adopt(study.path, complete_study.output, study.results)
 
 
-def test_of_two_datasets_that_which_has_just_what_is_wanted_is_taken(
-    study, complete_study, tmp_path
+def test_a_smaller_run_gives_way_to_a_row_and_one_with_something_else_does_not(
+    study, complete_study
 ):
-    other = Mixed(tmp_path / "other")
-    other.path.parent.mkdir()
-    other.points = [
-        point.model_copy(update={"average": 2 * point.average}) for point in study.points
-    ]
-    for number in (0, 3):
-        other.write(number, velocity=0.9)
-    other.save(0, 3)
-    text = other.path.read_text().replace("}]}", ", 'average': %g}]}")
-    other.path.write_text(text % tuple(other.points[number].average for number in (0, 3)))
-    longer = build(other.path, other.results)
-    for path in (longer, complete_study.output):
-        adopt(study.path, path, study.results)
-    held = load_study(study.path, study.results)
-    source = AdoptedPoints(held, study.output.parent).source
-    point = ids(study, 0)[0]
-    wanted = held.points[point].parameters
-    assert source(point, wanted).scalars["velocity"][0] == pytest.approx(0.5)
-    more = wanted.model_copy(update={"average": 1.5 * wanted.average})
-    assert source(point, more).scalars["velocity"][0] == pytest.approx(0.9)
+    fewer, longer = study.points[5], study.points[3]
+    write_run(study.runs, fewer.model_copy(update={"replicates": 1}))
+    changed = {"replicates": longer.replicates - 1, "average": 2 * longer.average}
+    write_run(study.runs, longer.model_copy(update=changed))
+    adopt(study.path, complete_study.output, study.results)
+    assert adopted_ids(study) == set(ids(study, 0, 1, 2, 4, 5))
 
 
 def test_a_point_that_is_shown_needs_its_state(study, complete_study, tmp_path):
@@ -197,11 +191,29 @@ def test_a_point_whose_profiles_are_wanted_needs_them(study, complete_study, tmp
     assert not load_results(study.output).profiles
 
 
+TIME_SERIES = "plots: [{name: p, kind: time_series, y: velocity, series: [s0]}]\n"
+
+
 def test_what_is_drawn_from_run_files_needs_them(study, complete_study):
-    plots = "plots: [{name: p, kind: time_series, y: velocity, series: [s0]}]\n"
-    study.path.write_text(study.path.read_text().replace("series:", f"{plots}series:", 1))
+    study.path.write_text(study.path.read_text().replace("series:", f"{TIME_SERIES}series:", 1))
     assert "covers 5 of 6" in adopt(study.path, complete_study.output, study.results)
     assert adopted_ids(study) == set(ids(study, 1, 2, 3, 4, 5))
+
+
+def test_what_reads_series_or_states_says_that_there_are_none(study, complete_study, tmp_path):
+    adopt(study.path, complete_study.output, study.results)
+    study.path.write_text(study.path.read_text().replace("series:", f"{TIME_SERIES}series:", 1))
+    results, folder = study.output.parent, tmp_path / "figures"
+    path = study.runs / f"{ids(study, 0)[0]}.nc"
+    said = f"^{path}: only a row of a dataset that was adopted, without the series"
+    build(study.path, study.results)
+    with pytest.raises(InputError, match=said):
+        draw_figures(["p"], study.output, folder, code="x", study_path=study.path)
+    with pytest.raises(InputError, match=said):
+        export(path, None, tmp_path / "x.xyz", 0)
+    assert "only its row of dataset" in show(path, results, "table")
+    assert read_stages(path, study.points[0]) == []
+    assert not current_status(path, study.points[0])
 
 
 def test_what_other_code_has_read_is_taken_if_it_knew_all_names(study, complete_study, monkeypatch):
@@ -212,16 +224,13 @@ def test_what_other_code_has_read_is_taken_if_it_knew_all_names(study, complete_
     xr.testing.assert_identical(
         xr.load_dataset(study.output), xr.load_dataset(complete_study.output)
     )
-    names = adopted.stored_names
-    monkeypatch.setattr(adopted, "stored_names", lambda *system: names(*system) | {"new_measure"})
-    monkeypatch.setattr(rows, "_package_hash", lambda: "another")
-    assert adopted_ids(study) == set()
-    new_names = {"chute": {"new_measure"}}
+    names, new_names = stored_run.measured_names, {"chute": {"new_measure"}}
     monkeypatch.setattr(
-        adopted, "stored_names", lambda *system: names(*system) | new_names.get(*system, set())
+        stored_run, "measured_names", lambda system: names(system) | new_names.get(system, set())
     )
-    monkeypatch.setattr(rows, "_package_hash", lambda: "a third")
     assert adopted_ids(study) == set(ids(study, 3, 4, 5))
+    with pytest.raises(InputError, match="without the series, particles or observables"):
+        build(study.path, study.results)
     monkeypatch.setattr(adopted, "missing_variables", lambda made, system: ["new_measure"])
     with pytest.raises(InputError, match="got 'a dataset that cannot have new_measure'; allowed"):
         adopt(study.path, complete_study.output, study.results)
@@ -245,8 +254,11 @@ def test_an_observable_of_one_system_keeps_no_other_from_being_adopted(
         "import sim\n@sim.observable('answer', system='chute', unit='1', meaning='m')\n"
         "def answer(run):\n    return 42\n"
     )
+    adopt(study.path, complete_study.output, study.results)
+    assert len(adopted_ids(study)) == 6
     study.path.write_text(study.path.read_text() + "plugins: [mine.py]\n")
     with restore_plugins():
+        assert adopted_ids(study) == set(ids(study, 3, 4, 5))
         assert "covers 3 of 6 points" in adopt(study.path, complete_study.output, study.results)
         assert adopted_ids(study) == set(ids(study, 3, 4, 5))
 
@@ -268,7 +280,7 @@ def test_what_a_point_starts_from_is_run_with_it(tmp_path):
         other.mkdir()
         fresh = Folder(other, text % case)
         adopt(fresh.file, path, fresh.results)
-        found = {key for key, at in fresh.survey().points.items() if at.state == "adopted"}
+        found = {key for key, at in fresh.survey().points.items() if at.state == "done"}
         assert found == expected
 
 
@@ -300,7 +312,7 @@ def test_what_cannot_be_used_is_refused(study, complete_study, tmp_path, capsys)
     assert_refused(study, complete_study.output, "covers no point of", "of 1 point it has 0")
     text = "study: made\nseries: [{name: a, system: chute, cases: [{depth: 2, replicates: 9}]}]\n"
     study.path.write_text(text)
-    assert_refused(study, complete_study.output, "of 1 point it has 1, none with the wanted")
+    assert_refused(study, complete_study.output, "of 1 point it has 1, none with all")
 
 
 def test_rows_of_other_numerics_are_not_taken(study, tmp_path):
@@ -312,41 +324,22 @@ def test_rows_of_other_numerics_are_not_taken(study, tmp_path):
     assert adopted_ids(study) == set(ids(study, 0))
 
 
-@pytest.mark.parametrize("kind", ["folder", "lost"])
-def test_what_is_no_file_is_set_aside_like_one_that_is_damaged(study, kind):
-    there = study.output.parent / "adopted" / "x.nc"
-    there.parent.mkdir(parents=True)
-    there.mkdir() if kind == "folder" else there.symlink_to("nowhere")
-    said = rf"x\.nc: damaged or not a dataset that .* \(no file, .*now {there.name}.damaged: rerun"
-    with pytest.raises(DamagedError, match=said):
-        adopted_ids(study)
-    assert adopted_ids(study) == set()
-
-
-def test_one_that_is_damaged_later_is_set_aside_and_its_points_are_run(study, complete_study):
+def test_a_row_that_is_damaged_later_is_set_aside_and_its_point_is_run(study, complete_study):
     adopt(study.path, complete_study.output, study.results)
-    (there,) = (study.output.parent / "adopted").iterdir()
+    point = ids(study, 2)[0]
+    there = study.runs / f"{point}.nc"
     content = there.read_bytes()
     there.write_bytes(content[: len(content) // 2] + content[len(content) // 2 + 1 :])
-    with pytest.raises(DamagedError, match=f"now {there.name}.damaged: rerun the study"):
+    with pytest.raises(InputError, match=f"now {there.name}.damaged: rerun the study"):
         build(study.path, study.results)
-    assert adopted_ids(study) == set()
+    assert adopted_ids(study) == set(ids(study, 0, 1, 3, 4, 5))
     adopt(study.path, complete_study.output, study.results)
     assert there.read_bytes() == content
 
 
-def test_points_says_what_is_adopted(study, half_dataset):
-    adopt(study.path, half_dataset, study.results)
-    (there,) = (study.output.parent / "adopted").iterdir()
-    told = f"3 points adopted from {there.stem}, not to be run; core time of the others "
-    assert told in show(study.path, study.results, "table")
-    assert show(study.path, study.results, "json").count(f'"adopted": "{there.stem}"') == 3
-    assert "adopted" not in as_table(load_study(study.path, None))
-
-
 def test_what_has_finished_is_written_beside_nothing_else(study, tmp_path):
     output = tmp_path / "new" / "half.nc"
-    with pytest.raises(InputError, match="no point is adopted or has a run file with all"):
+    with pytest.raises(InputError, match="no point has a run file with all"):
         build(study.path, study.results, finished=output)
     assert not output.parent.exists()
     for number in HALF:
@@ -387,4 +380,4 @@ def test_boundaries_refine_by_adopted_points(tmp_path):
         assert made.read_text() == (results / "regimes" / "rounds" / made.name).read_text()
     assert_same(build(path, fresh), results / "regimes" / "dataset.nc")
     status = survey(load_study(path, fresh), fresh)
-    assert status.is_over and status.counts["adopted"] == len(status.points)
+    assert status.is_over and status.counts["done"] == len(status.points)

@@ -54,9 +54,9 @@ def points_read(monkeypatch) -> list[str]:
     """Return a list of the ids of points whose run files are read."""
     ids_read: list[str] = []
 
-    def read_run(path: Path, amounts=None, has_state: bool = False):
+    def read_run(path: Path, amounts=None, need=gather.SCALARS_ALONE):
         ids_read.append(path.stem)
-        return gather.read_run(path, amounts, has_state)
+        return gather.read_run(path, amounts, need)
 
     monkeypatch.setattr(sources, "read_run", read_run)
     return ids_read
@@ -168,7 +168,7 @@ def files(tmp_path_factory) -> list[File]:
         for count, gravity in ((1, 9), (2, 10), (3, 11))
     ]
     points = [parse_point(one, "test") for one in given]
-    return [(write_run(runs, point), amounts(point), False) for point in points]
+    return [(write_run(runs, point), amounts(point), gather.SCALARS_ALONE) for point in points]
 
 
 @pytest.fixture
@@ -198,7 +198,7 @@ def test_all_that_is_wrong_is_counted_and_the_first_is_named(
     broken.write_text("not netCDF")
     missing = [(tmp_path / f"{name}.nc", {}, False) for name in "ab"]
     with pytest.raises(InputError, match=r"broken\.nc: damaged .* \(and 2 more\)$"):
-        read_files([files[0], (broken, {}, False), *missing], processes)
+        read_files([files[0], (broken, {}, gather.SCALARS_ALONE), *missing], processes)
     assert (tmp_path / "broken.nc.damaged").exists()
 
 

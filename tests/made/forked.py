@@ -9,7 +9,6 @@ import snakemake.cli
 
 import sim.claims.claim
 import sim.claims.inference
-import sim.dataset.adopted
 import sim.dataset.rounds
 import sim.dataset.run_file
 import sim.figures.plot

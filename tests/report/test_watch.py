@@ -171,11 +171,6 @@ def test_a_workflow_ends_with_the_place_of_a_report_that_is_not_older_than_the_d
     assert capsys.readouterr().err.endswith(ending) == (age > 0)
 
 
-def test_adopted_points_are_not_waited_for(study, tmp_path):
-    *adopted, other = study.points
-    assert Watch(study, tmp_path, adopted)._points == {other}
-
-
 def test_an_unreadable_folder_leaves_only_the_status_out(study, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("sim.report.watch.survey", Mock(side_effect=PermissionError("runs")))
     Watch(study, tmp_path).summarize()

@@ -14,7 +14,6 @@ import pytest
 
 from sim.base.errors import InputError
 from sim.base.files import YEAR_2000
-from sim.dataset.adopted import AdoptedPoints
 from sim.engine import stored_run
 from sim.parameters import (
     BeltParameters,
@@ -60,29 +59,22 @@ class RunFiles:
     def _read(self, path, parameters):
         return json.loads(path.read_text()) if path.exists() else {}
 
-    def has_enough(self, path, parameters):
+    def has_enough(self, path, parameters, need):
         held = self._read(path, parameters)
         return bool(held) and covers(held, amounts(parameters))
 
-    def needs_growth(self, path, parameters):
-        return path.exists() and not self.has_enough(path, parameters)
+    def needs_growth(self, path, parameters, need):
+        return path.exists() and not self.has_enough(path, parameters, need)
 
-    def planned_amounts(self, path, parameters):
-        is_enough = self.has_enough(path, parameters)
+    def is_reduced(self, path, parameters):
+        return False
+
+    def starts_to_run(self, runs, points, need):
+        return set()
+
+    def planned_amounts(self, path, parameters, need):
+        is_enough = self.has_enough(path, parameters, need)
         return self._read(path, parameters) if is_enough else amounts(parameters)
-
-
-class Adopted:
-    """Adopted points by their ids."""
-
-    def __init__(self, *points):
-        self.points, self.files = points, [Path("adopted.nc")] if points else []
-
-    def source(self, point, parameters):
-        return point if point in self.points else None
-
-    def sources(self, points):
-        return {point: point for point in points if point in self.points}
 
 
 class SharedRuns:
@@ -91,11 +83,11 @@ class SharedRuns:
     def __init__(self, folder, **points):
         self.folder, self.points, self.damaged = folder, points, ()
 
-    def find_runs(self, runs, points):
+    def find_runs(self, runs, points, need):
         return {
             key: SimpleNamespace(path=self.folder / f"{key}.nc", is_enough=self.points[key])
             for key, point in points.items()
-            if key in self.points and not RunFiles().has_enough(runs / f"{key}.nc", point)
+            if key in self.points and not RunFiles().has_enough(runs / f"{key}.nc", point, None)
         }
 
     def take_runs(self, runs, shared):
@@ -119,10 +111,10 @@ def make_plan(tmp_path, monkeypatch):
     """Return a function that makes the plan of a study in an empty folder."""
     monkeypatch.chdir(tmp_path)
 
-    def make(*adopted, text=STUDY, name="planned.yaml", shared=None):
+    def make(text=STUDY, name="planned.yaml", shared=None):
         Path(name).write_text(text.replace("START", point_id(FIRST)))
         study, folder = load_study(name), Path("results/planned")
-        return Plan(study, folder, RunFiles(), Adopted(*adopted), read_round, shared)
+        return Plan(study, folder, RunFiles(), read_round, shared)
 
     return make
 
@@ -186,14 +178,12 @@ def test_amounts_keep_their_text_while_a_run_file_has_enough(make_plan):
     assert [text["replicates"] for text in texts] == [5, 2, 2]
 
 
-def test_adopted_points_are_not_run_and_their_datasets_are_gathered(make_plan):
-    first, second, *_ = make_plan().study.points
-    plan = make_plan(second)
-    (batch,) = plan.batches_to_run(1).values()
-    assert first in batch and second not in batch
-    files = plan.files_to_gather([])
-    assert plan.run_file(second) not in files and files[-1] == "adopted.nc"
-    assert plan.run_file(first) in files and len(files) == len(plan.study.points)
+def test_a_dataset_that_an_earlier_version_adopted_is_told(make_plan):
+    path = Path("results/planned/adopted/x.nc")
+    path.parent.mkdir(parents=True)
+    path.touch()
+    with pytest.raises(InputError, match=rf"{path}: .* talus job adopt planned.yaml {path}; then"):
+        make_plan()
 
 
 @pytest.fixture
@@ -243,12 +233,6 @@ def test_what_turns_out_to_be_damaged_is_run(shared, make_plan):
     assert json.loads(plan.amount_text(first))["replicates"] == 2
 
 
-def test_adopted_points_are_not_taken_from_other_studies(shared, make_plan):
-    first, second, *_ = make_plan().study.points
-    plan = make_plan(first, second, shared=shared)
-    assert plan.shared_line == "0 elsewhere"
-
-
 def test_points_of_rounds_are_taken_from_other_studies(make_plan, tmp_path):
     added = point_id(ADDED)
     (tmp_path / f"{added}.nc").write_text(json.dumps(amounts(ADDED)))
@@ -269,8 +253,6 @@ def test_points_of_rounds_are_gathered_and_looked_up(make_plan):
     assert plan.parameters(added) == ADDED
     assert json.loads(plan.points_json([added])) == [canonical_values(ADDED)]
     assert plan.files_to_gather([path]) == [*files, plan.run_file(added)]
-    adopting = make_plan(added, text=ONSET)
-    assert adopting.files_to_gather([path]) == [*files, "adopted.nc"]
 
 
 def test_a_round_is_read_before_the_next_is_asked_for(make_plan):
@@ -448,7 +430,7 @@ def plan_of(folder: Path, series: dict) -> Plan:
     path = folder / "one.yaml"
     path.write_text(json.dumps({"study": "one", "series": [series]}))
     study = load_study(path)
-    return Plan(study, folder, stored_run, AdoptedPoints(study, folder), dict)
+    return Plan(study, folder, stored_run, dict)
 
 
 def test_an_engine_that_is_not_installed_is_refused_before_jobs_start(tmp_path, monkeypatch):

@@ -6,12 +6,10 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from sim.claims.verdict_files import write as write_claims
 from sim.dataset.adopted import adopt
 from sim.dataset.build import build
 from sim.dataset.rounds import read_round
-from sim.figures.render import draw_figures
-from sim.report import page
+from sim.engine.stored_run import is_reduced
 from sim.study.load import load_study
 from sim.surrogates.rounds import write_round
 from tests.golden import CLOCK
@@ -49,14 +47,19 @@ def frequencies(output: str) -> set[str]:
 def test_only_what_the_dataset_has_not_is_run(finished_tree, tmp_path):
     path, results = tmp_path / "small.yaml", tmp_path / "results"
     path.write_text(STUDY % 2)
+    held = load_study(path, results).points
     adopt(path, finished_tree / "half.nc", results)
     dry_run = plan(tmp_path, study="small.yaml")
     assert frequencies(dry_run) == {"40", "50"}
     assert jobs(dry_run)["dataset"] == jobs(dry_run)["warm"] == 1
     process = snakemake(tmp_path, "dataset", study="small.yaml")
     assert process.returncode == 0, process.stderr
-    assert "4 points: 2 done, 2 adopted" in process.stderr
-    run_files = list((results / "small" / "runs").glob("*.nc"))
+    assert "4 points: 4 done" in process.stderr
+    run_files = [
+        path
+        for path in (results / "small" / "runs").glob("*.nc")
+        if "frequency40" in path.name or "frequency50" in path.name
+    ]
     assert len(run_files) == 2
     assert planned_jobs(tmp_path, "dataset", study="small.yaml") == {}
     straight = tmp_path / "straight"
@@ -72,22 +75,23 @@ def test_only_what_the_dataset_has_not_is_run(finished_tree, tmp_path):
         )
         times = [name for name in CLOCK if name in one]
         xr.testing.assert_equal(one.drop_vars(times), other.drop_vars(times))
-    made = results / "small"
-    draw_figures(["velocity"], made / "dataset.nc", made / "figures", code="x", study_path=path)
-    write_claims([], "small", made)
-    text = page.build(path, results).read_text()
-    (adopted_file,) = (results / "small" / "adopted").iterdir()
-    assert text.count("; adopted") == 2
-    assert f"2 points from dataset {adopted_file.stem}, run 20" in text
-    # More of each point is none of the dataset's; time series need run files.
+    # More of each point is none of the dataset's; time series need whole runs.
     (tmp_path / "more.yaml").write_text(STUDY % 3)
     assert len(frequencies(plan(tmp_path, study="more.yaml"))) == 4
     series = "y: velocity}, {name: v, kind: time_series, y: velocity}]"
     (tmp_path / "series.yaml").write_text((STUDY % 2).replace("y: velocity}]", series))
     assert frequencies(plan(tmp_path, study="series.yaml")) == {"20", "30"}
-    # The dataset gone, its points are run.
-    adopted_file.unlink()
-    assert frequencies(plan(tmp_path, study="small.yaml")) == {"20", "30"}
+    process = snakemake(tmp_path, "runs", study="series.yaml")
+    assert process.returncode == 0, process.stderr
+    runs = results / "small" / "runs"
+    assert not any(is_reduced(runs / f"{key}.nc", one.parameters) for key, one in held.items())
+    assert planned_jobs(tmp_path, "runs", study="series.yaml") == {}
+    # What Snakemake has recorded of smaller runs does not make larger ones run that are adopted.
+    for one in load_study(tmp_path / "more.yaml").points.values():
+        write_run(tmp_path / "made" / "small" / "runs", one.parameters)
+    adopt(tmp_path / "more.yaml", build(tmp_path / "more.yaml", tmp_path / "made"), results)
+    process = snakemake(tmp_path, "runs", study="more.yaml")
+    assert (process.returncode, points(process.stderr)) == (0, []), process.stderr
 
 
 def test_a_dataset_of_all_points_leaves_nothing_to_run(finished_tree, tmp_path):

@@ -14,7 +14,6 @@ from sim.base.additions import additions, codes
 from sim.base.errors import InputError
 from sim.base.files import correct_future_times, write_start
 from sim.base.program import files_hash, room_hash
-from sim.dataset.adopted import AdoptedPoints
 from sim.dataset.rounds import read_round
 from sim.dataset.run_file import require_start_files
 from sim.engine import shared_runs, stored_run
@@ -38,10 +37,9 @@ try:
 
         claims()
     RESULTS = f"results/{STUDY.name}"
-    adopted = AdoptedPoints(STUDY, Path(RESULTS))
     # The main process takes runs of other studies before jobs start.
     others = shared_runs if workflow.is_main_process else None
-    PLAN = Plan(STUDY, Path(RESULTS), stored_run, adopted, read_round, others)
+    PLAN = Plan(STUDY, Path(RESULTS), stored_run, read_round, others)
     if workflow.is_main_process:
         PLAN.require_engines()
 except (InputError, OSError) as error:
