@@ -46,7 +46,7 @@ WEIGHT = {
     "measures": 455,
     "dataset": 1_692,
     "surrogates": 1_815,
-    "figures": 4_360,
+    "figures": 4_113,
     "claims": 1_434,
     "papers": 2_321,
     "report": 2_725,

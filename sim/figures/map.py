@@ -22,7 +22,7 @@ from matplotlib.tri import LinearTriInterpolator, Triangulation, UniformTriRefin
 from scipy.spatial import Delaunay, QhullError
 
 from sim.figures.axes import set_log
-from sim.figures.caption import regime_sentence, unsteady_sentence
+from sim.figures.caption import not_drawn
 from sim.figures.data import (
     FigureData,
     quantity_table,
@@ -39,12 +39,10 @@ from sim.figures.plot import (
     foreign_data_notes,
     given_labels,
     label_axes,
-    missing_value_note,
+    mark_runs,
     observed_quantity,
     panels,
     parameter_label,
-    set_run_ticks,
-    width_of,
 )
 from sim.figures.scatter import draw_points
 from sim.figures.style import (
@@ -199,18 +197,17 @@ _THEORIES = {
 
 
 def _set_axes(data: FigureData, shown: Panels) -> None:
-    """Set scales, and put ticks at the values that were run."""
+    """Set scales, and mark the values that were run."""
     x, y = data.spec.axes
     log = data.spec.log
-    height = SINGLE_SIZE[1] - 1.0 if len(shown) == 1 else PANEL_SIZE[1] - 0.5
     for axes, _ in shown:
         for axis in {"x", "y"} & set(log):
             set_log(axes, axis)
         if data.spec.show == REGIME:
             axes.margins(0.1)
         axes.autoscale_view()
-        set_run_ticks(axes, data, x, width_of(shown))
-        set_run_ticks(axes, data, y, height, "y")
+        mark_runs(axes, data.rows[x])
+        mark_runs(axes, data.rows[y], "y")
 
 
 def table(data: FigureData) -> pd.DataFrame:
@@ -228,7 +225,7 @@ def notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on markers."""
     if data.spec.show == REGIME:
         return (
-            boundary_notes(data)
+            boundary_sentences(data.boundaries, data.spec.axes)
             if data.spec.paper
             else ["One marker per point.", *foreign_data_notes(data)]
         )
@@ -325,7 +322,7 @@ def _settings_suffix(system: str, names: dict[str, Any]) -> str:
 
 
 def boundary_sentences(boundaries: pd.DataFrame, plane: Sequence[str]) -> list[str]:
-    """Return what the bars are; and which boundaries have no interval or exceed the tolerance."""
+    """Return what the bars are, and which boundaries have no interval or exceed the tolerance."""
     in_plane = boundaries[boundaries["along"].isin(plane)]
     if in_plane.empty:
         return [""]
@@ -341,12 +338,10 @@ def boundary_sentences(boundaries: pd.DataFrame, plane: Sequence[str]) -> list[s
         missing = "; ".join(_missing_names(rows, in_plane))
         if len(rows):
             parts.append(f"{len(rows)} {text}" + (f" ({missing})" if missing else ""))
-    kinds = "; ".join(f"{label} ({len(bars)})" for label, _, bars in _kinds(boundaries, plane))
     found = int(in_plane["low"].notna().sum())
     return [
         f"Bars: intervals that hold a boundary, {found} of {len(in_plane)} looked for.",
         f"Boundaries: {'; '.join(parts)}." if parts else "",
-        f"Boundaries shown: {kinds}." if kinds else "",
     ]
 
 
@@ -359,11 +354,6 @@ def _missing_names(rows: pd.DataFrame, boundaries: pd.DataFrame) -> list[str]:
         for row in rows[rows["low"].isna()].to_dict("records")
     ]
     return list(dict.fromkeys(names))
-
-
-def boundary_notes(data: FigureData) -> list[str]:
-    """Return the notes on the boundaries in the plane of a figure."""
-    return boundary_sentences(data.boundaries, data.spec.axes)
 
 
 # A map of an observable: cells of a grid, or contours between scattered points.
@@ -602,17 +592,16 @@ def value_notes(data: FigureData) -> list[str]:
     known, panel = known_rows(data, [shade]), data.spec.panels
     parts = [part for _, part in data.rows.groupby(panel)] if panel else [data.rows]
     others = [parameter_phrase(data.spec.system, name) for name in _others(data)]
-    marks = unsteady_sentence(known, "hatched (wide: of runs too short to tell)")
+    hatched = "Hatched: not shown to be steady (wide: of runs too short to tell)."
     if all(is_grid(part, data.spec.axes) for part in parts):
         what = "A cell per point, up to halfway to its neighbours."
     elif _triangles(data, known, shade) is not None:
         what = "Contours: linear between neighbouring points (triangulation), which are the dots."
     else:
         why = f", without contours: they also differ in {in_words(others)}" if others else ""
-        what, marks = f"A marker per point{why}.", regime_sentence(known, has_bars=False)
-    value = "a value above 0" if shade.log else "a value"
+        what, hatched = f"A marker per point{why}.", ""
     return [
         what,
-        marks,
-        *missing_value_note(len(data.rows) - len(known), value, "Crosses"),
+        hatched if _hatches(known).any() else "",
+        *not_drawn(len(data.rows) - len(known), "without a value (crosses)"),
     ]

@@ -14,7 +14,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, LogNorm, Normalize, to_hex, to_rgba
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FixedLocator, MaxNLocator, NullLocator
+from matplotlib.ticker import FixedLocator, NullLocator
 
 from sim.figures.axes import set_log
 from sim.figures.data import FigureData, Quantity
@@ -79,8 +79,8 @@ class Variable:
     choices: tuple[str, ...] = ()
     log: bool = False
 
-    def scale(self, axes: Axes, axis: str, ticks: int) -> None:
-        """Set the scale of an axis and at most so many ticks."""
+    def scale(self, axes: Axes, axis: str) -> None:
+        """Set the scale of an axis, and the ticks of choices."""
         along = axes.xaxis if axis == "x" else axes.yaxis
         if self.log:
             set_log(axes, axis)
@@ -90,8 +90,6 @@ class Variable:
             along.set_major_locator(FixedLocator(range(len(self.choices))))
             along.set_ticklabels([escape_label(name) for name in self.choices])
             getattr(axes, f"set_{axis}lim")(-0.5, len(self.choices) - 0.5)
-        else:
-            along.set_major_locator(MaxNLocator(ticks, steps=[1, 2, 2.5, 5, 10]))
 
     def text(self, value: float) -> str:
         """Write a value as ticks do."""
