@@ -36,7 +36,7 @@ from sim.figures.plot import (
     write_no_data,
 )
 from sim.figures.style import LEVEL, PATTERNS, CurveStyle, Look, look_of
-from sim.figures.variables import has_logarithmic_values, is_number, legend, shared_look
+from sim.figures.variables import is_number, legend, shared_look
 from sim.measures.belt import speed_along_x
 from sim.parameters import SYSTEMS
 from sim.study.plot_contents import SCATTER_HINT, in_words, parameter_phrase
@@ -223,9 +223,7 @@ def _look(data: FigureData, measure: Mapping[str, str] | None = None) -> Look:
 
 def _set_axes(data: FigureData, shown: Panels, drawable: dict[str, Quantity]) -> None:
     """Set scales and limits, and put a tick at each value of the parameter that was run."""
-    spec, log = data.spec, set(data.spec.log)
-    if not spec.paper and any(has_logarithmic_values(data.rows[name]) for name in spec.axes[:1]):
-        log.add("x")
+    spec, log = data.spec, data.spec.log
     chosen = _has_all_values(drawable) & (data.rows["completed"] > 0)
     for axes, _ in shown:
         for axis in log:

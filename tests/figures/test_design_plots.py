@@ -7,7 +7,7 @@ from matplotlib.contour import ContourSet
 
 from sim.base.statistics import student_half_width
 from sim.figures.scatter import binned_means
-from sim.figures.variables import has_logarithmic_values
+from sim.study.plot_contents import has_logarithmic_values
 from sim.study.plot_kinds import find_kind
 from tests.figures.made_plots import drawn
 from tests.made.results import MadePoint, made_point
