@@ -1,25 +1,14 @@
-"""Scales, ticks and limits of axes, and carets on the error bars that they cut."""
+"""Scales and limits of axes."""
 
-from collections.abc import Iterable, Sequence
-from typing import Any
+from collections.abc import Sequence
 
-import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
-from matplotlib.colors import to_hex
-from matplotlib.container import ErrorbarContainer
-from matplotlib.markers import CARETDOWN, CARETLEFT, CARETRIGHT, CARETUP
-from matplotlib.ticker import FixedLocator, LogLocator, NullFormatter
+from matplotlib.ticker import LogLocator, NullFormatter
 
 #: Ratio of the ends of a logarithmic axis from which only powers of ten have ticks.
 _DECADES_FROM = 300
-
-#: Width of a digit, height of a line, and least gap between two tick labels, inches.
-_DIGIT, _LINE, _GAP = 0.08, 0.125, 0.05
-
-#: Size of small labels, points, and of usual ones.
-_SMALL, _USUAL = 7.5, 9.0
 
 #: Room around the values for their intervals, relative to the range of the values.
 _MARGIN = 0.6
@@ -68,75 +57,6 @@ class _Steps(LogLocator):
         return super().tick_values(vmin, vmax)
 
 
-def set_ticks(
-    axes: Axes,
-    values: Iterable[float],
-    length: float,
-    *,
-    vertical: bool = False,
-) -> None:
-    """Put a tick at each value, with a number wherever there is room for one.
-
-    Numbers lie along the axis or, where they would touch, across it. As few ticks as possible have
-    no number.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        The axes; their scale and their limits must be final.
-    values : iterable of float
-        The values.
-    length : float
-        Approximate length of the axis, inches.
-    vertical : bool
-        Whether it is the vertical axis.
-    """
-    axis: Axis = axes.yaxis if vertical else axes.xaxis
-    distinct = sorted(set(values))
-    labels = [f"{value:g}" for value in distinct]
-    places = length * _fractions(axis, distinct)
-    across = 0 if vertical else 90
-    layouts = [(vertical, 0, _USUAL), (True, across, _USUAL), (True, across, _SMALL)]
-    for layout in layouts:
-        stacked, angle, size = layout
-        widths = [(_LINE if stacked else _width(label) + _GAP) * size / _USUAL for label in labels]
-        labelled = _readable_labels(places, widths)
-        if len(labelled) == len(distinct):
-            break
-    axis.set_major_locator(FixedLocator([distinct[index] for index in labelled]))
-    axis.set_minor_locator(
-        FixedLocator(sorted(set(distinct) - {distinct[index] for index in labelled}))
-    )
-    axis.set_major_formatter("{x:g}")
-    axis.set_minor_formatter(NullFormatter())
-    axis.set_tick_params(labelrotation=angle, labelsize=size)
-
-
-def _width(label: str) -> float:
-    """Return the width of a label, inches; a point is half as wide as a digit."""
-    return _DIGIT * (len(label) - 0.5 * label.count("."))
-
-
-def _fractions(axis: Axis, values: Sequence[float]) -> np.ndarray:
-    """Return the positions of values on an axis, from 0 to 1."""
-    low, high = axis.get_view_interval()
-    transform = axis.get_transform().transform
-    start, end = transform(np.array([low, high], float))
-    return np.abs((transform(np.asarray(values, float)) - start) / (end - start))
-
-
-def _readable_labels(places: np.ndarray, widths: Sequence[float]) -> list[int]:
-    """Return the indices of labels that do not touch: the last, then all from the left."""
-    chosen: list[int] = []
-    for index in dict.fromkeys((len(places) - 1, *range(len(places)))):
-        if all(
-            abs(places[index] - places[other]) >= (widths[index] + widths[other]) / 2
-            for other in chosen
-        ):
-            chosen.append(index)
-    return sorted(chosen)
-
-
 def limit_axis(
     axes: Axes,
     axis: str,
@@ -177,37 +97,3 @@ def _axis_limits(
     lowest, highest = lowest[lowest >= least - room], highest[highest <= most + room]
     # The cap at the end of a bar is whole.
     return min([least, *lowest - _CAP * size]), max([most, *highest + _CAP * size])
-
-
-def has_cut_bars(
-    values: pd.Series, half_widths: pd.Series, others: pd.Series, *, logarithmic: bool
-) -> bool:
-    """Return whether an error bar leaves the axes, where `mark_cut_bars` puts a caret.
-
-    The arguments are those of `limit_axis`.
-    """
-    if values.empty:
-        return False
-    half = half_widths.fillna(0)
-    lowest, highest = (values - half).min(), (values + half).max()
-    least, most = _axis_limits(values, half_widths, others, logarithmic)
-    return bool(lowest < least or highest > most)
-
-
-def mark_cut_bars(axes: Axes) -> None:
-    """Put a caret on the edge where an error bar leaves the axes; their limits must be final."""
-    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    containers = (bars for bars in axes.containers if isinstance(bars, ErrorbarContainer))
-    for bars in (part for container in containers for part in container.lines[2]):
-        for (x, y), (far, high) in bars.get_segments():
-            ends = [(y < bottom, x, bottom, CARETDOWN), (high > top, x, top, CARETUP)]
-            if far > x:
-                ends = [(x < left, left, y, CARETLEFT), (far > right, right, y, CARETRIGHT)]
-            for is_cut, *place, caret in ends:
-                if is_cut:
-                    look: dict[str, Any] = {
-                        "marker": caret,
-                        "color": to_hex(np.asarray(bars.get_color())[0]),
-                    }
-                    (mark,) = axes.plot(*place, **look, scalex=False, scaley=False)
-                    mark.set_transform(bars.get_transform())

@@ -8,7 +8,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim.base.statistics import student_half_width
-from sim.figures.caption import points_text, range_text
 from sim.figures.data import FigureData, parameter_columns, split_curves, varying_parameters
 from sim.figures.family import labels_and_styles
 from sim.figures.style import (
@@ -145,22 +144,13 @@ def table(data: FigureData) -> pd.DataFrame:
 
 
 def notes(data: FigureData) -> list[str]:
-    """Return the sentences of the caption on heights, bands and regimes."""
-    completed = data.rows["completed"]
-    several, single = completed[completed > 1], completed[completed == 1]
-    sentences = [
-        f"Bands: 95 % interval of the mean over {range_text(several)} replicates (Student)."
-        if len(several)
+    """Return the sentences of the caption on bands, slices and their extent."""
+    has_bands = (data.rows["completed"] > 1).any()
+    return [
+        "Bands: 95 % intervals of the mean over replicates (Student), which may go beyond the "
+        "axes; none where one replicate is known."
+        if has_bands
         else "",
         "z is measured from the present position of the belt, in slices of ⟨d⟩, up to the last one "
-        f"with {THIN:g} beads per ⟨d⟩² or more.",
+        f"with {THIN:g} beads per ⟨d⟩² or more; one that is empty in a replicate has no velocity.",
     ]
-    if len(several):
-        sentences.append("Bands may reach beyond the axes.")
-    if _profile(data) is VELOCITY:
-        sentences.append("A slice that is empty in a replicate has no value.")
-    if len(single):
-        sentences.append(f"No band: one replicate ({points_text(len(single))}).")
-    regimes = data.rows[completed > 0]["regime"].value_counts()
-    named = ", ".join(f"{count} {regime}" for regime, count in regimes.items())
-    return [*sentences, f"Regimes of the flows: {named}."] if named else sentences

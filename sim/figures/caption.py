@@ -1,8 +1,7 @@
-"""Caption and details of a figure: sentences on parameters, intervals, regimes and gaps."""
+"""Caption and details of a figure: meaning, a line of counts, parameters, caveats and failures."""
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
 from math import isfinite
 from typing import Any
 
@@ -14,30 +13,21 @@ from sim.figures.data import FigureData, Quantity, quantities
 from sim.figures.style import is_undecided
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import quantity, setting
-from sim.study.plot_contents import in_words, name_in_words
-from sim.study.plot_kinds import REGIME
+from sim.study.plot_contents import name_in_words
 from sim.study.plottable import numbers
-from sim.study.surrogate import SLOWING
-
-#: How captions name the regimes that are not steady.
-_REGIMES = {
-    "accelerating": "still accelerating",
-    "arrested": "at rest",
-    "undetermined": "slowing, or with a trend that is not clear",
-    "mixed": "with replicates in different regimes",
-    SLOWING: "surely slowing down",
-}
-
 
 #: Most values of a parameter that a caption lists.
 MOST_VALUES = 12
+
+#: What counts call flows that may be steady.
+SHORT = "too short to tell"
 
 
 def caption(data: FigureData, notes: Sequence[str]) -> str:
     """Return the caption and, after an empty line, the details, a line each.
 
-    The caption has what is shown, what the paper says of it, what bars or marks are, and what is in
-    doubt. The first of the ``notes`` of a kind belongs to it, the others to the details.
+    The caption has what is shown, what the paper says of it, the first of the ``notes`` of a kind,
+    and how many points are in which state. Parameters, caveats and failures are details.
     """
     rows, spec = data.rows, data.spec
     first, *others = notes or [""]
@@ -45,16 +35,16 @@ def caption(data: FigureData, notes: Sequence[str]) -> str:
         f"{spec.paper}. {spec.lead}" if spec.paper else spec.lead,
         spec.says,
         first,
-        doubt_sentence(data),
+        counts_line(rows),
     )
     details = (
         spec.details,
-        parameters_sentence(rows, spec.system, spec.named),
-        protocol_sentence(rows, spec.system),
         *others,
-        *answer_sentences(data),
+        answer_sentence(data),
+        protocol_sentence(rows, spec.system),
         caveat_sentence(rows),
         failure_sentence(rows),
+        *parameter_lines(rows, spec.system, spec.named),
     )
     short, lines = " ".join(filter(None, sentences)), "\n".join(filter(None, details))
     return f"{short}\n\n{lines}".strip()
@@ -63,41 +53,36 @@ def caption(data: FigureData, notes: Sequence[str]) -> str:
 def parted(text: str) -> tuple[str, list[str]]:
     """Return the caption in a file of it, and the details.
 
-    >>> parted("Velocity. Bars: 95 %.\\n\\nParameters: e = 0.9.\\nCaveat.\\n")
-    ('Velocity. Bars: 95 %.', ['Parameters: e = 0.9.', 'Caveat.'])
+    >>> parted("Velocity. Points: steady 3.\\n\\nCaveat.\\nrestitution: e = 0.9\\n")
+    ('Velocity. Points: steady 3.', ['Caveat.', 'restitution: e = 0.9'])
     """
     short, _, details = text.strip().partition("\n\n")
     return short, details.splitlines()
 
 
-def doubt_sentence(data: FigureData) -> str:
-    """Count the points that are not shown to be steady, carry a caveat or failed; name the caveat.
+def counts_line(rows: pd.DataFrame) -> str:
+    """Count the points in each state, and those with a caveat, the most frequent of which is named.
 
-    Maps of regimes and pictures of particles show or say themselves what flows are not steady.
+    Empty where no point has a state.
     """
-    rows, spec = data.rows, data.spec
-    shown = rows[rows["completed"] > 0]
-    is_told = spec.particles or spec.show == REGIME
-    unsteady = 0 if is_told else int(((shown["regime"] != "steady") | is_undecided(shown)).sum())
+    states = rows["regime"].mask(is_undecided(rows), SHORT).where(rows["completed"] > 0, "failed")
+    text = counted(states)
     caveats = rows["caveat"][rows["caveat"] != ""].value_counts()
-    reasons = [
-        (unsteady, "is", "are", " not shown to be steady"),
-        (len(rows) - len(shown), "failed", "failed", ""),
-        (caveats.sum(), "carries", "carry", " a caveat"),
-    ]
-    is_one = len(rows) == 1
-    counts = [
-        f"{'' if is_one else f'{count} '}{verb if count == 1 else verbs}{what}"
-        for count, verb, verbs, what in reasons
-        if count
-    ]
-    if not counts:
-        return ""
-    text = ("The point " if is_one else f"Of {points_text(len(rows))}, ") + in_words(counts)
     if len(caveats):
-        mostly = "mostly " if len(caveats) > 1 else ""
-        text += f" ({mostly}{first_clause(caveats.index[0])})"
-    return text + "."
+        mostly = "mostly: " if len(caveats) > 1 else ""
+        text += f"; with a caveat {caveats.sum()} ({mostly}{first_clause(caveats.index[0])})"
+    return f"Points: {text}." if text else ""
+
+
+def counted(states: pd.Series) -> str:
+    """Return how many points are in each state, those that are steady first.
+
+    >>> counted(pd.Series(["failed", "steady", "failed"]))
+    'steady 1, failed 2'
+    """
+    counts = states.value_counts().to_dict()
+    order = sorted(counts, key=lambda state: (state != "steady", state == "failed", -counts[state]))
+    return ", ".join(f"{state} {counts[state]}" for state in order)
 
 
 def first_clause(caveat: str) -> str:
@@ -105,48 +90,30 @@ def first_clause(caveat: str) -> str:
     return re.split("[,;]", caveat)[0]
 
 
-def point_notes(data: FigureData) -> list[str]:
-    """Return the sentences of a caption on error bars and markers of measures or velocities."""
-    if data.spec.quantities:
-        return quantity_notes(data, quantities(data))
-    return [*interval_sentences(data.rows), regime_sentence(data.rows)]
+def point_notes(data: FigureData, shown: Sequence[Quantity] | None = None) -> list[str]:
+    """Return the sentence on intervals of quantities, and one on points that are not steady.
 
-
-def bar_notes(data: FigureData, rows: pd.DataFrame, quantities: Sequence[Quantity]) -> list[str]:
-    """Return the sentences of a caption on bars and markers of some rows of a figure.
-
-    Only velocities have intervals of one replicate.
+    By default, the quantities are the measures of a figure or its velocities, which alone have
+    intervals within the run.
     """
-    shown = replace(data, rows=rows)
-    others = [quantity for quantity in quantities if quantity.name != "velocity"]
-    if len(others) == len(quantities):
-        return quantity_notes(shown, [_of_rows(quantity, rows) for quantity in quantities])
-    without_bar = [
-        name_in_words(quantity.name)
-        for quantity in others
-        if quantity.half_width[rows.index].isna().any()
-    ]
-    sentences = [f"No bar of the {name} where only one replicate is known." for name in without_bar]
-    return [*interval_sentences(rows), *sentences, regime_sentence(rows)]
-
-
-def _of_rows(quantity: Quantity, rows: pd.DataFrame) -> Quantity:
-    value, half_width = quantity.value[rows.index], quantity.half_width[rows.index]
-    return replace(quantity, value=value, half_width=half_width)
-
-
-def quantity_notes(data: FigureData, quantities: Sequence[Quantity]) -> list[str]:
-    """Return the sentences of a caption on error bars and markers of quantities.
-
-    Points without a value are not counted.
-    """
-    is_known = pd.concat([measure.value.notna() for measure in quantities], axis=1)
-    has_bar = pd.concat([measure.half_width.notna() for measure in quantities], axis=1) & is_known
-    sentence = "Bars: 95 % interval of the mean over replicates (Student)"
-    if has_bar.sum().sum() < is_known.sum().sum():
-        sentence += ", none where only one"
-    drawn = f"{sentence}." if has_bar.any().any() else ""
-    return [drawn, regime_sentence(data.rows[is_known.any(axis=1)])]
+    rows = data.rows[data.rows["completed"] > 0]
+    each = quantities(data) if shown is None else shown
+    known = [(one.value[rows.index].notna(), one.half_width[rows.index].notna()) for one in each]
+    has_gap = any((value & ~half).any() for value, half in known)
+    is_within = (
+        any(one.name == "velocity" for one in each) and (rows["interval"] == "within run").any()
+    )
+    text = ""
+    if any(half.any() for _, half in known):
+        text = "Intervals: 95 %, of the mean over replicates (Student); they may go beyond the axes"
+        if is_within:
+            text += "; of one replicate within the run, without how much initial states differ"
+        text += "; of measures none where one replicate is known." if has_gap else "."
+    is_mean = (rows["regime"] != "steady") | is_undecided(rows)
+    mean = (
+        "Pale and open markers, too, are means over the averaging window; no line joins open ones."
+    )
+    return [text, mean if is_mean.any() else ""]
 
 
 def velocity_text(row: Mapping[str, Any]) -> str:
@@ -155,20 +122,15 @@ def velocity_text(row: Mapping[str, Any]) -> str:
     return f"{row['velocity']:.3g}{interval} m/s"
 
 
-def parameters_sentence(rows: pd.DataFrame, system: str, names: Sequence[str]) -> str:
-    """Write the parameters that the points of a figure share, or all their values.
-
-    Empty where no parameter is named.
-    """
-    if not names:
-        return ""
-    parts = [
-        values_text(system, name, rows[name])
-        if field_info(SYSTEMS[system])[name].unit
+def parameter_lines(rows: pd.DataFrame, system: str, names: Sequence[str]) -> list[str]:
+    """Return a line for each parameter: its name, and the values of the points."""
+    declared = field_info(SYSTEMS[system])
+    return [
+        f"{name_in_words(name)}: {values_text(system, name, rows[name])}"
+        if declared[name].unit
         else " and ".join(setting(system, name, value) for value in sorted(set(rows[name])))
         for name in names
     ]
-    return "Parameters: " + "; ".join(parts) + "."
 
 
 def values_text(system: str, name: str, values: pd.Series) -> str:
@@ -189,111 +151,30 @@ def protocol_sentence(rows: pd.DataFrame, system: str) -> str:
     precisions = ", ".join(f"{100 * target:g}" for target in targets)
     limited = int(converged["stopped"].str.contains("limit").sum())
     return (
-        f"Converged protocol ({points_text(len(converged))}): runs go on until the mean is known "
-        f"to {precisions} % without a drift, at most {limit}. {points_text(limited).capitalize()} "
-        "reached that limit first. Averages leave out the transient."
+        f"Converged protocol ({points_text(len(converged))}): until the mean is known to "
+        f"{precisions} % without a drift, at most {limit}, which {points_text(limited)} reached."
     )
 
 
-def interval_sentences(rows: pd.DataFrame) -> list[str]:
-    """Return what the bars of velocities are, and for the details what those of one run leave out.
-
-    The first is empty where no point has completed.
-    """
-    shown = rows[rows["completed"] > 0]
-    between_replicates = shown[shown["interval"] == "replicates"]
-    within_run = shown[shown["interval"] == "within run"]
-    parts = []
-    if len(between_replicates):
-        numbers = range_text(between_replicates["completed"])
-        parts.append(f"of the mean over {numbers} replicates (Student)")
-    if len(within_run):
-        for_points = (
-            f" for the {points_text(len(within_run))} with one replicate"
-            if len(between_replicates)
-            else ""
-        )
-        parts.append(f"within the run{for_points}")
-    if not parts:
-        return [""]
-    bars = f"Bars: 95 % interval {', '.join(parts)}."
-    within = (
-        "The interval within a run counts its correlations, and leaves out how much one initial "
-        "state differs from another."
-    )
-    return [bars, within] if len(within_run) else [bars]
-
-
-def regime_sentence(rows: pd.DataFrame, *, has_bars: bool = True) -> str:
-    """Explain filled, pale and open markers, with numbers of points; empty if all are steady.
-
-    ``has_bars`` says whether the markers have error bars.
-    """
-    shown = rows[rows["completed"] > 0]
-    is_open = is_undecided(shown)
-    steady = (shown["regime"] == "steady") & ~is_open
-    unsteady = _unsteady_counts(shown[~is_open])
-    parts = ["filled markers are steady flows"] if steady.any() else []
-    if is_open.any():
-        subject = "pale ones may be" if parts else "pale markers are flows that may be steady"
-        parts.append(
-            f"{subject}, their runs are too short to tell ({points_text(is_open.sum())})"
-            + ", and their error bars may be too small" * has_bars
-        )
-    if unsteady:
-        subject = "open ones are" if parts else "open markers are flows"
-        parts.append(
-            f"{subject} not shown to be{'' if parts else ' steady'}: " + ", ".join(unsteady)
-        )
-    if not (is_open.any() or unsteady):
-        return ""
-    text = "; ".join(parts)
-    value = "their value is the mean over the averaging window all the same"
-    return f"{text[0].upper()}{text[1:]}; {value}."
-
-
-def _unsteady_counts(rows: pd.DataFrame) -> list[str]:
-    """Return the number of points in each regime that is not steady, in words."""
-    counts = rows[rows["regime"].isin(_REGIMES)]["regime"].value_counts()
-    return [f"{points_text(count)} {_REGIMES[regime]}" for regime, count in counts.items()]
-
-
-def answer_sentences(data: FigureData) -> list[str]:
-    """Count the flows not shown to be steady in an answer, those left out, and those without value.
-
-    Empty for a figure that shows no answer.
-    """
+def answer_sentence(data: FigureData) -> str:
+    """Count the flows that an answer counts in and leaves out; empty for other figures."""
     rows, answer = data.rows[data.rows["completed"] > 0], data.spec.answer
-    if not answer.file:
-        return []
+    if not answer.file or rows.empty:
+        return ""
     observable = numbers(data.spec.system)[answer.observable]
     values = replicate_values(data.results, observable, list(rows["point"]))
     has_value = np.array([row.size > 0 for row in values], bool)
     regimes = pd.Series(map(answering_regime, rows.to_dict("records")), rows.index, dtype=object)
-    counts = regimes.isin(answer.regimes)
-    others = regimes[~counts & has_value].value_counts()
-    texts = [f"{points_text(count)} {_REGIMES.get(name, name)}" for name, count in others.items()]
-    if lacking := int((~has_value).sum()):
-        texts.append(f"{points_text(lacking)} without a value")
-    return [
-        unsteady_sentence(
-            rows.assign(regime=regimes)[counts & has_value], "part of the answer all the same"
+    is_counted = regimes.isin(answer.regimes) & has_value
+    states = regimes.where(has_value, "without a value")
+    texts = (
+        (
+            "In the answer",
+            counted(states.mask(is_undecided(rows.assign(regime=regimes)), SHORT)[is_counted]),
         ),
-        f"Not part of the answer: {', '.join(texts)}." if texts else "",
-    ]
-
-
-def unsteady_sentence(rows: pd.DataFrame, mark: str = "drawn all the same") -> str:
-    """Count the flows not shown to be steady, for plots without such markers; empty if none is.
-
-    ``mark`` says what is made of them.
-    """
-    shown = rows[rows["completed"] > 0]
-    is_open = is_undecided(shown)
-    unsteady = _unsteady_counts(shown[~is_open])
-    if is_open.any():
-        unsteady.append(f"{points_text(is_open.sum())} whose runs are too short to tell")
-    return f"Not surely steady, and {mark}: {', '.join(unsteady)}." if unsteady else ""
+        ("left out of it", counted(states[~is_counted])),
+    )
+    return "; ".join(f"{what}: {text}" for what, text in texts if text) + "."
 
 
 def caveat_sentence(rows: pd.DataFrame) -> str:
@@ -319,10 +200,9 @@ def failure_sentence(rows: pd.DataFrame) -> str:
     return " ".join(sentences)
 
 
-def range_text(counts: Iterable[int]) -> str:
-    """Write the range of some numbers, or one if all are equal: ``3 to 5`` or ``3``."""
-    least, most = min(counts), max(counts)
-    return f"{least}" if least == most else f"{least} to {most}"
+def not_drawn(count: int, why: str) -> list[str]:
+    """Return the note on what a picture leaves out, and why; empty where it leaves out nothing."""
+    return [f"Not drawn, {why}: {count:,}."] if count else []
 
 
 def points_text(count: int) -> str:

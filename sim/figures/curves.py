@@ -9,8 +9,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from sim.figures.axes import has_cut_bars, limit_axis, mark_cut_bars, set_log, set_plain_ticks
-from sim.figures.caption import bar_notes
+from sim.figures.axes import limit_axis, set_log, set_plain_ticks
+from sim.figures.caption import not_drawn, point_notes
 from sim.figures.data import (
     FigureData,
     Quantity,
@@ -19,7 +19,7 @@ from sim.figures.data import (
     varying_parameters,
     velocity_table,
 )
-from sim.figures.family import draw_family, name_bands
+from sim.figures.family import draw_family
 from sim.figures.fit import Fit, draw_fits, fit_columns, fit_curves, fit_notes
 from sim.figures.plot import (
     Panels,
@@ -30,19 +30,16 @@ from sim.figures.plot import (
     foreign_values,
     given_labels,
     label_axes,
-    missing_value_note,
-    nonpositive_note,
+    mark_runs,
     observed_quantity,
     panels,
-    set_run_ticks,
-    width_of,
     write_no_data,
 )
-from sim.figures.style import LEVEL, PATTERNS, CurveStyle, Look, is_undecided, look_of
-from sim.figures.variables import has_logarithmic_values, is_number, legend, shared_look
+from sim.figures.style import LEVEL, PATTERNS, CurveStyle, Look, look_of
+from sim.figures.variables import is_number, legend, shared_look
 from sim.measures.belt import speed_along_x
 from sim.parameters import SYSTEMS
-from sim.study.plot_contents import SCATTER_HINT, parameter_phrase
+from sim.study.plot_contents import SCATTER_HINT, in_words, parameter_phrase
 
 #: Largest acceleration of the belt that is drawn (g): well within the flow.
 _LARGEST = 3.0
@@ -52,9 +49,6 @@ _PITCH = 2.4
 
 #: Widest shift between the first and the last curve, points of print.
 _WIDEST = 10 * _PITCH
-
-#: Most ticks per inch of a horizontal axis that shows an observable.
-_TICKS_PER_INCH = 1.8
 
 #: Column of the observable on the horizontal axis, and of the acceleration of the belt (g).
 _OBSERVED_X, _ACCELERATION = "across", "acceleration_ratio"
@@ -81,7 +75,6 @@ def draw(data: FigureData) -> Figure:
     foreign = draw_foreign_data(data, shown)
     _set_axes(data, shown, drawable)
     for axes, _ in shown:
-        mark_cut_bars(axes)
         _draw_levels(data, axes)
     label_axes(figure, shown, *given_labels(data))
     legend(data, figure, shown, _keys(data), foreign)
@@ -230,9 +223,7 @@ def _look(data: FigureData, measure: Mapping[str, str] | None = None) -> Look:
 
 def _set_axes(data: FigureData, shown: Panels, drawable: dict[str, Quantity]) -> None:
     """Set scales and limits, and put a tick at each value of the parameter that was run."""
-    spec, log = data.spec, set(data.spec.log)
-    if not spec.paper and any(has_logarithmic_values(data.rows[name]) for name in spec.axes[:1]):
-        log.add("x")
+    spec, log = data.spec, data.spec.log
     chosen = _has_all_values(drawable) & (data.rows["completed"] > 0)
     for axes, _ in shown:
         for axis in log:
@@ -246,9 +237,7 @@ def _set_axes(data: FigureData, shown: Panels, drawable: dict[str, Quantity]) ->
         if low < 0 < high:
             axes.axhline(0, color="#888888", linewidth=0.7, zorder=1)
         if spec.axes:
-            set_run_ticks(axes, data, _along(data), width_of(shown))
-        elif "x" not in log:
-            axes.locator_params("x", nbins=round(_TICKS_PER_INCH * width_of(shown)))
+            mark_runs(axes, data.rows[_along(data)])
 
 
 def _limits(
@@ -280,35 +269,22 @@ def table(data: FigureData) -> pd.DataFrame:
 
 
 def notes(data: FigureData) -> list[str]:
-    """Return the sentences of the caption on error bars, lines, markers and omitted points."""
-    spec, keys, drawable = data.spec, _keys(data), _drawable_quantities(data)
+    """Return the sentences of the caption on intervals, lines and what is not drawn."""
+    spec, drawable = data.spec, _drawable_quantities(data)
     completed = data.rows["completed"] > 0
     chosen = completed & _has_all_values(drawable)
-    shown = data.rows[chosen]
     with_values = int((completed & _has_all_values(quantities_by_axis(data))).sum())
-    omitted = with_values - len(shown)
-    is_cut = any(
-        has_cut_bars(*_limits(data, drawable, axis, chosen), logarithmic=axis in spec.log)
-        for axis in {axis[0] for axis in drawable}
-    )
     fits = _fits(data, data.rows[completed], drawable)
-    is_lined = spec.axes and not (fits or spec.scattered)
-    along = [] if fits or (spec.axes and not spec.scattered) else _parameters_along(data)
-    bars = bar_notes(data, shown, list(drawable.values()))
-    aside = spec.axes and not spec.quantities and keys and len(shown[keys].drop_duplicates()) > 1
-    # Of what is neither steady nor too short to tell.
-    has_open = ((shown["regime"] != "steady") & ~is_undecided(shown)).any()
-    interrupted = len(along) < 2 and not fits and has_open
+    keys, shown = _keys(data), data.rows[chosen]
+    is_aside = spec.axes and not spec.quantities and keys and len(shown[keys].drop_duplicates()) > 1
     return [
-        *(name_bands(bars, shown[spec.axes[0]]) if is_lined else bars),
+        *point_notes(replace(data, rows=shown), list(drawable.values())),
         *([f"{_hint(len(data.rows))}."] if spec.scattered else []),
-        *(["Error bars that end in a caret go on beyond the axes."] if is_cut else []),
-        *(["Curves are drawn a little aside of each other."] if aside else []),
-        *_notes_on_lines([parameter_phrase(spec.system, name) for name in along]),
-        *(["Lines are interrupted at open markers."] if interrupted else []),
+        *(["Curves stand a little aside of each other."] if is_aside else []),
+        *([] if fits else _notes_on_lines(data)),
         *fit_notes(data, fits),
-        *missing_value_note(int(completed.sum()) - with_values),
-        *nonpositive_note(omitted, "points" if omitted > 1 else "point"),
+        *not_drawn(int(completed.sum()) - with_values, "without a value"),
+        *not_drawn(with_values - len(shown), "not above 0 on a logarithmic axis"),
         *foreign_data_notes(data),
     ]
 
@@ -318,9 +294,11 @@ def _hint(count: int) -> str:
     return f"{count} points, hardly two of them on one curve; {SCATTER_HINT}"
 
 
-def _notes_on_lines(along: list[str]) -> list[str]:
-    """Return a sentence on the points that lines join, given the parameters along curves."""
-    if len(along) == 1:
-        return [f"Lines join points that differ in {along[0]} alone, in the order of x."]
-    named = " and ".join(filter(None, (", ".join(along[:-1]), *along[-1:])))
-    return [f"Points that differ in {named} are not joined."] if along else []
+def _notes_on_lines(data: FigureData) -> list[str]:
+    """Return a sentence on the points that lines join where these do not follow a parameter."""
+    spec = data.spec
+    names = [] if spec.axes and not spec.scattered else _parameters_along(data)
+    named = in_words(parameter_phrase(spec.system, name) for name in names)
+    if len(names) == 1:
+        return [f"Lines join points that differ in {named} alone, in the order of x."]
+    return [f"Points that differ in {named} are not joined."] if names else []

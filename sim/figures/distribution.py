@@ -8,15 +8,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim.figures.axes import set_log
-from sim.figures.caption import unsteady_sentence
+from sim.figures.caption import not_drawn
 from sim.figures.data import FigureData, unit_of
 from sim.figures.plot import (
     above_zero,
     curve_keys,
     label_axes,
-    missing_value_note,
     named_columns,
-    nonpositive_note,
     observable_label,
     panels,
     parameter_label,
@@ -108,7 +106,6 @@ def notes(data: FigureData) -> list[str]:
     omitted = int(np.isnan(above_zero(data, "y", all_values)).sum())
     return [
         "A dot per completed replicate, spread sideways; bars: medians. x is not to scale.",
-        *missing_value_note(missing),
-        *nonpositive_note(omitted, "replicates" if omitted > 1 else "replicate"),
-        unsteady_sentence(data.rows),
+        *not_drawn(missing, "without a value"),
+        *not_drawn(omitted, "replicates not above 0 on a logarithmic axis"),
     ]

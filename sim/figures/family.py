@@ -91,13 +91,6 @@ def draw_family(
         name_protocols(axes, str(curves[0][1]["system"].iloc[0]))
 
 
-def name_bands(notes: list[str], values: pd.Series) -> list[str]:
-    """Return notes whose first names bands, too, where lines over these values have them."""
-    if values.nunique() <= MOST_BARS:
-        return notes
-    return [notes[0].replace("Bars:", "Bars and bands:"), *notes[1:]]
-
-
 def labels_and_styles(
     curves: Sequence[dict[str, Any]], look: Look
 ) -> tuple[list[str], dict[str, CurveStyle]]:

@@ -56,7 +56,7 @@ with attribute_additions_to(TALUS):
         shows=numbers,
         log=("x", "y", "colour"),
         others=("panels", "beside"),
-        of_papers=("x", "y", "curves", "log", "labels"),
+        of_papers=("x", "y", "curves", "log", "labels", "theory", "creep", "point"),
         systems=("chute", "belt"),
         over="over {}",
     )

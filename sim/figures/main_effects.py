@@ -5,21 +5,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim.figures.axes import limit_axis
-from sim.figures.caption import unsteady_sentence
+from sim.figures.caption import not_drawn
 from sim.figures.data import FigureData
 from sim.figures.plot import (
     MOST_COLUMNS,
     PANEL_SIZE,
-    missing_value_note,
     write_no_data,
 )
 from sim.figures.scatter import GROUPS, averaged, binned_means
 from sim.figures.style import COLOURS
 from sim.figures.variables import Variable, known_rows, observable, parameters
 from sim.parameters import SYSTEMS, field_info
-
-#: Most ticks of an axis.
-_TICKS = 5
 
 
 def draw(data: FigureData) -> Figure:
@@ -36,7 +32,7 @@ def draw(data: FigureData) -> Figure:
         axes.set_xlabel(x.label)
     for axes in grid.flat[len(variables) :]:
         axes.set_visible(False)
-    y.scale(grid[0, 0], "y", _TICKS)
+    y.scale(grid[0, 0], "y")
     if not y.log:
         limit_axis(grid[0, 0], "y", y.values[rows.index])
     figure.supylabel(y.label, fontsize=10)
@@ -59,7 +55,7 @@ def _draw_effect(axes: Axes, x: Variable, y: Variable, rows: pd.DataFrame) -> No
         elinewidth=1.0,
         zorder=3,
     )
-    x.scale(axes, "x", _TICKS)
+    x.scale(axes, "x")
 
 
 def table(data: FigureData) -> pd.DataFrame:
@@ -94,7 +90,6 @@ def notes(data: FigureData) -> list[str]:
     return [
         f"Markers: {kind} over {GROUPS}, with its 95 % interval (Student); grey dots: the points.",
         "All other parameters are averaged over.",
-        unsteady_sentence(averaged(rows)),
-        *missing_value_note(len(rows) - len(averaged(rows)), "a steady mean, as they accelerate"),
-        *missing_value_note(missing),
+        *not_drawn(len(rows) - len(averaged(rows)), "without a steady mean, as they accelerate"),
+        *not_drawn(missing, "without a value"),
     ]

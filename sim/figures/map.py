@@ -1,7 +1,7 @@
 """A map over two parameters: regimes and the boundaries between them, or an observable.
 
-Maps of papers show boundaries, a line of theory, and the chute's flows that creep; those of the
-belt show no points.
+Maps of regimes show the boundaries that feed them; those of papers also a line of theory, and flows
+that creep.
 """
 
 from collections import Counter
@@ -17,12 +17,12 @@ from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Polygon, Rectangle
 from matplotlib.patheffects import withStroke
-from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
+from matplotlib.ticker import LogLocator, MaxNLocator
 from matplotlib.tri import LinearTriInterpolator, Triangulation, UniformTriRefiner
 from scipy.spatial import Delaunay, QhullError
 
 from sim.figures.axes import set_log
-from sim.figures.caption import regime_sentence, unsteady_sentence
+from sim.figures.caption import not_drawn
 from sim.figures.data import (
     FigureData,
     quantity_table,
@@ -39,12 +39,9 @@ from sim.figures.plot import (
     foreign_data_notes,
     given_labels,
     label_axes,
-    missing_value_note,
+    mark_runs,
     observed_quantity,
     panels,
-    parameter_label,
-    set_run_ticks,
-    width_of,
 )
 from sim.figures.scatter import draw_points
 from sim.figures.style import (
@@ -55,9 +52,7 @@ from sim.figures.style import (
     cycle_style,
     escape_label,
     is_undecided,
-    legend_title,
     move_aside,
-    place_legend,
 )
 from sim.figures.variables import (
     SHADES,
@@ -73,9 +68,9 @@ from sim.parameters.words import setting
 from sim.study.plot_contents import in_words, parameter_phrase
 from sim.study.plot_kinds import CREEP, REGIME
 
-#: Height of a paper's map of the chute, inches; size of its markers, points of print, and least
-#: distance of two in a column, as a share of the range.
-_CHUTE_HEIGHT, _MARKER, _APART = 4.6, 4.6, 0.03
+#: Size of the markers of regimes, points of print, and least distance of two in a column, as a
+#: share of the range.
+_MARKER, _APART = 5.0, 0.03
 
 CREEPING = f"creeps: |V| < {CREEP:g} √(gσ)"
 
@@ -96,34 +91,43 @@ def draw(data: FigureData) -> Figure:
     """Draw a marker per point of its regime, or cells or contours of the observable."""
     spec = data.spec
     figure, shown = panels(data)
-    if spec.paper and spec.show == REGIME:
-        _draw_of_paper(data, figure, shown)
-        return figure
     if spec.show == REGIME:
         for axes, rows in shown:
-            _draw_regimes(axes, rows, rows["regime"], spec.axes)
+            _draw_plane(axes, data, rows)
     else:
         draw_values(data, figure, shown)
     foreign = draw_foreign_data(data, shown)
     _set_axes(data, shown)
-    label_axes(figure, shown, *(parameter_label(spec.system, name) for name in spec.axes))
-    legend(data, figure, shown, foreign=foreign)
+    label_axes(figure, shown, *given_labels(data))
+    named = [name for name in spec.by if name not in spec.axes]
+    legend(data, figure, shown, named, foreign=foreign)
     return figure
 
 
-def _draw_regimes(
-    axes: Axes, rows: pd.DataFrame, regimes: pd.Series, plane: Sequence[str], size: float = 6.0
-) -> None:
-    """Draw a marker (points of print) of its regime for each point, in its lane if it has one."""
+def _draw_plane(axes: Axes, data: FigureData, rows: pd.DataFrame) -> None:
+    """Draw the points of a plane, the boundaries in it, and a line of theory."""
+    spec, aside = data.spec, 0.0
+    if spec.point != "none":
+        rows = rows.assign(lane=_lanes(rows, spec.axes))
+        is_slow = creeping(rows) if spec.creep else pd.Series(False, rows.index)
+        _draw_regimes(axes, rows, rows["regime"].mask(is_slow, CREEPING), spec.axes)
+        # Beside all markers.
+        aside = _MARKER * (rows["lane"].max() / 2 + 2)
+    draw_boundaries(axes, data.boundaries, spec.axes, aside=aside)
+    if spec.theory:
+        _THEORIES[spec.theory](axes, rows)
+
+
+def _draw_regimes(axes: Axes, rows: pd.DataFrame, regimes: pd.Series, plane: Sequence[str]) -> None:
+    """Draw a marker of its regime for each point, in its lane."""
     x, y = plane
-    lanes = rows.get("lane", pd.Series(0, rows.index))
     for regime, (marker, colour, filled) in MARKS.items():
         face = colour if filled else "white"
-        look: dict[str, Any] = {"color": colour, "markerfacecolor": face, "markersize": size}
+        look: dict[str, Any] = {"color": colour, "markerfacecolor": face, "markersize": _MARKER}
         label = regime
-        for lane, part in rows[regimes == regime].groupby(lanes):
+        for lane, part in rows[regimes == regime].groupby("lane"):
             drawn = axes.plot(part[x], part[y], marker, label=label, zorder=3, **look)
-            move_aside(axes, drawn, x=(-1) ** lane * ((lane + 1) // 2) * (size + 1.5))
+            move_aside(axes, drawn, x=(-1) ** lane * ((lane + 1) // 2) * (_MARKER + 1.5))
             label = ""
 
 
@@ -138,29 +142,6 @@ def _lanes(rows: pd.DataFrame, plane: Sequence[str]) -> pd.Series:
             lanes[index] = lane = next(free, len(highest))
             highest[lane : lane + 1] = [value]
     return lanes
-
-
-def _draw_of_paper(data: FigureData, figure: Figure, shown: Panels) -> None:
-    """Draw the boundaries and a line of theory; on the chute a marker for each point, too."""
-    ((axes, rows),), plane = shown, data.spec.axes
-    if data.spec.system == "chute":
-        figure.set_figheight(_CHUTE_HEIGHT)
-        regimes = rows["regime"].mask(creeping(rows), CREEPING)
-        rows = rows.assign(lane=_lanes(rows, plane))
-        _draw_regimes(axes, rows, regimes, plane, size=_MARKER)
-    # Beside all markers.
-    aside = _MARKER * (rows["lane"].max() / 2 + 2) if data.spec.system == "chute" else 0
-    draw_boundaries(axes, data.boundaries, plane, aside=aside)
-    for axis in data.spec.log:
-        set_log(axes, axis)
-        getattr(axes, f"set_{axis}margin")(0.11)
-        getattr(axes, f"{axis}axis").set_minor_locator(NullLocator())
-    if draw_theory := _THEORIES.get(plane[1]):
-        draw_theory(axes, rows)
-    label_axes(figure, shown, *given_labels(data))
-    curves = [name for name in data.spec.curves if name not in plane]
-    kinds = varying_parameters(data.boundaries, curves)
-    place_legend(figure, axes, legend_title(data.spec.system, kinds))
 
 
 def creeping(rows: pd.DataFrame) -> pd.Series:
@@ -189,28 +170,27 @@ def _draw_lift_off(axes: Axes, rows: pd.DataFrame) -> None:
         axes.plot(amplitude, frequency, label="$Γ = 4π^2 f^2 A_z/g$ = 1", **THEORY)
 
 
-#: Draws, by the parameter on the vertical axis, where friction just holds the weight, or where the
-#: belt's acceleration reaches that of gravity.
+#: Draws, by name, where friction just holds the weight, or where the belt's acceleration reaches
+#: that of gravity.
 _THEORIES = {
-    "friction": _draw_least_friction,
-    "angle": _draw_largest_angle,
-    "frequency": _draw_lift_off,
+    "least_friction": _draw_least_friction,
+    "largest_angle": _draw_largest_angle,
+    "lift_off": _draw_lift_off,
 }
 
 
 def _set_axes(data: FigureData, shown: Panels) -> None:
-    """Set scales, and put ticks at the values that were run."""
+    """Set scales, and mark the values that were run."""
     x, y = data.spec.axes
     log = data.spec.log
-    height = SINGLE_SIZE[1] - 1.0 if len(shown) == 1 else PANEL_SIZE[1] - 0.5
     for axes, _ in shown:
         for axis in {"x", "y"} & set(log):
             set_log(axes, axis)
         if data.spec.show == REGIME:
-            axes.margins(0.1)
+            axes.margins(0.13)
         axes.autoscale_view()
-        set_run_ticks(axes, data, x, width_of(shown))
-        set_run_ticks(axes, data, y, height, "y")
+        mark_runs(axes, data.rows[x])
+        mark_runs(axes, data.rows[y], "y")
 
 
 def table(data: FigureData) -> pd.DataFrame:
@@ -227,11 +207,8 @@ def table(data: FigureData) -> pd.DataFrame:
 def notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on markers."""
     if data.spec.show == REGIME:
-        return (
-            boundary_notes(data)
-            if data.spec.paper
-            else ["One marker per point.", *foreign_data_notes(data)]
-        )
+        bars, *others = boundary_sentences(data.boundaries, data.spec.axes)
+        return [bars or "One marker per point.", *others, *foreign_data_notes(data)]
     return [*value_notes(data), *foreign_data_notes(data)]
 
 
@@ -325,7 +302,7 @@ def _settings_suffix(system: str, names: dict[str, Any]) -> str:
 
 
 def boundary_sentences(boundaries: pd.DataFrame, plane: Sequence[str]) -> list[str]:
-    """Return what the bars are; and which boundaries have no interval or exceed the tolerance."""
+    """Return what the bars are, and which boundaries have no interval or exceed the tolerance."""
     in_plane = boundaries[boundaries["along"].isin(plane)]
     if in_plane.empty:
         return [""]
@@ -341,12 +318,10 @@ def boundary_sentences(boundaries: pd.DataFrame, plane: Sequence[str]) -> list[s
         missing = "; ".join(_missing_names(rows, in_plane))
         if len(rows):
             parts.append(f"{len(rows)} {text}" + (f" ({missing})" if missing else ""))
-    kinds = "; ".join(f"{label} ({len(bars)})" for label, _, bars in _kinds(boundaries, plane))
     found = int(in_plane["low"].notna().sum())
     return [
         f"Bars: intervals that hold a boundary, {found} of {len(in_plane)} looked for.",
         f"Boundaries: {'; '.join(parts)}." if parts else "",
-        f"Boundaries shown: {kinds}." if kinds else "",
     ]
 
 
@@ -359,11 +334,6 @@ def _missing_names(rows: pd.DataFrame, boundaries: pd.DataFrame) -> list[str]:
         for row in rows[rows["low"].isna()].to_dict("records")
     ]
     return list(dict.fromkeys(names))
-
-
-def boundary_notes(data: FigureData) -> list[str]:
-    """Return the notes on the boundaries in the plane of a figure."""
-    return boundary_sentences(data.boundaries, data.spec.axes)
 
 
 # A map of an observable: cells of a grid, or contours between scattered points.
@@ -602,17 +572,16 @@ def value_notes(data: FigureData) -> list[str]:
     known, panel = known_rows(data, [shade]), data.spec.panels
     parts = [part for _, part in data.rows.groupby(panel)] if panel else [data.rows]
     others = [parameter_phrase(data.spec.system, name) for name in _others(data)]
-    marks = unsteady_sentence(known, "hatched (wide: of runs too short to tell)")
+    hatched = "Hatched: not shown to be steady (wide: of runs too short to tell)."
     if all(is_grid(part, data.spec.axes) for part in parts):
         what = "A cell per point, up to halfway to its neighbours."
     elif _triangles(data, known, shade) is not None:
         what = "Contours: linear between neighbouring points (triangulation), which are the dots."
     else:
         why = f", without contours: they also differ in {in_words(others)}" if others else ""
-        what, marks = f"A marker per point{why}.", regime_sentence(known, has_bars=False)
-    value = "a value above 0" if shade.log else "a value"
+        what, hatched = f"A marker per point{why}.", ""
     return [
         what,
-        marks,
-        *missing_value_note(len(data.rows) - len(known), value, "Crosses"),
+        hatched if _hatches(known).any() else "",
+        *not_drawn(len(data.rows) - len(known), "without a value (crosses)"),
     ]

@@ -10,10 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
+from matplotlib.ticker import FixedLocator, NullFormatter
 
 from sim.dataset import replicates
-from sim.figures.axes import set_ticks
-from sim.figures.caption import points_text
 from sim.figures.data import (
     FigureData,
     Quantity,
@@ -186,7 +185,7 @@ def given_labels(data: FigureData) -> tuple[str, str]:
         usual = [parameter_label(spec.system, name) for name in spec.axes[:2]]
     if measures := spec.quantities:
         usual[1:] = [measures[0]["label"]]
-    elif spec.show in observables:
+    elif spec.show in observables and not spec.regimes:
         usual[1:] = [observable_label(data, observables[spec.show])]
     return labels.get("x", usual[0]), labels.get("y", usual[1])
 
@@ -194,27 +193,6 @@ def given_labels(data: FigureData) -> tuple[str, str]:
 def above_zero(data: FigureData, axis: str, values: np.ndarray) -> np.ndarray:
     """Return values, with not-a-number for those ≤ 0 where the axis is logarithmic."""
     return np.where(values > 0, values, np.nan) if axis in data.spec.log else values
-
-
-def nonpositive_note(count: int, noun: str) -> list[str]:
-    """Return the caption note on the number of values ≤ 0 omitted from a logarithmic axis.
-
-    ``noun`` names these values; empty without any.
-    """
-    return [f"Not above 0, and so not on a logarithmic axis: {count} {noun}."] if count else []
-
-
-def missing_value_note(count: int, noun: str = "a value", mark: str = "Not drawn") -> list[str]:
-    """Return the caption note on the number of points without ``noun``; empty without any.
-
-    ``mark`` begins the sentence: what the plot does with these points.
-    """
-    return [f"{mark}: {points_text(count)} without {noun}."] if count else []
-
-
-def width_of(shown: Panels) -> float:
-    """Return the approximate length of the horizontal axis of a panel, inches."""
-    return SINGLE_SIZE[0] - 1.0 if len(shown) == 1 else PANEL_SIZE[0] - 0.5
 
 
 def curve_keys(data: FigureData) -> tuple[str, ...]:
@@ -252,10 +230,6 @@ _BARS: dict[str, Any] = {"color": "#555555", "linewidth": 0.9, "zorder": 1.9}
 _LINES = tuple((colour, (0, dash)) for colour in ("#666666", "#aaaaaa") for dash in _DASHES)
 
 
-#: Most values of a parameter that have a tick each.
-MOST_TICKS = 12
-
-
 def draw_foreign_data(data: FigureData, shown: Panels) -> dict[str, Line2D]:
     """Draw the foreign data in all panels; return the legend entries by label."""
     entries = {}
@@ -291,15 +265,11 @@ def foreign_values(data: FigureData, axis: str) -> pd.Series:
     return pd.Series([*(y for _, y, *_ in points), *ends], dtype=float)
 
 
-def set_run_ticks(axes: Axes, data: FigureData, name: str, length: float, axis: str = "x") -> None:
-    """Put ticks at the values of a parameter that were run, unless there are many.
-
-    Nor where foreign data exceed their range. ``length`` is the approximate length of the axis,
-    inches.
-    """
-    values, others = data.rows[name], foreign_values(data, axis)
-    if values.nunique() <= MOST_TICKS and others.between(values.min(), values.max()).all():
-        set_ticks(axes, values, length, vertical=axis == "y")
+def mark_runs(axes: Axes, values: pd.Series, axis: str = "x") -> None:
+    """Put a small tick, without a number, at each value of a parameter that was run."""
+    along = axes.xaxis if axis == "x" else axes.yaxis
+    along.set_minor_locator(FixedLocator(sorted(set(values))))
+    along.set_minor_formatter(NullFormatter())
 
 
 def append_foreign_data(data: FigureData, table: pd.DataFrame, x: str, y: str) -> pd.DataFrame:

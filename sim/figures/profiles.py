@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 
 from sim.base.statistics import student_half_width
 from sim.figures import belt_profiles
-from sim.figures.axes import NONE, has_cut_bars, limit_axis, mark_cut_bars, set_log
-from sim.figures.caption import unsteady_sentence
+from sim.figures.axes import NONE, limit_axis, set_log
+from sim.figures.caption import not_drawn
 from sim.figures.data import FigureData, label_with_unit, unit_of
 from sim.figures.plot import (
     Panels,
@@ -22,8 +22,6 @@ from sim.figures.plot import (
     foreign_data_notes,
     foreign_values,
     label_axes,
-    missing_value_note,
-    nonpositive_note,
     observable_label,
     panels,
     rows_of_points,
@@ -170,14 +168,12 @@ def _draw_slices(
 
 
 def _limit_axes(data: FigureData, shown: Panels, drawn: pd.DataFrame) -> None:
-    """Set limits, which follow the means; carets mark bars that they cut."""
+    """Set limits, which follow the means."""
     for axes, _ in shown:
         axes.autoscale_view()
         for axis in {"x", "y"} - set(data.spec.log):
             shown_values = drawn.get(axis, NONE), drawn.get(f"{axis}_half", NONE)
             limit_axis(axes, axis, *shown_values, foreign_values(data, axis))
-    for axes, _ in shown:
-        mark_cut_bars(axes)
 
 
 def table(data: FigureData) -> pd.DataFrame:
@@ -200,71 +196,28 @@ def table(data: FigureData) -> pd.DataFrame:
 
 
 def notes(data: FigureData) -> list[str]:
-    """Return the sentences of the caption on lines or markers, bands or bars, and omissions."""
+    """Return the sentences of the caption on lines or markers, their extent, and omissions."""
     if data.spec.paper:
         return belt_profiles.notes(data)
     of_points = [means(data, row) for row in completed_rows(data)]
-    slices_of_points = [rows[rows["x"].notna()] for rows in of_points]
-    drawn = [rows[_is_drawable(data, rows)] for rows in slices_of_points]
-    omitted = sum(map(len, slices_of_points)) - sum(map(len, drawn))
-    missing = sum(rows.empty for rows in slices_of_points)
+    known = [rows[rows["x"].notna()] for rows in of_points]
+    omitted = sum(int((~_is_drawable(data, rows)).sum()) for rows in known)
+    what = "A marker per slice of the height" if data.spec.second else "Lines over the height"
+    extent = f"They end where {100 * SHARE:g} % of the particles are below."
+    if between := data.spec.between:
+        low, high = between
+        extent += f" Heights shown: {low:g} to {high:g} diameters above the base."
+    suffix = _height_range_suffix(data)
     return [
-        *(_notes_on_slices if "y" in observables(data) else _notes_on_lines)(data, drawn),
-        *missing_value_note(missing, f"a value{_height_range_suffix(data)}"),
-        *nonpositive_note(omitted, "slices"),
-        unsteady_sentence(data.rows),
+        f"{what}: means over the replicates, with 95 % intervals (Student); of fewer than "
+        f"{MIN_REPLICATES}, each is pale.",
+        extent,
+        *not_drawn(sum(rows.empty for rows in known), f"without a value{suffix}"),
+        *not_drawn(omitted, "slices not above 0 on a logarithmic axis"),
         *foreign_data_notes(data),
     ]
-
-
-def _notes_on_lines(data: FigureData, drawn: list[pd.DataFrame]) -> list[str]:
-    many, few = _has_many_and_few(data)
-    pale = f"of fewer than {MIN_REPLICATES}, each is a pale line"
-    means_of = "Bands: 95 % interval of the mean (Student)" if many else "Lines are means"
-    text = f"{means_of} over replicates{f'; {pale}' if few else ''}."
-    return [text if many or few else "", _extent_sentence(data, "Lines")]
-
-
-def _notes_on_slices(data: FigureData, drawn: list[pd.DataFrame]) -> list[str]:
-    many, few = _has_many_and_few(data)
-    bars = ["bars: 95 % interval of the mean over replicates (Student)"] if many else []
-    pale = [f"of fewer than {MIN_REPLICATES} replicates, each is a pale marker"] if few else []
-    text = "; ".join(["A marker per slice of the height, the mean over replicates", *bars, *pale])
-    every, log = pd.concat(drawn or [pd.DataFrame()]), data.spec.log
-    is_cut = many and any(
-        has_cut_bars(
-            every[axis], every[f"{axis}_half"], foreign_values(data, axis), logarithmic=axis in log
-        )
-        for axis in "xy"
-    )
-    return [
-        f"{text}.",
-        _extent_sentence(data, "Slices"),
-        *(["Bars that end in a caret go on beyond the axes."] if is_cut else []),
-    ]
-
-
-def _has_many_and_few(data: FigureData) -> tuple[bool, bool]:
-    """Return whether some point has enough replicates for an interval, and some has a few."""
-    completed = data.rows["completed"]
-    return (
-        bool((completed >= MIN_REPLICATES).any()),
-        bool(((completed > 1) & (completed < MIN_REPLICATES)).any()),
-    )
 
 
 def _height_range_suffix(data: FigureData) -> str:
     """Return a suffix that names the height range for messages about missing data."""
     return " at these heights" if data.spec.between else ""
-
-
-def _extent_sentence(data: FigureData, noun: str) -> str:
-    """Write where slices end and, with the option ``between``, which heights are shown.
-
-    ``noun`` is the subject: slices or lines.
-    """
-    text = f"{noun} end where {100 * SHARE:g} % of the particles are below."
-    if between := data.spec.between:
-        low, high = between
-        text += f" Heights shown: {low:g} to {high:g} diameters above the base."
-    return text

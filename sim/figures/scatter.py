@@ -1,5 +1,6 @@
 """Points scattered in several parameters: an observable against a parameter or another one."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,8 +10,8 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
 from sim.base.statistics import student_half_width
-from sim.figures.axes import NONE, has_cut_bars, limit_axis, mark_cut_bars
-from sim.figures.caption import bar_notes
+from sim.figures.axes import NONE, limit_axis
+from sim.figures.caption import not_drawn, point_notes
 from sim.figures.data import FigureData, quantity_table
 from sim.figures.plot import (
     append_foreign_data,
@@ -18,7 +19,6 @@ from sim.figures.plot import (
     foreign_data_notes,
     foreign_values,
     label_axes,
-    missing_value_note,
     observed_quantity,
     panels,
     write_no_data,
@@ -39,9 +39,6 @@ from sim.study.plottable import numbers
 #: Fewest points of a panel that have a running mean.
 FEWEST_FOR_MEAN = 12
 
-#: Most ticks of an axis.
-_TICKS = 8
-
 
 def draw(data: FigureData) -> Figure:
     """Draw a marker per point with its intervals, and the running mean of many points."""
@@ -61,12 +58,11 @@ def draw(data: FigureData) -> Figure:
     foreign = draw_foreign_data(data, shown)
     for axes, _ in shown:
         for axis, (variable, quantity) in zip("xy", coordinates(data), strict=True):
-            variable.scale(axes, axis, _TICKS)
+            variable.scale(axes, axis)
             if not variable.log and not variable.choices:
                 known = variable.values[drawable(data, data.rows).index]
                 half_widths = quantity.half_width[known.index] if quantity else NONE
                 limit_axis(axes, axis, known, half_widths, foreign_values(data, axis))
-        mark_cut_bars(axes)
     label_axes(figure, shown, x.label, y.label)
     legend(data, figure, shown, foreign=foreign)
     return figure
@@ -171,22 +167,11 @@ def notes(data: FigureData) -> list[str]:
         f"Line: {kind} over {GROUPS}; band: its 95 % interval (Student). Points that accelerate "
         "take no part."
     )
-    is_cut = any(
-        has_cut_bars(
-            variable.values[rows.index],
-            quantity.half_width[rows.index],
-            foreign_values(data, axis),
-            logarithmic=variable.log,
-        )
-        for axis, (variable, quantity) in zip("xy", pairs, strict=True)
-        if quantity is not None
-    )
     completed = int((data.rows["completed"] > 0).sum())
     return [
-        *bar_notes(data, rows, quantities),
+        *point_notes(replace(data, rows=rows), quantities),
         *([line] if any(has_mean(averaged(part), x) for part in parts) else []),
-        *(["Error bars that end in a caret go on beyond the axes."] if is_cut else []),
-        *missing_value_note(completed - len(rows)),
+        *not_drawn(completed - len(rows), "without a value"),
         *foreign_data_notes(data),
     ]
 

@@ -13,13 +13,12 @@ from sim.base.errors import InputError
 from sim.base.seals import checked_read
 from sim.dataset.run_file import RunFile
 from sim.figures.axes import set_log
-from sim.figures.caption import unsteady_sentence
+from sim.figures.caption import not_drawn
 from sim.figures.data import FigureData, label_with_unit, unit_of
 from sim.figures.plot import (
     above_zero,
     curve_keys,
     label_axes,
-    nonpositive_note,
     observable_label,
     panels,
     rows_of_points,
@@ -137,7 +136,6 @@ def notes(data: FigureData) -> list[str]:
         f"A line has at most {MOST_VALUES} means over successive samples; the dotted line is at "
         "the mean over the replicates of a point.",
         *(_notes_on_logarithms(data) if data.spec.log else []),
-        unsteady_sentence(data.rows),
     ]
 
 
@@ -145,4 +143,5 @@ def _notes_on_logarithms(data: FigureData) -> list[str]:
     """Return the caption note on the values omitted from a logarithmic axis."""
     time, value = table(data).iloc[:, -2:].to_numpy(float).T
     shown = above_zero(data, "x", time) + above_zero(data, "y", value)
-    return nonpositive_note(int(np.isnan(shown).sum()), f"of {time.size:,} values")
+    lost = int(np.isnan(shown).sum())
+    return not_drawn(lost, "values not above 0 on a logarithmic axis")

@@ -14,7 +14,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, LogNorm, Normalize, to_hex, to_rgba
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FixedLocator, MaxNLocator, NullLocator
+from matplotlib.ticker import FixedLocator, NullLocator
 
 from sim.figures.axes import set_log
 from sim.figures.data import FigureData, Quantity
@@ -38,11 +38,9 @@ from sim.figures.style import (
     settings,
 )
 from sim.parameters import SYSTEMS
+from sim.study.plot_contents import has_logarithmic_values
 from sim.study.plot_kinds import REGIME
 from sim.study.plottable import numbers
-
-#: Ratio of the ends of a parameter from which its axis may be logarithmic.
-_WIDE = 8.0
 
 #: Colours of numbers; the palest are left out, as points lie on white, or on black once inverted.
 SHADES = ListedColormap(VIRIDIS(np.linspace(0, 0.87, 256)))
@@ -79,8 +77,8 @@ class Variable:
     choices: tuple[str, ...] = ()
     log: bool = False
 
-    def scale(self, axes: Axes, axis: str, ticks: int) -> None:
-        """Set the scale of an axis and at most so many ticks."""
+    def scale(self, axes: Axes, axis: str) -> None:
+        """Set the scale of an axis, and the ticks of choices."""
         along = axes.xaxis if axis == "x" else axes.yaxis
         if self.log:
             set_log(axes, axis)
@@ -90,8 +88,6 @@ class Variable:
             along.set_major_locator(FixedLocator(range(len(self.choices))))
             along.set_ticklabels([escape_label(name) for name in self.choices])
             getattr(axes, f"set_{axis}lim")(-0.5, len(self.choices) - 0.5)
-        else:
-            along.set_major_locator(MaxNLocator(ticks, steps=[1, 2, 2.5, 5, 10]))
 
     def text(self, value: float) -> str:
         """Write a value as ticks do."""
@@ -146,15 +142,6 @@ def _choice(name: str, label: str, values: pd.Series) -> Variable:
     choices = sorted(set(values))
     numbered = values.map({value: float(number) for number, value in enumerate(choices)})
     return Variable(name, label, numbered, tuple(choices))
-
-
-def has_logarithmic_values(values: pd.Series) -> bool:
-    """Return whether values spread over a wide range evenly in their logarithm."""
-    low, middle, high = values.min(), values.median(), values.max()
-    if low <= 0 or high < _WIDE * low:
-        return False
-    geometric, arithmetic = np.sqrt(low * high), (low + high) / 2
-    return bool(abs(np.log(middle / geometric)) < abs(np.log(middle / arithmetic)))
 
 
 @dataclass(frozen=True)
@@ -267,7 +254,8 @@ def legend(
             entries.setdefault(label, handle)
     entries.pop("", None)
     marks = [(label, entries.pop(label)) for label in MEANINGS if label in entries]
-    is_prescribed = bool(data.spec.styles or data.spec.entry or data.spec.quantities)
+    spec = data.spec
+    is_prescribed = bool(spec.styles or spec.entry or spec.quantities or spec.show == REGIME)
     if not is_prescribed and (number := number_of_curves(data, named)) is not None:
         Colours(number).explain(figure, [axes for axes, _ in shown])
         entries = {}

@@ -100,7 +100,13 @@ class FigureFile(PlotFile):
     )
     styles: list[Style] = []
     entry: Text = Field("", description="pattern of the entries in the legend")
-    point: Literal["", "slowest"] = Field("", description="which of several points is shown")
+    theory: Literal["", "least_friction", "largest_angle", "lift_off"] = Field(
+        "", description="line of theory on a map of regimes"
+    )
+    creep: bool = Field(False, description="whether flows that creep have a marker of their own")
+    point: Literal["", "slowest", "none"] = Field(
+        "", description="which of several points is shown; of a map of regimes maybe `none`"
+    )
     where: dict[str, _Values] = Field({}, description="values that a point must have to be drawn")
     words: dict[str, Text] = Field(
         {}, description="texts for the braces, besides those of the file"
@@ -159,6 +165,8 @@ class FigureFile(PlotFile):
             "point": self.point,
             "widest": self.widest,
             "relative": self.relative,
+            "theory": self.theory,
+            "creep": self.creep,
         }
 
 

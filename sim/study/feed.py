@@ -100,7 +100,7 @@ def plot_entry(contents: PlotContents, series: Sequence[str]) -> FigureSpec:
         scattered=contents.suits_scatter,
         beside=contents.beside,
         plugin=plugin_code(plot.kind),
-        **plot.shown,
+        **plot.shown | {"log": contents.log},
     )
     _require_distinct_positions(spec, contents.points, contents.source, contents.place)
     return spec

@@ -3,7 +3,9 @@
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
+from math import log, sqrt
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 from sim.base.errors import Allowed, InputError
@@ -181,6 +183,15 @@ class PlotContents:
         name = "" if self.plot.keys.observable == "colour" else self.plot.colour or ""
         return "" if name == REGIME or name in every_name() else name
 
+    @property
+    def log(self) -> tuple[str, ...]:
+        """Logarithmic axes: those named, and x of curves whose values are spread so."""
+        named = tuple(self.plot.log)
+        if self.plot.kind != "curves" or not self.axes or "x" in named:
+            return named
+        values = (getattr(point, self.axes[0]) for point in self.parameters)
+        return ("x", *named) if has_logarithmic_values(values) else named
+
     @cached_property
     def suits_scatter(self) -> bool:
         """Whether curves would have hardly more than one point each, as those of a design."""
@@ -321,6 +332,20 @@ def varying_parameters(points: Sequence[Parameters]) -> list[str]:
         for name in type(points[0]).model_fields
         if name not in NUMERICAL and len({getattr(point, name) for point in points}) > 1
     ]
+
+
+#: Ratio of the ends of a parameter from which its axis may be logarithmic.
+_WIDE = 8.0
+
+
+def has_logarithmic_values(values: Iterable[float]) -> bool:
+    """Return whether values spread over a wide range evenly in their logarithm."""
+    known = list(values)
+    low, middle, high = min(known), median(known), max(known)
+    if low <= 0 or high < _WIDE * low:
+        return False
+    geometric, arithmetic = sqrt(low * high), (low + high) / 2
+    return abs(log(middle / geometric)) < abs(log(middle / arithmetic))
 
 
 def same_plane(point: Parameters) -> bool:

@@ -393,6 +393,8 @@ class FigureSpec:
         Largest half width of an interval, relative to its value, that a line joins; 0 for any.
     relative : bool
         Whether velocity and frequency of the belt are shares of its own.
+    theory, creep : str, bool
+        Line of theory on a map of regimes, and whether its flows that creep have a marker.
     answer : Answer
         The answer that it shows.
     plugin : str
@@ -433,13 +435,10 @@ class FigureSpec:
     point: str = ""
     widest: float = 0.0
     relative: bool = False
+    theory: str = ""
+    creep: bool = False
     answer: Answer = field(default_factory=Answer)
     plugin: str = ""
-
-    @property
-    def options(self) -> Mapping[str, Any]:
-        """Its attributes by name, as plug-ins of earlier versions read them."""
-        return vars(self) | {"curves": self.by}
 
     @property
     def keys(self) -> Keys:

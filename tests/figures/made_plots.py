@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from sim.dataset.build import build
-from sim.dataset.results import Results
+from sim.dataset.results import COLUMNS, Results
 from sim.figures.data import figure_data
 from sim.parameters import ChuteParameters
 from sim.parameters.laws import LAW
@@ -36,7 +36,7 @@ def made(plot: Mapping, points: Sequence[MadePoint]) -> tuple[FigureSpec, Result
     systems = ("point", np.full(len(points), "chute", object))
     root = found.dataset.assign_coords(series=names, system=systems)
     return study.plots["p"], replace(
-        found, dataset=root, boundaries=pd.DataFrame(columns=["figures"])
+        found, dataset=root, boundaries=pd.DataFrame(columns=list(COLUMNS))
     )
 
 

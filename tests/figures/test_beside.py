@@ -75,9 +75,7 @@ def test_a_label_that_a_curve_has_too_is_another_entry():
     assert named == ["θ = 16°", "θ = 17°", "θ = 16°"]
 
 
-def test_ticks_at_the_values_run_give_way_to_data_beyond_them():
-    figure, _, _ = drawn(OVER | {"beside": [MEASURED]})
-    assert figure.axes[0].get_xticks().tolist() == [0.3, 0.4, 0.6]
+def test_axes_hold_data_beyond_the_values_run():
     beyond = MEASURED | {"points": [[0.1, 1], [0.9, 0.5]]}
     figure, _, _ = drawn(OVER | {"beside": [beyond]})
     assert max(figure.axes[0].get_xticks()) >= 0.9

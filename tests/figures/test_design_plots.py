@@ -7,7 +7,7 @@ from matplotlib.contour import ContourSet
 
 from sim.base.statistics import student_half_width
 from sim.figures.scatter import binned_means
-from sim.figures.variables import has_logarithmic_values
+from sim.study.plot_contents import has_logarithmic_values
 from sim.study.plot_kinds import find_kind
 from tests.figures.made_plots import drawn
 from tests.made.results import MadePoint, made_point
@@ -88,7 +88,7 @@ def test_points_that_accelerate_are_open_and_no_part_of_the_running_mean():
     (markers,) = (one for one in axes.collections if len(one.get_offsets()) == 14)
     assert (markers.get_facecolor() == 1).all(axis=1).sum() == 3
     assert [text.get_text() for text in figure.legends[0].texts] == ["accelerating", "steady"]
-    assert "band" not in caption(data) and "3 points still accelerating" in caption(data)
+    assert "band" not in caption(data) and "Pale and open markers" in caption(data)
 
 
 @pytest.mark.parametrize(
@@ -115,7 +115,7 @@ def test_main_effects_are_means_along_each_parameter_on_one_scale():
     assert rows["points"].groupby(rows["parameter"]).sum().tolist() == [24, 24]
     means = rows.filter(like="mean velocity")[rows["parameter"] == "friction"].iloc[:, 0]
     assert means.is_monotonic_increasing
-    assert "1 point without a steady mean" in caption(data)
+    assert "Not drawn, without a steady mean, as they accelerate: 1." in caption(data)
 
 
 MAP = {"kind": "map", "x": "friction", "y": "angle", "colour": "velocity"}
@@ -132,7 +132,7 @@ def test_cells_of_a_small_grid_have_their_values_and_hatches_where_not_steady():
     assert axes.get_xlim() == pytest.approx((0.29, 0.35)) and axes.get_ylim() == pytest.approx(
         (14.5, 16.5)
     )
-    assert "hatched (wide: of runs too short to tell): 2 points" in caption(data)
+    assert "Hatched: not shown to be steady" in caption(data)
 
 
 def test_cells_of_a_large_grid_have_contour_lines_with_labels():

@@ -186,15 +186,11 @@ def test_caption_says_what_is_missing_and_what_the_bars_are(folder, made):
     (hurt,) = (point.id for point in points if is_hurt(point.parameters))
     assert f"Left out because the run failed: {lost} ({FAILURE})" in caption
     assert f"{hurt} (1 of 2 replicates left: {FAILURE})" in caption
-    assert "over 2 replicates" in caption
-    assert "within the run for the 1 point with one replicate" in caption
-    assert "2 points still accelerating" in caption
+    assert "of one replicate within the run" in caption
+    assert "accelerating 2" in caption and "failed 1" in caption
     assert "θ = 17°" in caption
     single = (folder / "gallas_1c.caption.txt").read_text()
-    assert (
-        "within the run for the 4 points with one replicate." in single
-        and "leaves out how much one" in single
-    )
+    assert "within the run, without how much initial states differ." in single
     assert "open ones" not in single
 
 

@@ -44,7 +44,7 @@ def test_profiles_are_interrupted_where_they_are_not_above_zero(replicates):
     shown = [np.asarray(line.get_xdata(), float) for line in figure.axes[0].lines]
     assert shown and not any((values <= 0).any() for values in shown)
     lost = int((rows["velocity [m/s]"] <= 0).sum())
-    assert lost and f"not on a logarithmic axis: {lost} slices." in notes(data)
+    assert lost and f"slices not above 0 on a logarithmic axis: {lost}." in notes(data)
     _, _, data = drawn(plot, points)
     assert "logarithmic" not in notes(data)
 
@@ -53,7 +53,7 @@ def test_a_distribution_counts_the_replicates_that_are_not_drawn():
     points = flows({0.3: [1.0, -1.0, 2.0], 0.4: [1.0, 0.0, -1.0]})
     plot = {"kind": "distribution", "x": "friction", "log": ["y"]}
     _, rows, data = drawn(plot, points)
-    assert len(rows) == 6 and "not on a logarithmic axis: 3 replicates." in notes(data)
+    assert len(rows) == 6 and "replicates not above 0 on a logarithmic axis: 3." in notes(data)
     assert "logarithmic" not in notes(drawn(plot | {"log": []}, points)[2])
 
 
@@ -66,8 +66,8 @@ def test_a_map_tells_what_has_no_colour_on_a_logarithmic_scale():
     ]
     plot = {"kind": "map", "x": "friction", "y": "angle", "colour": "velocity"}
     _, _, logarithmic = drawn(plot | {"log": ["colour"]}, points)
-    assert "Crosses: 1 point without a value above 0." in notes(logarithmic)
-    assert "Crosses" not in notes(drawn(plot, points)[2])
+    assert "Not drawn, without a value (crosses): 1." in notes(logarithmic)
+    assert "Not drawn" not in notes(drawn(plot, points)[2])
 
 
 def test_time_series_are_interrupted_where_they_are_not_above_zero(tmp_path):
@@ -76,7 +76,7 @@ def test_time_series_are_interrupted_where_they_are_not_above_zero(tmp_path):
     _, _, table, text = render(plot, dataset, tmp_path / "figures")
     values = pd.read_csv(table).iloc[:, -1]
     lost = int((values <= 0).sum())
-    assert f"not on a logarithmic axis: {lost} of {len(values):,} values." in text.read_text()
+    assert f"values not above 0 on a logarithmic axis: {lost}." in text.read_text()
 
 
 def test_ticks_of_many_powers_are_powers_alone():

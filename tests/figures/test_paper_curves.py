@@ -7,7 +7,6 @@ import pandas as pd
 import pytest
 import xarray as xr
 from matplotlib.collections import FillBetweenPolyCollection
-from matplotlib.markers import CARETDOWN, CARETUP
 
 from sim.base.errors import InputError
 from sim.base.statistics import student_half_width
@@ -149,18 +148,6 @@ def test_heights_have_students_interval_over_replicates(layers):
     assert pd.isna(single["half_width"])
 
 
-def test_an_interval_wider_than_the_axes_ends_in_carets(layers):
-    dataset = layers.results.dataset.copy(deep=True)
-    deep = (dataset["depth"] == 20).values
-    dataset["shear_depth"].values[deep, :2] = 1e-3, 3e-2
-    wide = replace(layers, results=replace(layers.results, dataset=dataset))
-    axes = picture(wide).axes[0]
-    carets = [line for line in axes.get_lines() if line.get_marker() in (CARETUP, CARETDOWN)]
-    bottom, top = axes.get_ylim()
-    places = {(line.get_xdata()[0], line.get_ydata()[0]) for line in carets}
-    assert {(20, bottom), (20, top)} <= places
-
-
 def test_a_dataset_without_the_measure_is_refused(chute_dataset, tmp_path):
     with xr.open_dataset(chute_dataset) as opened:
         store(opened.load().drop_vars("shear_depth"), tmp_path / "dataset.nc")
@@ -185,7 +172,7 @@ def test_data_and_caption(name, heading, belt_dataset, chute_dataset):
     data, text = texts(name, belt_dataset if of_belt else chute_dataset)
     assert {heading, "protocol"} < set(data) and data[heading].notna().all()
     assert any("half width of 95 % interval" in column for column in data)
-    assert "95 % interval of the mean over" in text
+    assert "95 %, of the mean over" in text
     assert ("γ = 50g" if of_belt else "μ = 0.4") in text
     assert "Converged protocol" not in text or name == "protocols_1c"
     assert FIGURES[name].says in parted(text)[0] and FIGURES[name].details in text

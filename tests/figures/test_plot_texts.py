@@ -9,16 +9,13 @@ import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.figure import Figure
-from matplotlib.markers import CARETDOWN, CARETUP
 
 from sim.base.errors import InputError
 from sim.base.plugins import load_plugins
-from sim.figures.caption import parameters_sentence, parted
-from sim.figures.data import figure_data
+from sim.figures.caption import parameter_lines, parted
 from sim.figures.family import _draw_points
 from sim.figures.render import derive_texts
 from sim.figures.style import SETTINGS, CurveStyle
-from sim.study.plot_kinds import find_kind
 from tests.figures.made_plots import GRID, drawn, flows, made
 from tests.made.plugins import restore_plugins
 from tests.made.processes import ROOT
@@ -39,23 +36,18 @@ def at_frictions(*scalars: Mapping, replicates: int = 3) -> list[MadePoint]:
 
 
 @pytest.mark.parametrize("y", ["velocity", "shear_depth"])
-def test_a_caption_explains_no_marker_and_no_bar_that_is_not_drawn(y):
+def test_a_caption_tells_intervals_and_states(y):
     depth = {"shear_depth": 0.001}
     steady, plot = depth | {"regime": "steady"}, {"x": "friction", "y": y}
     text = caption_of(plot, at_frictions(steady, steady, steady))
-    assert "Bars: " in text
-    for word in ("caret", "aside", "markers", "interrupted", "only one"):
+    assert "Intervals: 95 %" in text and "Points: steady 3." in text
+    for word in ("aside", "open", "none where"):
         assert word not in text
     speeding = depth | {"regime": "accelerating", "acceleration": 2.0}
-    text = caption_of(plot, at_frictions(speeding, speeding, speeding))
-    assert "Open markers are flows not shown to be steady: 3 points still" in text
-    assert "Filled" not in text and "Lines are interrupted" in text
     short = depth | {"independent_samples": 4.0}
     text = caption_of(plot, at_frictions(steady, short, speeding))
-    assert "Filled markers are steady flows; pale ones may be, their runs" in text
-    assert "; open ones are not shown to be: 1 point still accelerating" in text
-    text = caption_of(plot, at_frictions(short, short, short))
-    assert "Pale markers are flows that may be steady, their runs" in text and "open" not in text
+    assert "Points: steady 1, " in text and "too short to tell 1" in text
+    assert "accelerating 1" in text and "Pale and open markers, too, are means" in text
 
 
 def test_a_caption_is_short_and_the_details_have_the_rest():
@@ -63,29 +55,18 @@ def test_a_caption_is_short_and_the_details_have_the_rest():
     points = at_frictions(steady, speeding, {"status": "failed", "reason": "blown up"})
     short, details = parted(caption_of({"x": "friction"}, points))
     assert short == (
-        "Velocity: mean velocity over the averaging window, against friction μ. Bars: 95 % "
-        "interval of the mean over 3 replicates (Student). Of 3 points, 1 is not shown to be "
-        "steady and 1 failed."
+        "Velocity: mean velocity over the averaging window, against friction μ. Intervals: 95 %, "
+        "of the mean over replicates (Student); they may go beyond the axes. Points: steady 1, "
+        "accelerating 1, failed 1."
     )
-    assert details[0].startswith("Parameters: n = ")
-    assert details[-1].startswith("Left out because the run failed: ")
-    short, _ = parted(caption_of({"x": "friction"}, at_frictions(steady, steady, steady)))
-    assert "Of" not in short
+    assert "depth: n = 5" in details
+    assert [line for line in details if line.startswith("Left out because the run failed: ")]
 
 
-def test_a_caption_tells_of_carets_and_of_points_where_they_are():
-    wide = {"velocity": 0.4, "shear_depth": [0.001, 0.1, 0.001]}
-    usual = {"velocity": 0.4, "shear_depth": [0.001, 0.001, 0.001]}
+def test_no_interval_is_told_where_none_is_known():
+    unknown, known = {"shear_depth": np.full(1, np.nan)}, {"shear_depth": 0.001}
     plot = {"x": "friction", "y": "shear_depth"}
-    points = at_frictions(usual, usual, wide)
-    assert "end in a caret" in caption_of(plot, points)
-    figure, _, _ = drawn(plot, points)
-    assert any(line.get_marker() in (CARETUP, CARETDOWN) for line in figure.axes[0].lines)
-    # No marker of points that have no value is explained, and no bar that no point has.
-    unknown = {"shear_depth": np.full(1, np.nan), "acceleration": 2.0}
-    known = {"shear_depth": 0.001}
-    text = caption_of(plot, at_frictions(known, known, unknown, replicates=1))
-    assert "arker" not in text and "Bars:" not in text
+    assert "Intervals" not in caption_of(plot, at_frictions(known, known, unknown, replicates=1))
 
 
 UNKNOWN = {"velocity_error": np.full(3, np.nan)}
@@ -94,56 +75,32 @@ UNKNOWN = {"velocity_error": np.full(3, np.nan)}
 @pytest.mark.parametrize(
     ("plot", "points", "said"),
     [
-        ({"x": "friction", "y": "velocity_error"}, at_frictions({}, UNKNOWN, UNKNOWN), "2 points"),
+        (
+            {"x": "friction", "y": "velocity_error"},
+            at_frictions({}, UNKNOWN, UNKNOWN),
+            "without a value: 2",
+        ),
         (
             {"kind": "distribution", "x": "friction", "y": "velocity_error"},
             at_frictions({}, UNKNOWN, UNKNOWN),
-            "2 points",
+            "without a value: 2",
         ),
         (
             {"kind": "profiles", "x": "velocity", "between": [100, 200]},
             flows(),
-            "6 points without a value at these heights",
+            "without a value at these heights: 6",
         ),
         (
             {"kind": "profiles", "x": "velocity", "y": "packing", "between": [100, 200]},
             flows(),
-            "6 points without a value at these heights",
+            "without a value at these heights: 6",
         ),
     ],
 )
 def test_a_caption_counts_the_points_that_have_nothing_to_show(plot, points, said):
-    assert f"Not drawn: {said}" in caption_of(plot, points)
+    assert f"Not drawn, {said}." in caption_of(plot, points)
     lost = {"status": "failed", "reason": "blown up", "velocity": np.nan}
     assert "Not drawn" not in caption_of(plot, at_frictions(lost, lost, lost))
-
-
-@pytest.mark.parametrize(
-    "plot",
-    [
-        {"kind": "distribution", "x": "friction", "y": "velocity"},
-        {"kind": "time_series", "curves": "friction"},
-    ],
-)
-def test_a_caption_tells_what_is_not_steady_where_no_marker_does(plot):
-    steady = {"regime": "steady"}
-    speeding = {"regime": "accelerating", "acceleration": 2.0}
-
-    def told(*points: Mapping) -> list[str]:
-        spec, results = made(plot, at_frictions(*points))
-        return find_kind(spec.kind).notes(figure_data(results, spec))
-
-    sentence = "Not surely steady, and drawn all the same: 2 points still accelerating."
-    assert sentence in told(steady, speeding, speeding)
-    assert "steady" not in " ".join(told(steady, steady, steady))
-
-
-def test_profiles_tell_of_bands_or_of_pale_lines():
-    plot = {"kind": "profiles", "curves": "friction", "panels": "angle"}
-    assert "Bands: " in (text := caption_of(plot, flows(replicates=3))) and "pale" not in text
-    assert "pale" in (text := caption_of(plot, flows(replicates=2))) and "Bands" not in text
-    text = caption_of(plot, flows(replicates=1))
-    assert "pale" not in text and "Bands" not in text
 
 
 @pytest.mark.parametrize(
@@ -204,8 +161,8 @@ def test_texts_of_users_are_drawn_as_they_are_written(tmp_path):
 
 def test_a_caption_names_choices_that_are_not_usual():
     rows = pd.DataFrame({"depth": [3.0, 3.0], "shape": ["disc", "disc"], "rotation": [0.0, 1.0]})
-    told = parameters_sentence(rows, "conveyor", ("depth", "shape", "rotation"))
-    assert told == "Parameters: n = 3; shape disc; no rotation and rotation."
+    told = parameter_lines(rows, "conveyor", ("depth", "shape", "rotation"))
+    assert told == ["depth: n = 3", "shape disc", "no rotation and rotation"]
 
 
 def test_where_no_interval_is_known_there_is_no_bar():

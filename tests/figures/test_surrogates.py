@@ -8,7 +8,7 @@ import pytest
 
 from sim.dataset.build import build
 from sim.dataset.results import COLUMNS
-from sim.figures.caption import answer_sentences
+from sim.figures.caption import answer_sentence
 from sim.figures.data import figure_data
 from sim.figures.figure_records import current_record
 from sim.figures.render import find_spec, render
@@ -102,7 +102,7 @@ def test_predicted_stands_beside_run(drawn):
         (speed.leave_one_out["run"] - speed.leave_one_out["mean"]).values, rel=1e-6
     )
     caption = (folder / "figures" / "speed-agreement.caption.txt").read_text()
-    assert f"Not part of the answer: {16 - len(rows)} points at rest." in caption
+    assert f"left out of it: arrested {16 - len(rows)}." in caption
 
 
 def test_a_picture_is_out_of_date_once_its_surrogate_has_changed(drawn):
@@ -139,9 +139,7 @@ def test_what_is_no_part_of_an_answer_is_counted_by_what_it_lacks():
     results = replace(made, dataset=made.dataset.assign_coords(series=names), boundaries=table)
     answer = Answer("one.nc", "shear_depth", regimes=COUNTED)
     spec = FigureSpec("one", "section", "", "chute", "", series=("flows",), answer=answer)
-    assert answer_sentences(figure_data(results, spec)) == [
-        "Not surely steady, and part of the answer all the same: 1 point whose runs are too short "
-        "to tell.",
-        "Not part of the answer: 1 point at rest, 1 point surely slowing down, "
-        "2 points without a value.",
-    ]
+    assert answer_sentence(figure_data(results, spec)) == (
+        "In the answer: too short to tell 1; left out of it: without a value 2, arrested 1, "
+        "slowing 1."
+    )
