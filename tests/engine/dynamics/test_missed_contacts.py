@@ -1,5 +1,7 @@
 """The contacts of every step of the real loops against all pairs: no list may miss one."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -62,10 +64,18 @@ def profile(kind: str, height):
     return {"linear": height, "wavy": 2 * np.sin(height), "split": 2 * np.sign(height - 2.0)}[kind]
 
 
+#: Skin, agitation and threads of flows.
+LISTS = [(0.1, 0.02, 1), (0.3, 0.1, 2), (0.8, 0.02, 1)]
+KINDS = ["linear", "wavy", "split"]
+
+
 @pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("kind", ["linear", "wavy", "split"])
 @pytest.mark.parametrize(
-    ("skin", "agitation", "threads"), [(0.1, 0.02, 1), (0.3, 0.1, 2), (0.8, 0.02, 1)]
+    ("kind", "skin", "agitation", "threads"),
+    [
+        pytest.param(kind, *lists, marks=[pytest.mark.long] * (KINDS.index(kind) != number))
+        for kind, (number, lists) in product(KINDS, enumerate(LISTS))
+    ],
 )
 def test_no_contact_of_a_dense_sheared_flow_is_missed(skin, agitation, threads, kind, seed):
     rng = np.random.default_rng(seed)
@@ -85,7 +95,7 @@ def test_no_contact_of_a_dense_sheared_flow_is_missed(skin, agitation, threads, 
     assert 2 < list_count < 400
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", SEEDS)
 def test_no_contact_is_missed_where_the_mean_flow_alone_brings_spheres_together(seed):
     """Sparse rows that slide over each other, closer than a diameter: nothing strays at all.
 
