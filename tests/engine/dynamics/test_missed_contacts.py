@@ -32,13 +32,8 @@ def follow_spheres(motion: SphereMotion, radius, steps: int) -> tuple[set, int, 
     Without a mean flow a list would be given up once a sphere has strayed half a skin from the mean
     displacement of all.
     """
-    reach, met_pairs, outlived_steps, list_count, last = (
-        np.add.outer(radius, radius),
-        set(),
-        0,
-        0,
-        None,
-    )
+    reach, met_pairs, outlived_steps = np.add.outer(radius, radius), set(), 0
+    list_count, last, listed = 0, None, set()
     for _ in range(steps):
         place = motion.position
         motion.run(1)
@@ -47,15 +42,16 @@ def follow_spheres(motion: SphereMotion, radius, steps: int) -> tuple[set, int, 
         assert (
             set(zip(np.minimum(i, j).tolist(), np.maximum(i, j).tolist(), strict=True)) == touching
         )
-        assert touching <= listed_pairs(motion.pairs, motion.spheres.label)
+        if last is None or not np.array_equal(last, motion.pairs.anchor):
+            listed = listed_pairs(motion.pairs, motion.spheres.label)
+            last, list_count = motion.pairs.anchor.copy(), list_count + 1
+        assert touching <= listed
         met_pairs |= touching
         displacement = motion.spheres.position - motion.pairs.anchor
         largest_stray = np.linalg.norm(
             displacement - displacement.mean(axis=1)[:, None], axis=0
         ).max()
         outlived_steps += motion.pairs.valid[0] and largest_stray > 0.5 * motion.pairs.skin
-        list_count += last is None or not np.array_equal(last, motion.pairs.anchor)
-        last = motion.pairs.anchor.copy()
     return met_pairs, outlived_steps, list_count
 
 
