@@ -37,9 +37,10 @@ if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):
 # fifth of the time.
 gc.set_threshold(100_000, 50, 100)
 
-#: Files and folders that run first, in this order. Three compile the loops of all others, which two
-#: workers would else compile at the same time; figures need no loops, and tests of laws come after
-#: the golden points. Slow files come early: at the end a worker would wait.
+#: Files and folders that run first, in this order; the longer name counts. Each worker takes two
+#: files, then one after the other: the first one those of spheres and all golden points, which
+#: compile the loops of all others, the second one those of beads and figures. Slow files come
+#: early: at the end a worker would wait.
 ORDER = (
     "engine/dynamics/test_chute_reference.py",
     "engine/dynamics/test_belt_reference.py",
@@ -49,6 +50,7 @@ ORDER = (
     "conformance/",
     "engine/systems/",
     "engine/contact/",
+    "figures/test_from_runs.py",
     "test_extending.py",
     "test_snippets.py",
     "test_published.py",
@@ -70,6 +72,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
     def place(item: pytest.Item) -> int:
         name = item.path.relative_to(tests).as_posix() if item.path.is_relative_to(tests) else ""
-        return next((n for n, start in enumerate(ORDER) if name.startswith(start)), len(ORDER))
+        starts = [(len(start), n) for n, start in enumerate(ORDER) if name.startswith(start)]
+        return max(starts, default=(0, len(ORDER)))[1]
 
     items.sort(key=place)

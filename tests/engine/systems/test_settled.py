@@ -21,6 +21,9 @@ OTHER |= dict.fromkeys(("seed", "replicates", "prior_cycles", "slice_height"), 2
 #: What a point has beside the parameter that it changes.
 BESIDE = {"ghost_mass": {"damping_mass": "reduced"}, "stiffness_keeps": {"stiffness": 500.0}}
 BESIDE |= {"trajectory_contacts": {"trajectory": 1.5}}
+# Laws that other tests have compiled.
+BESIDE["damping_mass"] = {"integrator": "verlet", "attraction": "clipped"}
+BESIDE["attraction"] = {"integrator": "verlet"}
 
 #: Parameters that the bed does not know, as their effect begins with the shaking.
 SHAKING = {"frequency", "vibration_angle", "initial_velocity", "prior_frequency", "prior_cycles"}
