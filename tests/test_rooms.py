@@ -39,17 +39,17 @@ ONLY = {
 WEIGHT = {
     "base": 1_451,
     "parameters": 1_971,
-    "study": 3_661,
-    "engine": 5_613,
+    "study": 3_696,
+    "engine": 5_666,
     "laws": 182,
     "engines": 402,
     "measures": 455,
     "dataset": 1_671,
-    "surrogates": 1_815,
-    "figures": 4_262,
+    "surrogates": 1_828,
+    "figures": 3_993,
     "claims": 1_428,
     "papers": 2_321,
-    "report": 2_596,
+    "report": 2_548,
 }
 
 
