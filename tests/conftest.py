@@ -76,3 +76,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         return max(starts, default=(0, len(ORDER)))[1]
 
     items.sort(key=place)
+
+
+def pytest_collection_finish() -> None:
+    """Let no garbage collection look through what has been imported: pytest ends with ten."""
+    gc.freeze()
