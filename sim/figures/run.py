@@ -13,7 +13,7 @@ from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
 from PIL import Image
 
-from sim.dataset.run_file import RunFile
+from sim.engine.stored_run import RunFile
 from sim.figures.data import label_with_unit
 from sim.figures.render import settle
 from sim.figures.style import COLOURS, LEVEL, SETTINGS

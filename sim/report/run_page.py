@@ -17,8 +17,7 @@ from sim.base.errors import InputError
 from sim.base.files import atomic_write, read_regular, require_writable
 from sim.base.seals import read_seal
 from sim.dataset.replicates import LEDGER_SCALARS, caveat_of_run, layer_orders
-from sim.dataset.run_file import RunFile, summary_of
-from sim.engine.stored_run import open_run_file, parameters_of
+from sim.engine.stored_run import RunFile, open_run_file, parameters_of, summary_of
 from sim.measures.layers import missing_energy
 from sim.parameters import Parameters, as_yaml, complete_values, default_of, field_info
 from sim.parameters.words import setting
