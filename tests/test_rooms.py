@@ -15,11 +15,12 @@ PACKAGE = Path(__file__).parents[1] / "sim"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
 #: Modules of a room that others may import, where they may import no others of it. Of the engine:
-#: names that run files and datasets share, how much they hold, and what tells of runs under way.
+#: names that run files and datasets share, how much they hold, and what tells of runs under way;
+#: figures read series from run files.
 #: Papers: what a plug-in may import, and the engine for experiments on Walton's model.
 ONLY = {
     "dataset": {"engine": {"stored_run", "identity"}},
-    "figures": {"engine": set()},
+    "figures": {"engine": {"stored_run"}},
     "report": {"engine": {"shared_runs", "stored_run", "identity", "progress"}},
     "papers": {
         "base": {"plugins", "statistics"},

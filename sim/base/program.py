@@ -58,6 +58,9 @@ ROOMS: dict[str, tuple[str, ...]] = {
 #: Room whose edits invalidate no output: runs depend on the number of the numerics instead.
 UNTRACKED = "engine"
 
+#: Its module that reads run files: what is made of them depends on it.
+READER = "engine/stored_run.py"
+
 #: Folder of the papers, and the file of a paper's figures there. Each figure depends on its own
 #: entry; the report shows all of them.
 PAPERS, FIGURES = "papers", "figures.yaml"
@@ -65,7 +68,9 @@ PAPERS, FIGURES = "papers", "figures.yaml"
 
 @cache
 def room_hash(package: Path, room: str) -> str:
-    """Return a hash of the files of a room and of its imports, except those of `UNTRACKED`.
+    """Return a hash of the files of a room and of its imports.
+
+    Of `UNTRACKED` it has `READER` alone.
 
     Parameters
     ----------
@@ -75,14 +80,15 @@ def room_hash(package: Path, room: str) -> str:
         One of `ROOMS`. The hash of the report includes `PAPERS`; no other includes `FIGURES`.
     """
     folders = {room, *ROOMS[room], *([PAPERS] if room == "report" else [])} - {UNTRACKED}
-    return files_hash(
+    files = [
         path
         for folder in folders
         for path in (package / folder).rglob("*")
         if path.is_file()
         and "__pycache__" not in path.parts
         and (room == "report" or path.name != FIGURES)
-    )
+    ]
+    return files_hash([*files, *([package / READER] if UNTRACKED in ROOMS[room] else [])])
 
 
 def files_hash(files: Iterable[Path]) -> str:

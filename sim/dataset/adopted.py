@@ -8,6 +8,7 @@ from typing import Any
 import netCDF4
 import numpy as np
 import xarray as xr
+from filelock import Timeout
 
 from sim.base.errors import InputError, count_text
 from sim.base.files import atomic_write, date_back_readers, file_lock, read_regular
@@ -120,7 +121,7 @@ def adopt(study_path: Path, dataset_path: Path, results: Path) -> str:
         for key in block.points:
             path = folder / "runs" / f"{key}.nc"
             # A run that holds the lock is making the file.
-            with suppress(OSError), file_lock(path, wait=False):
+            with suppress(Timeout), file_lock(path, wait=False):
                 if not _stays(path, points.get(key), usable[key], study.need(key)):
                     _write_run(path, usable[key], select_rows([block], {key})[0], name)
     date_back_readers(folder)

@@ -23,9 +23,8 @@ from sim.dataset.rows import (
     row_scalars,
     stored_names,
 )
-from sim.dataset.run_file import Replicate, RunFile
 from sim.engine.identity import numerics_of
-from sim.engine.stored_run import STATE, require_all, stage_amounts
+from sim.engine.stored_run import STATE, Replicate, RunFile, require_all, stage_amounts
 from sim.parameters.variables import OBSERVABLE, SCALARS, Observable, observables
 from sim.study.model import Need
 from sim.study.plot_kinds import Shown

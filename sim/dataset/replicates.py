@@ -12,7 +12,7 @@ import xarray as xr
 
 from sim.base.statistics import MANY, mean_interval, student, student_half_width
 from sim.dataset.results import Results
-from sim.dataset.run_file import NamedValues, Replicate, RunFile, Summary
+from sim.engine.stored_run import NamedValues, Replicate, RunFile, Summary
 from sim.measures.layers import missing_energy
 from sim.parameters import Parameters
 from sim.parameters.chute import negligible_acceleration

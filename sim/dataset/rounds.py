@@ -3,6 +3,7 @@
 import json
 from collections.abc import Collection, Mapping
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import cast
 
@@ -10,14 +11,16 @@ import numpy as np
 
 from sim.base.errors import InputError
 from sim.base.seals import CHECKSUM, checked_read, parse_sealed_json
-from sim.dataset.run_file import NamedValues, summary_of
+from sim.engine.stored_run import NamedValues, read_parameters, summary_of
 from sim.parameters import (
+    RUN_FILE,
     BeltParameters,
     ConveyorParameters,
     Parameters,
     amounts,
     parse_point,
     point_id,
+    require_compatible_source,
 )
 from sim.parameters.belt import ONSET_TRANSPORT
 from sim.study.expand import point_with_membership
@@ -120,6 +123,29 @@ def add_further_points(study: Study, known: Collection[str]) -> Study:
             points[key] = point_with_membership(points, parameters, one.series, one.figures)
             series[one.series] = tuple(dict.fromkeys((*series[one.series], key)))
     return replace(study, points=points, series=series)
+
+
+def require_start_files(study: Study) -> None:
+    """Refuse a run file that a point of a study cannot start from.
+
+    Points that start from other points of the study were checked when the study was loaded.
+
+    Raises
+    ------
+    InputError
+        When it is damaged or no run file, or a flow of the point cannot go on from its flow.
+    """
+
+    @cache
+    def read_start(start: str) -> Parameters:
+        try:
+            return read_parameters(Path(start))
+        except InputError as error:
+            raise InputError(f"{study.path}: start_from: {error}") from None
+
+    for point in study.points.values():
+        if (start := point.parameters.start_from).endswith(RUN_FILE):
+            require_compatible_source(point.parameters, read_start(start), str(study.path))
 
 
 def side_of_run(path: Path, of: str, parameters: Parameters) -> str | None:

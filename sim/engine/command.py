@@ -160,13 +160,8 @@ def _take_from_others(parameters: Parameters, runs: Path) -> None:
 def _run_one(parameters: Parameters, output: Path, quiet: bool, record_failure: bool) -> int:
     """Run a point unless a current run file exists; return the exit code."""
     # Imported late, so that an error in a point is reported without waiting for numba.
-    from sim.engine.run import BLOW_UP_CODE, run_point
-    from sim.engine.stored_run import current_status
+    from sim.engine.run import run_point
 
-    # A run that starts from another is current only if that has not gone on.
-    if not parameters.start_from and (status := current_status(output, parameters)):
-        log.info("%s: already there", output)
-        return BLOW_UP_CODE if status == "failed" and not record_failure else 0
     try:
         return run_point(parameters, output, quiet=quiet, record_failure=record_failure)
     except (MemoryError, ArithmeticError, ValueError) as error:

@@ -78,7 +78,9 @@ def run_point(
         if is_old:
             log.info("%s: what it starts from has gone on; computed anew", name)
         status = "" if is_old else current_status(output, parameters)
-        if not status:
+        if status:
+            log.info("%s: already there", output)
+        else:
             status = _compute(parameters, output, quiet, origin, is_old)
             if not temporary:
                 _log_file(parameters, output, status)

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from sim.base.errors import InputError
 from sim.base.seals import checked_read
-from sim.dataset.run_file import RunFile
+from sim.engine.stored_run import RunFile
 from sim.figures.axes import set_log
 from sim.figures.caption import not_drawn
 from sim.figures.data import FigureData, label_with_unit, unit_of

@@ -6,8 +6,7 @@ from pathlib import Path
 import netCDF4
 
 from sim.dataset.replicates import caveat_of_run, layer_orders
-from sim.dataset.run_file import RunFile, summary_of
-from sim.engine.stored_run import open_run_file, parameters_of
+from sim.engine.stored_run import RunFile, open_run_file, parameters_of, summary_of
 from sim.parameters import Parameters, as_yaml, complete_values, field_info
 from sim.parameters.variables import SCALARS
 

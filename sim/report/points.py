@@ -12,7 +12,7 @@ import psutil
 from sim.base.errors import InputError, align_table, count_text, duration
 from sim.base.files import require_writable
 from sim.base.program import program
-from sim.dataset.run_file import require_start_files
+from sim.dataset.rounds import require_start_files
 from sim.engine.shared_runs import SharedRun, describe, find_runs
 from sim.parameters import complete_values, field_info
 from sim.parameters.density import doubts_of

@@ -21,11 +21,10 @@ from sim.base.program import program
 from sim.base.seals import UNREADABLE
 from sim.dataset.replicates import caveat_of_run
 from sim.dataset.rounds import points_of_rounds, rounds_to_come
-from sim.dataset.run_file import summary_of
 from sim.engine.identity import NUMERICS, numerics_of
 from sim.engine.progress import LONGEST_SILENCE, Progress, progress_file, read_progress
 from sim.engine.shared_runs import SharedRun, describe, find_runs
-from sim.engine.stored_run import has_enough, starts_to_run
+from sim.engine.stored_run import has_enough, starts_to_run, summary_of
 from sim.parameters import Parameters, amounts, point_id
 from sim.report.numbers import template
 from sim.study.cost import estimate

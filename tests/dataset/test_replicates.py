@@ -16,7 +16,7 @@ from sim.dataset.replicates import (
     outcome,
     pooled_half_width,
 )
-from sim.dataset.run_file import RunFile, summary_of
+from sim.engine.stored_run import RunFile, summary_of
 from sim.parameters import BeltParameters, ChuteParameters, ConveyorParameters, amounts
 from sim.report.info import describe
 from tests.made.netcdf import store

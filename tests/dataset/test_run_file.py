@@ -11,8 +11,8 @@ from sim.__main__ import main
 from sim.base.errors import InputError
 from sim.dataset.build import build
 from sim.dataset.rounds import side_of_run
-from sim.dataset.run_file import summary_of
 from sim.engine.run import run_point
+from sim.engine.stored_run import summary_of
 from sim.parameters import amounts
 from sim.parameters.variables import SCALARS
 from sim.report.status import survey

@@ -10,7 +10,6 @@ import snakemake.cli
 import sim.claims.claim
 import sim.claims.inference
 import sim.dataset.rounds
-import sim.dataset.run_file
 import sim.figures.plot
 import sim.study.command
 import sim.study.plan  # noqa: F401

@@ -14,8 +14,7 @@ from sim.base.additions import additions, codes
 from sim.base.errors import InputError
 from sim.base.files import correct_future_times, write_start
 from sim.base.program import files_hash, room_hash
-from sim.dataset.rounds import read_round
-from sim.dataset.run_file import require_start_files
+from sim.dataset.rounds import read_round, require_start_files
 from sim.engine import shared_runs, stored_run
 from sim.engine.identity import numerics_mark
 from sim.engine.states import checkpoint_interval
