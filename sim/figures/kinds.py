@@ -68,8 +68,10 @@ with attribute_additions_to(TALUS):
         second="y",
         log=("x",),
         others=("curves", "panels", "between", "beside"),
-        of_papers=("x", "curves", "vary", "labels", "styles", "entry"),
-        systems=("belt",),
+        of_papers=(
+            *("x", "y", "curves", "panels", "between", "log", "units", "vary", "labels"),
+            *("quantities", "styles", "entry", "flat"),
+        ),
         over="over the height",
     )
     _declare(

@@ -1,7 +1,7 @@
 """Helpers of the plots that a study file defines: observables, units, panels, labels and looks."""
 
 import textwrap
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -108,13 +108,19 @@ def rows_of_points(
     data: FigureData,
     headings: Mapping[str, str],
     values: Callable[[Mapping[str, Any]], pd.DataFrame],
+    names: Sequence[str] = (),
 ) -> pd.DataFrame:
     """Return the rows of data that a point has several of, after the columns that identify it.
 
-    ``values`` returns those of a completed point, ``headings`` are those of its columns.
+    ``values`` returns those of a completed point, ``headings`` are those of its columns, and
+    ``names`` parameters in place of the usual ones.
     """
     completed = data.rows[data.rows["completed"] > 0]
-    id_columns = named_columns(data, completed)
+    id_columns = (
+        parameter_columns(completed, data.spec.system, names)
+        if names
+        else named_columns(data, completed)
+    )
     parts = [
         pd.DataFrame({name: column[index] for name, column in id_columns.items()} | {**values(row)})
         for index, row in zip(completed.index, completed_rows(data), strict=True)

@@ -9,7 +9,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim.base.statistics import student_half_width
-from sim.figures import belt_profiles
 from sim.figures.axes import NONE, limit_axis, set_log
 from sim.figures.caption import not_drawn
 from sim.figures.data import FigureData, label_with_unit, unit_of
@@ -28,13 +27,16 @@ from sim.figures.plot import (
     scale_of_point,
     write_no_data,
 )
-from sim.figures.style import PALE, CurveStyle
-from sim.figures.variables import groups, legend
+from sim.figures.style import PALE, PALE_LINE, CurveStyle, name_protocols
+from sim.figures.variables import groups, is_prescribed, legend
 from sim.study.plot_kinds import SHARE
 from sim.study.plottable import Observable, profiles
 
 #: Fewest replicates for which the mean has an interval: that of two says little.
 MIN_REPLICATES = 3
+
+#: Number density (1/⟨d⟩²) of the emptiest slice at the top of a flat profile.
+THIN = 0.01
 
 #: Sizes of the markers of means and of single replicates, points.
 _MEAN_SIZE, _REPLICATE_SIZE = 3.8, 2.2
@@ -53,18 +55,25 @@ def slices(data: FigureData, row: Mapping[str, Any]) -> tuple[np.ndarray, dict[s
     ``between`` narrows them further. Of two observables, slices are left out in which no replicate
     has both, and values are not-a-number where a replicate lacks either.
     """
-    packing, height = data.results.profile(row["point"], "packing_profile")
-    filled = np.cumsum(np.nan_to_num(packing.mean(axis=0)))
-    chosen = np.arange(height.size) <= np.searchsorted(filled, SHARE * filled[-1])
+    name = "number_density" if data.spec.flat else "packing_profile"
+    filling, height = data.results.profile(row["point"], name)
+    if data.spec.flat:
+        dense = np.flatnonzero(filling.mean(axis=0) * row["diameter"] ** 2 >= THIN)
+        end = dense.max(initial=-1)
+    else:
+        filled = np.cumsum(np.nan_to_num(filling.mean(axis=0)))
+        end = np.searchsorted(filled, SHARE * filled[-1])
+    chosen = np.arange(height.size) <= end
     if between := data.spec.between:
         low, high = (limit * row["diameter"] for limit in between)
         chosen &= (low <= height) & (height <= high)
     values = {
         axis: data.results.profile(row["point"], one.source)[0][:, chosen]
-        / scale_of_point(data, row, one.unit)
+        * (1 / scale_of_point(data, row, one.unit))
         for axis, one in observables(data).items()
     }
-    height = height[chosen] / scale_of_point(data, row, "m")
+    unit = row["diameter"] if data.spec.flat else scale_of_point(data, row, "m")
+    height = height[chosen] / unit
     if len(values) == 1:
         return height, values
     is_known = np.isfinite(list(values.values())).all(axis=0)
@@ -82,6 +91,11 @@ def means(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
     height, values = slices(data, row)
     columns: dict[str, Any] = {"height": height}
     for axis, of_replicates in values.items():
+        if data.spec.flat:
+            # A slice that is empty in a replicate has no mean.
+            columns[axis] = of_replicates.mean(axis=0)
+            columns[f"{axis}_half"] = student_half_width(of_replicates)
+            continue
         samples = [sample[np.isfinite(sample)] for sample in of_replicates.T]
         columns[axis] = [sample.mean() if sample.size else np.nan for sample in samples]
         columns[f"{axis}_half"] = [float(student_half_width(sample)) for sample in samples]
@@ -95,8 +109,6 @@ def _is_drawable(data: FigureData, rows: pd.DataFrame) -> pd.Series:
 
 def draw(data: FigureData) -> Figure:
     """Draw the mean of each point, and its interval or, for few replicates, all of these."""
-    if data.spec.paper:
-        return belt_profiles.draw(data)
     spec, shown_observables = data.spec, observables(data)
     draw_point = _draw_slices if "y" in shown_observables else _draw_line
     figure, shown = panels(data)
@@ -113,13 +125,18 @@ def draw(data: FigureData) -> Figure:
             set_log(axes, axis)
     height = label_with_unit("height z", unit_of("m", spec.units, spec.system))
     labels = [observable_label(data, one) for one in shown_observables.values()]
-    label_axes(figure, shown, *[*labels, height][:2])
+    usual = [*labels, height][:: -1 if spec.flat else 1][:2]
+    label_axes(figure, shown, *(spec.labels.get(one, usual["xy".index(one)]) for one in "xy"))
     if "y" in shown_observables:
         _limit_axes(data, shown, pd.concat(drawn) if drawn else pd.DataFrame())
+    elif spec.flat:
+        _limit_flat(shown, pd.concat(drawn or [pd.DataFrame({"x": []})])["x"])
     elif not spec.between:
         # Panels share their axes, and set limits do not follow later data.
         shown[0][0].set_ylim(bottom=min([0.0, *foreign_values(data, "y")]))
-    legend(data, figure, shown, curve_keys(data), foreign)
+    if is_prescribed(spec) and data.rows["protocol"].nunique() > 1:
+        name_protocols(shown[0][0], spec.system)
+    legend(data, figure, shown, spec.by if spec.flat else curve_keys(data), foreign)
     return figure
 
 
@@ -132,7 +149,18 @@ def _draw_line(
     if rows["x"].isna().all():
         return rows
     mean, half, height = rows["x"], rows["x_half"], rows["height"]
-    axes.plot(mean, height, color=style.colour, linestyle=style.dashes, label=label)
+    line: dict[str, Any] = {"color": style.colour, "linestyle": style.dashes, "label": label}
+    if data.spec.flat:
+        # The converged protocol is pale beside the published one.
+        beside = is_prescribed(data.spec) and data.rows["protocol"].nunique() > 1
+        if beside and row["protocol"] == "converged":
+            line |= PALE_LINE | {"label": None}
+        axes.plot(height, mean, **line)
+        axes.fill_between(
+            height, mean - half, mean + half, color=style.colour, alpha=0.15, linewidth=0
+        )
+        return rows
+    axes.plot(mean, height, **line)
     if row["completed"] < MIN_REPLICATES:
         each = values["x"].T
         each = np.where(each > 0, each, np.nan) if "x" in data.spec.log else each
@@ -167,6 +195,14 @@ def _draw_slices(
     return rows
 
 
+def _limit_flat(shown: Panels, means: pd.Series) -> None:
+    """Let axes begin at zero and follow the means, however wide their bands are."""
+    low, high = min(0.0, means.min()), max(0.0, means.max())
+    room = 0.08 * (high - low) if high > low else 1.0
+    for axes, _ in shown:
+        axes.set(xlim=(0, None), ylim=(low - room if low else 0.0, high + room))
+
+
 def _limit_axes(data: FigureData, shown: Panels, drawn: pd.DataFrame) -> None:
     """Set limits, which follow the means."""
     for axes, _ in shown:
@@ -178,8 +214,6 @@ def _limit_axes(data: FigureData, shown: Panels, drawn: pd.DataFrame) -> None:
 
 def table(data: FigureData) -> pd.DataFrame:
     """Return the plotted data, a row per point and slice, units in the headings."""
-    if data.spec.paper:
-        return belt_profiles.table(data)
     spec, shown = data.spec, observables(data)
     headings = {"height": f"height [{unit_of('m', spec.units, spec.system)}]"}
     for axis, one in shown.items():
@@ -188,29 +222,49 @@ def table(data: FigureData) -> pd.DataFrame:
         headings[axis] = f"{one.name} [{unit}]"
         headings[f"{axis}_half"] = f"half width of 95 % interval{of} [{unit}]"
 
+    names: tuple[str, ...] = ()
+    if spec.flat:
+        heading = spec.quantities[0]["label"]
+        half_width = f"half width of 95 % interval {heading.split()[-1]}"
+        headings = {"height": "height above the belt [⟨d⟩]", "x": heading, "x_half": half_width}
+        names = (*spec.named, "initial_velocity", "protocol")
+
     def rows(row: Mapping[str, Any]) -> pd.DataFrame:
+        if spec.flat:
+            return means(data, row).pipe(_with_replicates, row["completed"])
         return means(data, row).assign(**{"completed replicates": row["completed"]})
 
     y = headings.get("y", headings["height"])
-    return append_foreign_data(data, rows_of_points(data, headings, rows), headings["x"], y)
+    return append_foreign_data(data, rows_of_points(data, headings, rows, names), headings["x"], y)
+
+
+def _with_replicates(rows: pd.DataFrame, completed: int) -> pd.DataFrame:
+    rows.insert(0, "completed replicates", completed)
+    return rows
 
 
 def notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on lines or markers, their extent, and omissions."""
-    if data.spec.paper:
-        return belt_profiles.notes(data)
     of_points = [means(data, row) for row in completed_rows(data)]
     known = [rows[rows["x"].notna()] for rows in of_points]
     omitted = sum(int((~_is_drawable(data, rows)).sum()) for rows in known)
     what = "A marker per slice of the height" if data.spec.second else "Lines over the height"
     extent = f"They end where {100 * SHARE:g} % of the particles are below."
+    if data.spec.flat:
+        extent = (
+            "z is measured from the present position of the belt, in slices of ⟨d⟩, up to the last "
+            f"one with {THIN:g} beads per ⟨d⟩² or more; one that is empty in a replicate has no "
+            "velocity."
+        )
     if between := data.spec.between:
         low, high = between
         extent += f" Heights shown: {low:g} to {high:g} diameters above the base."
+    few = f"; of fewer than {MIN_REPLICATES}, each is pale"
+    if data.spec.flat:
+        few = " where there are several, which may go beyond the axes"
     suffix = _height_range_suffix(data)
     return [
-        f"{what}: means over the replicates, with 95 % intervals (Student); of fewer than "
-        f"{MIN_REPLICATES}, each is pale.",
+        f"{what}: means over the replicates, with 95 % intervals (Student){few}.",
         extent,
         *not_drawn(sum(rows.empty for rows in known), f"without a value{suffix}"),
         *not_drawn(omitted, "slices not above 0 on a logarithmic axis"),

@@ -18,6 +18,7 @@ from matplotlib.ticker import FixedLocator, NullLocator
 
 from sim.figures.axes import set_log
 from sim.figures.data import FigureData, Quantity
+from sim.figures.family import labels_and_styles
 from sim.figures.plot import (
     Panels,
     curve_keys,
@@ -35,11 +36,12 @@ from sim.figures.style import (
     escape_label,
     legend_above,
     legend_title,
+    look_of,
     settings,
 )
 from sim.parameters import SYSTEMS
 from sim.study.plot_contents import has_logarithmic_values
-from sim.study.plot_kinds import REGIME
+from sim.study.plot_kinds import REGIME, FigureSpec
 from sim.study.plottable import numbers
 
 #: Colours of numbers; the palest are left out, as points lie on white, or on black once inverted.
@@ -255,11 +257,11 @@ def legend(
     entries.pop("", None)
     marks = [(label, entries.pop(label)) for label in MEANINGS if label in entries]
     spec = data.spec
-    is_prescribed = bool(spec.styles or spec.entry or spec.quantities or spec.show == REGIME)
-    if not is_prescribed and (number := number_of_curves(data, named)) is not None:
+    is_named = is_prescribed(spec) or bool(spec.quantities or spec.show == REGIME)
+    if not is_named and (number := number_of_curves(data, named)) is not None:
         Colours(number).explain(figure, [axes for axes, _ in shown])
         entries = {}
-    if len(entries) > MOST_ENTRIES and not is_prescribed:
+    if len(entries) > MOST_ENTRIES and not is_named:
         entries = {f"{len(entries):,} curves, which the data names": Line2D([], [], linestyle="")}
     pairs = [*entries.items(), *marks, *(foreign or {}).items()]
     if pairs:
@@ -274,9 +276,19 @@ def groups(
 ) -> Iterator[tuple[CurveStyle, str, Mapping[str, Any]]]:
     """Yield style, legend entry and row of each completed point: each is one curve."""
     keys = curve_keys(data)
-    look = shared_look(data, keys)
-    completed = rows[rows["completed"] > 0].sort_values(list(keys)) if keys else rows
-    for index, row in enumerate(completed[completed["completed"] > 0].to_dict("records")):
-        names = {str(name): row[name] for name in keys}
-        style, label = look(names, index)
+    completed = rows[rows["completed"] > 0]
+    records = (completed.sort_values(list(keys)) if keys else completed).to_dict("records")
+    names = [{str(name): row[name] for name in keys} for row in records]
+    if is_prescribed(data.spec):
+        labels, styles = labels_and_styles(names, look_of(data.spec, data.spec.by))
+        looks = [(styles[label], label) for label in labels]
+    else:
+        look = shared_look(data, keys)
+        looks = [look(one, index) for index, one in enumerate(names)]
+    for (style, label), row in zip(looks, records, strict=True):
         yield style, label, {str(name): value for name, value in row.items()}
+
+
+def is_prescribed(spec: FigureSpec) -> bool:
+    """Return whether a figure says itself what its curves look like."""
+    return bool(spec.styles or spec.entry)

@@ -100,6 +100,7 @@ class FigureFile(PlotFile):
     )
     styles: list[Style] = []
     entry: Text = Field("", description="pattern of the entries in the legend")
+    flat: bool = Field(False, description="whether profiles have the height along x")
     theory: Literal["", "least_friction", "largest_angle", "lift_off"] = Field(
         "", description="line of theory on a map of regimes"
     )
@@ -165,6 +166,7 @@ class FigureFile(PlotFile):
             "point": self.point,
             "widest": self.widest,
             "relative": self.relative,
+            "flat": self.flat,
             "theory": self.theory,
             "creep": self.creep,
         }

@@ -393,6 +393,8 @@ class FigureSpec:
         Largest half width of an interval, relative to its value, that a line joins; 0 for any.
     relative : bool
         Whether velocity and frequency of the belt are shares of its own.
+    flat : bool
+        Whether profiles have the height along x, and end where particles are few.
     theory, creep : str, bool
         Line of theory on a map of regimes, and whether its flows that creep have a marker.
     answer : Answer
@@ -435,6 +437,7 @@ class FigureSpec:
     point: str = ""
     widest: float = 0.0
     relative: bool = False
+    flat: bool = False
     theory: str = ""
     creep: bool = False
     answer: Answer = field(default_factory=Answer)

@@ -1,6 +1,7 @@
 """Gallas' Figs. 2 and 3: a curve per flow with its band, the paper's dashes, data and caption."""
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 from matplotlib.colors import to_rgb
@@ -8,7 +9,8 @@ from scipy.stats import t
 
 from sim.base.errors import InputError
 from sim.dataset.results import load_results
-from sim.figures.belt_profiles import DENSITY, THIN, VELOCITY, profiles
+from sim.figures.plot import completed_rows
+from sim.figures.profiles import THIN, means
 from sim.figures.style import DASH_DOT, DOTTED, LONG_DASH, SHORT_DASH
 from sim.parameters import BeltParameters
 from tests.figures.drawing import dashes, data_of_figure, draw, drawn, texts
@@ -30,8 +32,13 @@ STYLES = {
     "gallas_3b": ANGLES,
     "gallas_3c": DAMPINGS | {"(γ, γ$_s$) = (10g, 10g), fast start": LONG_DASH},
 }
-QUANTITIES = {"2": DENSITY, "3": VELOCITY}
+HEADINGS = {"2": "number density [⟨d⟩-2]", "3": "mean velocity [m s-1]"}
 HALF_WIDTH = t.ppf(0.975, 2) * SPREAD.std(ddof=1) / 3**0.5
+
+
+def profiles(data) -> pd.DataFrame:
+    """Return the slices of all points."""
+    return pd.concat([means(data, row).assign(point=row["point"]) for row in completed_rows(data)])
 
 
 def curves(axes) -> list:
@@ -61,8 +68,7 @@ def test_every_flow_has_a_colour_of_its_own(name, belt_dataset):
 @pytest.mark.parametrize("name", STYLES)
 def test_the_profiles_are_those_of_the_dataset_in_the_units_of_the_axes(name, belt_dataset):
     _, data = drawn(name, belt_dataset)
-    quantity = QUANTITIES[name[-2]]
-    table = profiles(data, quantity)
+    table = profiles(data)
     assert set(table["point"]) == set(data.rows["point"])
     for row in data.rows.to_dict("records"):
         parameters = BeltParameters(
@@ -70,13 +76,13 @@ def test_the_profiles_are_those_of_the_dataset_in_the_units_of_the_axes(name, be
             damping=row["damping"],
             shear_damping=row["shear_damping"],
         )
-        expected = plateau(parameters) if quantity is DENSITY else transport(parameters)
+        expected = plateau(parameters) if name[-2] == "2" else transport(parameters)
         part = table[table["point"] == row["point"]]
-        assert part["mean"].to_numpy() == pytest.approx(expected, rel=ROUNDING)
+        assert part["x"].to_numpy() == pytest.approx(expected, rel=ROUNDING)
         widths = pytest.approx(expected * HALF_WIDTH, abs=5 * expected * ROUNDING)
-        assert part["half_width"].to_numpy() == widths
-        assert part["z"].to_numpy() == pytest.approx(np.arange(len(part)) + 0.5)
-        assert part["z"].iloc[-1] + 1 > 10 / plateau(parameters) > part["z"].iloc[-1]
+        assert part["x_half"].to_numpy() == widths
+        assert part["height"].to_numpy() == pytest.approx(np.arange(len(part)) + 0.5)
+        assert part["height"].iloc[-1] + 1 > 10 / plateau(parameters) > part["height"].iloc[-1]
 
 
 def test_bands_span_the_interval(belt_dataset):
@@ -111,7 +117,6 @@ def test_converged_curves_are_pale_beside_the_published_ones(belt_dataset):
 @pytest.mark.parametrize("name", STYLES)
 def test_data_and_caption(name, belt_dataset):
     data, text = texts(name, belt_dataset)
-    quantity = QUANTITIES[name[-2]]
     assert {
         "point",
         "frequency [Hz]",
@@ -120,7 +125,7 @@ def test_data_and_caption(name, belt_dataset):
         "protocol",
         "completed replicates",
         "height above the belt [⟨d⟩]",
-        quantity.heading,
+        HEADINGS[name[-2]],
     } <= set(data)
     assert len(data) > 10 * data["point"].nunique()
     assert text.startswith(f"Gallas et al. (1992), Fig. {name[-2:]}. ")
@@ -128,7 +133,7 @@ def test_data_and_caption(name, belt_dataset):
         "A_z = 1 ⟨d⟩",
         "t_av = 45 cycles",
         "Points: ",
-        "mean over replicates",
+        "means over the replicates",
         "The paper: ",
     ):
         assert part in text
@@ -142,8 +147,8 @@ def test_a_slice_that_is_empty_in_a_replicate_has_no_velocity(belt_dataset):
     point = data.rows["point"].iloc[0]
     belt = data.results.profiles["belt"]
     belt["velocity_profile"].loc[{"run": point, "replicate": 1, "slice": 2}] = np.nan
-    table = profiles(data, VELOCITY)
-    means = table[table["point"] == point]["mean"].to_numpy()
+    table = profiles(data)
+    means = table[table["point"] == point]["x"].to_numpy()
     assert list(np.flatnonzero(np.isnan(means))) == [2]
 
 
@@ -153,8 +158,8 @@ def test_a_profile_ends_where_it_is_too_thin(belt_dataset):
     density = data.results.profiles["belt"]["number_density"]
     for place, factor in ((20, 1.01), (25, 0.99)):
         density.loc[{"run": point, "slice": place}] = factor * THIN / data.rows["diameter"][0] ** 2
-    table = profiles(data, DENSITY)
-    assert table[table["point"] == point]["z"].max() == pytest.approx(20.5)
+    table = profiles(data)
+    assert table[table["point"] == point]["height"].max() == pytest.approx(20.5)
 
 
 def test_a_single_replicate_has_no_band(belt_dataset, tmp_path):
@@ -166,7 +171,7 @@ def test_a_single_replicate_has_no_band(belt_dataset, tmp_path):
     with xr.open_dataset(belt_dataset, group="belt") as belt:
         store(belt.load(), path, mode="a", group="belt")
     _, data = drawn("gallas_2b", path)
-    assert profiles(data, DENSITY)["half_width"].isna().all()
+    assert profiles(data)["x_half"].isna().all()
     text = draw("gallas_2b", path, tmp_path)[3].read_text()
     assert "Bands" not in text
 
