@@ -38,16 +38,16 @@ ONLY = {
 #: Most lines of code of each room: no docstring, comment, import or blank line. Whoever adds takes
 #: away elsewhere; a commit that raises a number here says what for.
 WEIGHT = {
-    "base": 1_451,
+    "base": 1_453,
     "parameters": 1_971,
-    "study": 3_696,
-    "engine": 5_666,
+    "study": 3_699,
+    "engine": 5_734,
     "laws": 182,
     "engines": 402,
     "measures": 455,
-    "dataset": 1_671,
+    "dataset": 1_602,
     "surrogates": 1_828,
-    "figures": 3_993,
+    "figures": 3_959,
     "claims": 1_428,
     "papers": 2_321,
     "report": 2_548,
