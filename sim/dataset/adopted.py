@@ -38,6 +38,9 @@ DIGITS = 16
 #: Most variables that a message names.
 MOST_NAMED = 3
 
+#: What a reduced run file takes over from the file that the row was read from.
+_KEPT = ("seal", "engine_version", "source_hash", "versions", "created", "caveat")
+
 
 def missing_variables(group: Any, system: str) -> list[str]:
     """Return the variables that this version stores and the writer of a dataset did not know.
@@ -102,12 +105,8 @@ def adopt(study_path: Path, dataset_path: Path, results: Path) -> str:
                 lambda point: study.need(point)._replace(series=False),
             )
         )
-    covered = [
-        key
-        for block in blocks
-        for key in block.points
-        if key in points and not study.need(key).series
-    ]
+    rows = [(key, block) for block in blocks for key in block.points]
+    covered = [key for key, _ in rows if key in points and not study.need(key).series]
     if not covered:
         common = len(points.keys() & stored.keys())
         raise InputError(
@@ -116,17 +115,17 @@ def adopt(study_path: Path, dataset_path: Path, results: Path) -> str:
             "none with all that is wanted of it"
         )
     name = hashlib.sha256(content).hexdigest()[:DIGITS]
-    (folder / "runs").mkdir(parents=True, exist_ok=True)
-    for block in blocks:
-        for key in block.points:
-            path = folder / "runs" / f"{key}.nc"
-            # A run that holds the lock is making the file.
-            with suppress(Timeout), file_lock(path, wait=False):
-                if not _stays(path, points.get(key), usable[key], study.need(key)):
-                    _write_run(path, usable[key], select_rows([block], {key})[0], name)
+    runs = folder / "runs"
+    runs.mkdir(parents=True, exist_ok=True)
+    for key, block in rows:
+        path = runs / f"{key}.nc"
+        # A run that holds the lock is making the file.
+        with suppress(Timeout), file_lock(path, wait=False):
+            if not _stays(path, points.get(key), usable[key], study.need(key)):
+                _write_run(path, usable[key], select_rows([block], {key})[0], name)
     date_back_readers(folder)
     number = f"{len(covered):,} of {count_text(len(points), 'point')}"
-    return f"{study.name}: {dataset_path} covers {number}; in {folder / 'runs'}, from {name}"
+    return f"{study.name}: {dataset_path} covers {number}; in {runs}, from {name}"
 
 
 def _read_points(path: Path) -> dict[str, Parameters]:
@@ -201,10 +200,6 @@ def _write_run(path: Path, point: Parameters, row: Rows, dataset: str) -> None:
         summary = {"attributes": attributes, "held": [amounts(point)], "scalars": scalars}
         append_summary(temporary, summary)
         seal(temporary)
-
-
-#: What a reduced run file takes over from the file that the row was read from.
-_KEPT = ("seal", "engine_version", "source_hash", "versions", "created", "caveat")
 
 
 def _require_origin(path: Path) -> None:

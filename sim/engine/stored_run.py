@@ -310,7 +310,7 @@ class RunFile(Mapping[str, np.ndarray]):
         self._variables = {**file.variables, **group.variables}
         scalars = summary_scalars if summary_scalars and group is file else {}
         self._cache = {name: np.array(values)[self._replicates] for name, values in scalars.items()}
-        self.attrs = {name: file.getncattr(name) for name in file.ncattrs()}
+        self.attrs = read_attributes(file)
 
     def __getitem__(self, name: str) -> np.ndarray:
         if name not in self._cache:

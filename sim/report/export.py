@@ -15,7 +15,7 @@ from sim.base.errors import InputError, count_text
 from sim.base.files import atomic_write, require_writable, temporary_folder
 from sim.base.program import __version__
 from sim.base.seals import checked_read
-from sim.engine.stored_run import parameters_of, require_all
+from sim.engine.stored_run import parameters_of, read_attributes, require_all
 from sim.parameters import RUN_FILE, Parameters
 from sim.parameters.spheres import SphereParameters
 from sim.study.command import YAML_SUFFIXES
@@ -253,7 +253,7 @@ def _export_run(path: Path, to: str, output: Path | None, replicate: int) -> str
         with checked_read(path, "run file", replaceable=False, sealed=True):
             file = opened.enter_context(netCDF4.Dataset(path))
             file.set_auto_mask(False)
-            require_all({name: file.getncattr(name) for name in file.ncattrs()}, path)
+            require_all(read_attributes(file), path)
             frames = frames_of(file, parameters_of(file, path), replicate)
         output.parent.mkdir(parents=True, exist_ok=True)
         try:
