@@ -11,6 +11,7 @@ import sys
 from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import suppress
+from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -212,8 +213,9 @@ def variants(points: Iterable[Parameters]) -> list[Parameters]:
 def warm(points: Iterable[Parameters], processes: int = 1) -> None:
     """Compile everything that runs of these points will call, and store it in the cache folder.
 
-    Systems share little code: with several ``processes`` they are compiled in parallel. A mark in
-    the folder says what has been compiled there, so that the next call need not load numba.
+    Systems share little code: with several ``processes`` they are compiled in parallel, and a
+    process that is left compiles ahead of another one. A mark in the folder says what has been
+    compiled there, so that the next call need not load numba.
     """
     small = variants(points)
     mark = cache_directory() / f"warm-{_compiled_for(small)}"
@@ -222,12 +224,14 @@ def warm(points: Iterable[Parameters], processes: int = 1) -> None:
     systems: dict[type, list[Parameters]] = {}
     for point in small:
         systems.setdefault(type(point), []).append(point)
-    if processes == 1 or len(systems) == 1:
-        for group in systems.values():
-            _compile(group)
+    if processes == 1:
+        _compile(small)
     else:
+        groups = list(systems.values())
         with ProcessPoolExecutor(processes, get_context("fork")) as pool:
-            list(pool.map(_compile, systems.values()))
+            ahead = pool.map(_compile_ahead, groups[: max(0, processes - len(groups))])
+            list(pool.map(_compile, groups))
+            list(ahead)
     with suppress(OSError):
         mark.touch()
 
@@ -237,7 +241,9 @@ def _compiled_for(points: Iterable[Parameters]) -> str:
     processor = Path("/proc/cpuinfo")
     lines = processor.read_text("utf-8").splitlines() if processor.exists() else []
     kind = {line for line in lines if line.startswith(("model name", "flags", "Features"))}
-    facts = [canonical_values(point) for point in points], library_versions(), sorted(kind)
+    # numba keeps code by the path of its source.
+    place = str(Path(__file__).parent)
+    facts = [canonical_values(point) for point in points], library_versions(), sorted(kind), place
     return hashlib.sha256(repr(facts).encode()).hexdigest()[:12]
 
 
@@ -248,3 +254,14 @@ def _compile(points: Iterable[Parameters]) -> None:
         system = build(point, 0)
         system.settle()
         system.sample(1, profiles=True)
+
+
+def _compile_ahead(points: Iterable[Parameters]) -> None:
+    from sim.engine.compile import compile_ahead
+    from sim.engine.systems import build
+
+    log.setLevel(logging.WARNING)
+    for point in points:
+        system = build(point, 0)
+        compile_ahead(system.settle)
+        compile_ahead(partial(system.sample, 1, profiles=True))

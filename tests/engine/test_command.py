@@ -12,7 +12,10 @@ import pytest
 from sim.__main__ import main
 from sim.engine import command
 from sim.engine.command import save_and_end, variants, warm
+from sim.engine.compile import compile_ahead
 from sim.engine.progress import progress_file
+from sim.engine.systems import build
+from sim.engine.systems.bed_samples import sample_bed
 from sim.parameters import canonical_values, parse_point, point_id
 from tests.engine_motion.points import belt_point
 from tests.golden import digest
@@ -154,7 +157,7 @@ def test_the_command_says_what_it_compiles():
 def test_systems_may_be_warmed_side_by_side(monkeypatch):
     """And what goes wrong with one of them is not lost."""
     points = [point(system="belt", beads=5, width=6), point(system="chute", depth=1, cell=3)]
-    warm(points, processes=2)
+    warm(points, processes=3)
 
     def broken(*_):
         raise RuntimeError("broken")
@@ -166,6 +169,16 @@ def test_systems_may_be_warmed_side_by_side(monkeypatch):
     for _ in range(2):
         with pytest.raises(RuntimeError, match="broken"):
             warm(points, processes=2)
+
+
+def test_what_compiles_ahead_calls_no_kernel(monkeypatch):
+    monkeypatch.setattr("sim.engine.compile._ahead", False)
+    system = build(point(system="belt", beads=5, width=6), 0)
+    before = system.snapshot()
+    compile_ahead(system.settle)
+    compile_ahead(system.sample)
+    assert sample_bed.signatures
+    assert all((before[name] == value).all() for name, value in system.snapshot().items())
 
 
 #: Runs that last: one of a long average, one whose bed never comes to rest, one that is shaken

@@ -11,7 +11,7 @@ rule warm:
         f"{RESULTS}/benchmarks/warm.tsv"
     conda:
         "../envs/talus.yaml"
-    threads: len({point.parameters.system for point in STUDY.points.values()}) or 1
+    threads: 2 * len({point.parameters.system for point in STUDY.points.values()}) or 1
     resources:
         mem_mb=PLAN.memory(1200),
         runtime=30,
