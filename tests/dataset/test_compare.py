@@ -1,7 +1,5 @@
 """Comparison of two sides: common points, differences beyond chance, as text and as JSON."""
 
-import json
-
 import numpy as np
 import pytest
 
@@ -46,15 +44,6 @@ def test_points_are_paired_by_what_varies_and_what_is_constant_is_compared():
     assert comparison.is_real == [False] * 4
 
 
-def test_means_that_lie_apart_are_told_from_chance():
-    other = [*side(1.05)[:2], *side()[2:]]
-    comparison = compared(side(), other)
-    assert comparison.is_real == [True, True, False, False]
-    first = comparison.pairs[0]
-    assert first.difference.value == pytest.approx(0.05, abs=3 * first.difference.error)
-    assert first.difference.half_width < 0.015
-
-
 @pytest.mark.long
 def test_equal_means_are_called_different_no_more_often_than_said():
     false = [any(compared(side(), side()).is_real) for _ in range(300)]
@@ -88,11 +77,6 @@ def test_replicates_that_agree_by_accident_still_have_what_each_knows_of_itself(
     assert pair.chance > 0.05
 
 
-def test_equal_values_without_any_error_do_not_differ():
-    (pair,) = compared([belt([1.0, 1.0])], [belt([1.0, 1.0])]).pairs
-    assert pair.chance == 1 and pair.difference.value == 0
-
-
 def test_points_of_one_side_alone_are_counted():
     comparison = compared(side(), side()[1:])
     assert len(comparison.pairs) == 3 and comparison.unmatched_counts == (1, 0)
@@ -112,12 +96,6 @@ def test_points_that_were_run_for_longer_besides_are_told():
         and comparison.unmatched_counts == (0, 0)
     )
     assert [pair.first.freedom for pair in comparison.pairs] == [8, 8, 7, 7]
-
-
-def test_what_no_run_knows_is_not_compared(tmp_path):
-    path = write_run(tmp_path, parse_point({"system": "chute"}, "test"), failed=[0])
-    with pytest.raises(InputError, match="no completed run knows its velocity"):
-        read_side(path, "velocity")
 
 
 def test_what_follows_from_another_parameter_can_be_ignored():
@@ -140,18 +118,6 @@ def test_run_files_are_read_with_what_each_replicate_knows(tmp_path):
         read_side(path, "speed")
 
 
-def test_a_published_study_is_equal_to_itself():
-    from tests.made.processes import ROOT
-
-    table, _ = read_side(ROOT / "results" / "published" / "paper_walton", "velocity")
-    comparison = compare(table, table)
-    assert (
-        len(comparison.pairs) > 200
-        and not any(comparison.is_real)
-        and comparison.unmatched_counts == (0, 0)
-    )
-
-
 @pytest.fixture
 def runs(tmp_path):
     """Two run files of other friction."""
@@ -171,14 +137,6 @@ def test_two_runs_are_told_with_intervals_and_what_is_different(runs, capsys):
     out = capsys.readouterr().out
     assert "friction: A 0.4, B 0.5" in out and "velocity (m s-1), with 95 % intervals" in out
     assert "of 1 point" in out and "±" in out
-
-
-def test_the_same_as_json(runs, capsys):
-    assert main(["compare", *runs, "--format", "json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert found["different"]["friction"] == [0.4, 0.5]
-    (point,) = found["points"]
-    assert point["difference"]["value"] == pytest.approx(point["b"]["value"] - point["a"]["value"])
 
 
 @pytest.mark.parametrize(

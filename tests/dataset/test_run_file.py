@@ -155,13 +155,6 @@ def test_more_than_is_asked_for_is_left_out(tmp_path, short_dataset):
     assert survey(load_study(tmp_path / "grown.yaml", tmp_path), tmp_path).is_over
 
 
-def test_a_point_that_is_to_grow_waits(tmp_path):
-    run_study(tmp_path, SHORT)
-    (tmp_path / "grown.yaml").write_text(GROWN % LONG)
-    status = survey(load_study(tmp_path / "grown.yaml", tmp_path), tmp_path)
-    assert status.counts["waiting"] == 2 and not status.is_over
-
-
 def test_a_point_that_is_to_grow_is_not_read(tmp_path):
     run_study(tmp_path, SHORT)
     (tmp_path / "grown.yaml").write_text(GROWN % LONG)
