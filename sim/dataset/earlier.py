@@ -101,11 +101,12 @@ def read_rows(
         values_of = cache(lambda name: root[name].values)
         profiles_of = cache(partial(open_group, file))
         profile_of = cache(lambda system, name: profiles_of(system)[name].values)
+        points_of = cache(lambda system: profiles_of(system).indexes["run"])
         for number, row in table[selection].iterrows():
             values = {}
             for name in filter(known_names.__contains__, row["variables"].split()):
                 if name in OF_PROFILES:
-                    place = profiles_of(row["system"]).indexes["run"].get_loc(row["point"])
+                    place = points_of(row["system"]).get_loc(row["point"])
                     values[name] = profile_of(row["system"], name)[place]
                 else:
                     kind = object if name in WORDS else float

@@ -117,17 +117,6 @@ def test_two_flows_that_are_both_asked_for_and_differ_are_an_error(usual, contro
     assert alike.at("chute", angle=24).velocity.nominal_value == pytest.approx(1.5, abs=2e-3)
 
 
-def test_the_plane_has_the_friction_of_the_spheres_unless_named():
-    points = (
-        made_point("chute", {"velocity": 1.0}, friction=0.5),
-        made_point("chute", {"velocity": 2.0}, friction=0.5, friction_plane=0.4),
-    )
-    for study in (evidence(*points), evidence(*points[::-1])):
-        assert study.at("chute", friction=0.5).velocity.nominal_value == pytest.approx(1)
-    mixed = study.at("chute", friction=0.5, friction_plane=0.4)
-    assert mixed.velocity.nominal_value == pytest.approx(2)
-
-
 def test_a_line_is_in_order_and_leaves_out_what_failed():
     lost = made_point("belt", {"velocity": 0.3, "status": "failed"}, frequency=50)
     study = evidence(belt(frequency=40), belt(frequency=20), lost)
@@ -143,12 +132,6 @@ def test_intervals_are_students_and_never_below_the_own_error():
     assert SIGMAS * place.value("shear_power").std_dev == pytest.approx(half_width, rel=1e-4)
     assert SIGMAS * place.velocity.std_dev == pytest.approx(half_width, rel=1e-4)
     assert replicate_mean(np.array([1.0])).std_dev == np.inf
-
-
-@pytest.mark.parametrize(("regime", "samples"), [("arrested", np.inf), ("accelerating", 15)])
-def test_flows_at_rest_alone_need_no_samples(regime, samples):
-    scalars = {"velocity": 1.0, "regime": regime, "independent_samples": [3.0] * 5}
-    assert evidence(made_point("chute", scalars)).at("chute").samples == samples
 
 
 def test_samples_are_those_of_all_replicates_and_those_of_the_poorest_place_count():

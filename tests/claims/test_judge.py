@@ -30,7 +30,7 @@ from sim.claims.verdict import (
     UNTESTABLE,
     Check,
 )
-from sim.claims.verdict_files import as_mapping, as_table, by_variant
+from sim.claims.verdict_files import as_mapping, as_table
 from sim.dataset.grids import GRIDS
 from sim.parameters import SYSTEMS, roles
 from sim.study.catalogue import FIGURES
@@ -372,18 +372,6 @@ def test_the_contact_law_is_judged_under_its_readings_too(monkeypatch):
         "γ = 0; overlap_memory shrink; friction_cap after": REPRODUCED,
         "γ = 1; overlap_memory reset; friction_cap before": NOT_REPRODUCED,
     }
-
-
-def test_a_table_has_verdicts_and_conditions_by_part_protocol_and_reading():
-    checks = replace(HOLDS, part="a"), replace(FAILS, part="b")
-    variant = replace(variant_of(HOLDS), checks=checks)
-    parts, condition = {"a": "one thing", "b": "another"}, "at depth 10"
-    claim = judged(variant).claim.model_copy(update={"parts": parts, "condition": condition})
-    table = by_variant([Judgement(claim, (variant,))])
-    assert list(table["part"]) == ["", "a", "b"]
-    verdicts = [REPRODUCED_IN_PART, REPRODUCED, NOT_REPRODUCED]
-    assert list(table["verdict"]) == list(table["published, default"]) == verdicts
-    assert set(table["condition"]) == {condition}
 
 
 def test_a_protocol_that_does_not_test_a_claim_contradicts_nothing():

@@ -36,12 +36,6 @@ def dataset(dataset_path) -> xr.Dataset:
         return opened.load()
 
 
-def test_every_point_of_the_study_is_there_in_its_order(study_results, dataset):
-    study = load_study(*study_results)
-    assert list(dataset["point"].values) == list(study.points)
-    assert dataset.sizes["replicate"] == 3
-
-
 def test_scalars_are_those_of_the_runs(study_results, dataset):
     for point in load_study(*study_results).points.values():
         if is_lost(point.parameters) or is_hurt(point.parameters):

@@ -66,17 +66,6 @@ def test_a_single_replicate_knows_what_its_own_window_says():
     assert np.isnan(unknown.chance) and not any(compared([one], [belt(1.1)]).is_real)
 
 
-def test_replicates_that_agree_by_accident_still_have_what_each_knows_of_itself():
-    """As in the dataset and the line of a run: the larger of the two intervals counts."""
-    one, other = (
-        belt([1.0, 1.001], half_width=0.2, samples=20),
-        belt([1.1, 1.101], half_width=0.2, samples=20),
-    )
-    (pair,) = compared([one], [other]).pairs
-    assert pair.first.half_width == pytest.approx(0.2 / np.sqrt(2)) and pair.first.freedom == 38
-    assert pair.chance > 0.05
-
-
 def test_points_of_one_side_alone_are_counted():
     comparison = compared(side(), side()[1:])
     assert len(comparison.pairs) == 3 and comparison.unmatched_counts == (1, 0)

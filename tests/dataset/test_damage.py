@@ -124,14 +124,6 @@ def test_what_a_library_cannot_read_of_a_whole_file_stays(content, path, monkeyp
     assert path.read_bytes() == content and len(list(path.parent.iterdir())) == 1
 
 
-def test_what_is_damaged_again_replaces_nothing(content, path):
-    for ending in ("", ".2", ".3"):
-        path.write_bytes(content + ending.encode() + b"x")
-        with pytest.raises(DamagedError, match=rf"now {path.name}\.damaged{ending}: rerun"):
-            read_run(path)
-    assert len(list(path.parent.iterdir())) == 3
-
-
 @pytest.fixture
 def study_results(tmp_path) -> tuple[Path, Path]:
     """A study with its run files, dataset and figures."""

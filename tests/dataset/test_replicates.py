@@ -7,7 +7,6 @@ import pytest
 from sim.base.statistics import student_half_width
 from sim.dataset.gather import measures, read_run
 from sim.dataset.replicates import (
-    UNSOUND_SHARE,
     caveat,
     caveat_of_run,
     layer_orders,
@@ -53,11 +52,6 @@ def test_the_interval_over_replicates_is_students():
     )
     half_width, kind = mean_interval(np.array([1.0, 2.0, 3.0]), np.full(3, 1e-3))
     assert (half_width, kind) == (pytest.approx(4.30265 / 3**0.5, rel=1e-5), "replicates")
-
-
-def test_replicates_that_agree_by_accident_know_no_more_than_each_of_itself():
-    half_width, _ = mean_interval(np.array([1.0, 1.0]), np.array([0.3, 0.4]))
-    assert half_width == pytest.approx(0.25)
 
 
 def test_slopes_that_scatter_as_each_run_knows_average_out():
@@ -127,11 +121,6 @@ PAPER = ChuteParameters()
 
 def caveat_text(own_caveat, missing_shares, overlaps=(), lengths=()):
     return caveat(own_caveat, missing_shares, PAPER, overlaps, lengths)
-
-
-def test_one_replicate_that_leaks_is_enough():
-    assert caveat_text("", [1e-5, 2 * UNSOUND_SHARE]).startswith("energy does not add up")
-    assert caveat_text("", [1e-5, UNSOUND_SHARE, float("nan")]) == ""
 
 
 def test_flows_that_overlap_beyond_the_contact_law_say_so_once():

@@ -10,7 +10,6 @@ import xarray as xr
 from sim.__main__ import main
 from sim.base.errors import InputError
 from sim.dataset.build import build
-from sim.dataset.rounds import side_of_run
 from sim.engine.run import run_point
 from sim.engine.stored_run import summary_of
 from sim.parameters import amounts
@@ -100,17 +99,6 @@ def test_the_end_of_a_file_tells_what_opening_it_does(path, tmp_path):
     assert summary.scalars.keys() == reopened.scalars.keys() <= SCALARS.keys()
     for name, values in summary.scalars.items():
         np.testing.assert_array_equal(values, reopened.scalars[name])
-
-
-def test_run_files_are_not_opened_to_see_how_they_ended(tmp_path, monkeypatch):
-    folder = Folder(tmp_path)
-    first, second, *_ = folder.ids
-    point = folder.study.points[first].parameters
-    path = folder.finish(first)
-    folder.finish(second, failed=[0])
-    monkeypatch.setattr(netCDF4, "Dataset", None)
-    assert folder.survey().counts["done"] == folder.survey().counts["failed"] == 1
-    assert side_of_run(path, "flow", point) == "flowing"
 
 
 GROWN = """\

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from sim.claims.claim import claims
 from sim.claims.evidence import Evidence
 from sim.papers.gallas.judges.onset import find_onset, g3, g4, g5, g6, g7, g35
 from sim.parameters.belt import ONSET_TRANSPORT
@@ -63,11 +62,6 @@ def test_a_scan_finds_where_the_mean_passes_a_tenth_of_the_belt():
     value, half_width = onset_interval(points)
     assert value == pytest.approx(crossing(15.5, 16, MOVING / speed))
     assert half_width == pytest.approx(0.25)
-
-
-def test_boundaries_are_those_of_the_headline():
-    numbers = {claim.number.headline for claim in claims() if "transport" in str(claim.number)}
-    assert numbers == {ONSET_TRANSPORT}
 
 
 def test_boundaries_serve_where_they_tell_it_better():
