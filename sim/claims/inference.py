@@ -203,8 +203,8 @@ def _mann_whitney_ps(pairs: tuple[tuple[tuple[float, ...], tuple[float, ...]], .
         kinds[len(above), len(below), has_ties].append(number)
     p_values = [1.0] * len(pairs)
     for numbers in kinds.values():
-        above, below = (np.array([pairs[number][side] for number in numbers]) for side in (0, 1))
-        found = stats.mannwhitneyu(above, below, alternative="greater", axis=1).pvalue
+        samples = (np.array([pairs[number][side] for number in numbers]) for side in (0, 1))
+        found = stats.mannwhitneyu(*samples, alternative="greater", axis=1).pvalue
         for number, p_value in zip(numbers, found, strict=True):
             p_values[number] = _finite_p(p_value)
     return p_values

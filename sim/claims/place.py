@@ -60,7 +60,7 @@ class Place:
     known already: readings and alternatives ask for the same again.
     """
 
-    def __init__(self, results: Results, point: str, measures: dict[Any, np.ndarray] | None = None):
+    def __init__(self, results: Results, point: str, measures: dict[Any, Any] | None = None):
         self.id = point
         self._results = results
         self._variables = results.dataset.variables
