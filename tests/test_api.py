@@ -65,32 +65,12 @@ def test_a_flow_tells_its_particles(flow, run):
     assert repr(flow).startswith(f"<Flow {flow.parameters.system}-")
 
 
-def test_series_of_a_flow_that_has_not_begun_are_empty(given):
-    silent = {name: value for name, value in given.items() if name != "progress"}
-    flow = sim.Flow(**silent)
-    assert flow.time == 0 and flow.series.sizes["time"] == 0
-
-
-def test_what_is_looked_at_is_a_copy(flow):
-    before = flow.positions
-    flow.positions[:] = np.nan
-    assert np.array_equal(flow.positions, before)
-
-
 def test_a_flow_that_blows_up_says_why():
     with pytest.raises(sim.BlowUp, match=r"overlap .* while the bed settles"):
         sim.Flow("belt", beads=10, width=5, frequency=80, overlap_limit=1e-6)
     flow = sim.Flow(depth=1.5, cell=4, overlap_limit=1e-4)
     with pytest.raises(sim.BlowUp, match="overlap"):
         flow.run(5, progress=False)
-
-
-def test_a_flow_that_blew_up_moves_no_more():
-    flow = sim.Flow(depth=1.5, cell=4, overlap_limit=1e-4)
-    for _ in range(2):
-        with pytest.raises(sim.BlowUp, match="overlap"):
-            flow.run(5, progress=False)
-    assert flow.series.sizes["time"] == 0
 
 
 SIX = {"depth": 1.5, "cell": 4, "transient": 1, "average": 2, "replicates": 6, "progress": False}

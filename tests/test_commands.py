@@ -222,10 +222,3 @@ def test_compiled_code_is_removed_and_nothing_else(tmp_path):
         ).returncode
         == 0
     )
-
-
-def test_a_terminal_that_knows_few_letters_is_shown_the_others_by_their_numbers():
-    plain = {"PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0", "LC_ALL": "C"}
-    done = program("schema", env=os.environ | plain)
-    assert done.returncode == 0, done.stderr
-    assert "\\u27e8d\\u27e9" in done.stdout

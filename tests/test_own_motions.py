@@ -18,7 +18,7 @@ from sim.parameters import (
     parse_point,
     point_id,
 )
-from tests.made.plugins import restore_plugins, without_plugins
+from tests.made.plugins import restore_plugins
 from tests.made.processes import ROOT, in_process
 
 POINT = """
@@ -142,8 +142,3 @@ def test_what_a_motion_raises_on_its_way_is_one_line(tmp_path):
     with pytest.raises(ValueError) as other:
         int("of Talus")
     assert plugin_code_error(other.value) is None
-
-
-def test_a_conveyor_knows_of_no_motion_without_plugins():
-    with without_plugins(), pytest.raises(InputError, match="motion"):
-        parse_point({"system": "conveyor", "motion": "harmonic"}, "point")

@@ -6,7 +6,6 @@ import os
 import re
 import shutil
 import stat
-import sys
 import tempfile
 import time
 from collections.abc import Iterator
@@ -310,21 +309,14 @@ def _others_may_write(status: os.stat_result) -> bool:
     return bool(status.st_mode & (stat.S_IWGRP | stat.S_IWOTH))
 
 
-#: Maximum difference (s) of clocks of machines that share a folder; and a time before all others.
-CLOCK_ERROR = 60.0
+#: A time (s) before all others.
 OLD = 86400.0
 
 #: A time (s) before all runs; and the shift (s) that dates a run file back to before that time.
 YEAR_2000 = 946684800.0
 FIFTY_YEARS = 50 * 365.25 * 86400
 
-#: Outputs of the workflow in the folder of a study.
-OUTPUTS = (
-    *("runs/*.nc", "runs/.warm", "rounds/*.json", "figures/*"),
-    *("dataset.nc", "boundaries.csv", "claims.csv", "verdicts.csv", "claims.json", "report.html"),
-)
-
-#: Those of them that are made of many run files.
+#: Outputs of the workflow in the folder of a study that are made of many run files.
 READERS = ("rounds/*.json", "dataset.nc")
 
 
@@ -363,28 +355,3 @@ def date_back_readers(results: Path) -> None:
     for path in (path for pattern in READERS for path in results.glob(pattern)):
         with suppress(OSError):
             os.utime(path, (OLD, OLD), follow_symlinks=False)
-
-
-def correct_future_times(results: Path) -> None:
-    """Correct times of `OUTPUTS` in the future, due to a wrong clock, so that no change is missed.
-
-    A run file gets the present time. All other files, which derive from runs, get a very old time.
-    Snakemake then makes those anew whose inputs have changed, as their checksums show. One line on
-    standard error names what the system does not let correct.
-    """
-    now, problems = time.time(), []
-    for path in (path for pattern in OUTPUTS for path in results.glob(pattern)):
-        try:
-            if path.is_file() and path.stat().st_mtime > now + CLOCK_ERROR:
-                new_time = now if path.match("runs/*.nc") else OLD
-                os.utime(path, (new_time, new_time))
-        except FileNotFoundError:
-            pass  # removed in the meantime
-        except OSError as error:
-            problems.append(f"{path}: {error.strerror}")
-    if problems:
-        names = InputError.of_several(problems)
-        print(
-            f"warning: dated in the future, so what derives from it may not be made again: {names}",
-            file=sys.stderr,
-        )

@@ -218,7 +218,8 @@ class Evidence:
     def _place(self, point: str) -> Place:
         key = self._results.grid, point
         if key not in self._points.places:
-            self._points.places[key] = Place(self._results, point)
+            measures = self._points.measures[point]
+            self._points.places[key] = Place(self._results, point, measures)
         return self._points.places[key]
 
 

@@ -118,10 +118,9 @@ def _judge_under(
 ) -> Variant:
     try:
         checks = claim.checks_on(evidence, alternative=alternative)
-    except (Untestable, Ambiguous) as error:
-        return Variant(evidence.protocol, reading, reason=str(error), control=control)
-    except ZeroDivisionError:
-        reason = "a quantity that the claim divides by is exactly zero"
+    except (Untestable, Ambiguous, ZeroDivisionError) as error:
+        is_zero = isinstance(error, ZeroDivisionError)
+        reason = "a quantity that the claim divides by is exactly zero" if is_zero else str(error)
         return Variant(evidence.protocol, reading, reason=reason, control=control)
     checks_by_number = {}
     for value in claim.number.values if claim.number else ():

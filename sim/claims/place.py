@@ -1,7 +1,7 @@
 """One point of a study as a judge sees it: its numbers with intervals."""
 
 import warnings
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from functools import cached_property
 from itertools import product
@@ -56,16 +56,17 @@ def quotient(numerator: UFloat, denominator: UFloat) -> UFloat:
 class Place:
     """One point of a study as a judge sees it: its completed replicates, pooled.
 
-    ``place["frequency"]`` is a parameter.
+    ``place["frequency"]`` is a parameter. ``measures`` holds the measures of its profiles that are
+    known already: readings and alternatives ask for the same again.
     """
 
-    def __init__(self, results: Results, point: str):
+    def __init__(self, results: Results, point: str, measures: dict[Any, Any] | None = None):
         self.id = point
         self._results = results
         self._variables = results.dataset.variables
         self._index = results.dataset.indexes["point"].get_loc(point)
         self._is_completed = self._variables["status"].values[self._index] == "completed"
-        self._measures: dict[tuple[Any, ...], np.ndarray] = {}
+        self._measures: dict[Any, np.ndarray] = {} if measures is None else measures
 
     def __getitem__(self, name: str) -> Any:
         return np.asarray(self._variables[name].values[self._index]).item()
@@ -174,11 +175,8 @@ class Place:
     def measure_replicates(
         self, function: Callable[..., float], *names: str, grid: str = ""
     ) -> np.ndarray:
-        """Return a measure of profiles per completed replicate, (R,); see `measure`.
-
-        Readings and alternatives ask for the same measure again, which is therefore cached.
-        """
-        key = function, names, grid
+        """Return a measure of profiles per completed replicate, (R,); see `measure`."""
+        key = function, names, grid or self._results.grid
         if key not in self._measures:
             columns = [self.profile(name, grid) for name in names]
             height = columns[0][1]
@@ -258,7 +256,8 @@ class Rows:
 class Points(Rows):
     """The points of a study with a completed replicate.
 
-    ``places`` holds those already looked up, by profile grid and point: readings share them.
+    ``places`` holds those already looked up, by profile grid and point, and ``measures`` those of
+    their profiles, by point: readings share them.
     """
 
     def __init__(self, results: Results):
@@ -275,6 +274,7 @@ class Points(Rows):
         self._steps = np.nansum(variables["steps"].values, axis=1)[self._indices]
         self._completed = self._completed[self._indices]
         self.places: dict[tuple[str, str], Place] = {}
+        self.measures: defaultdict[str, dict[Any, np.ndarray]] = defaultdict(dict)
 
     def alike(
         self, system: str, places: Sequence[Sequence[int]], where: Mapping[str, Any]

@@ -17,7 +17,7 @@ from sim.dataset.earlier import read_rows
 from sim.dataset.grids import Values, open_group
 from sim.dataset.results import parameters_of_row, with_all_parameters
 from sim.dataset.rounds import points_of_rounds
-from sim.dataset.rows import OF_PROFILES, RUNS, Rows, dimensions, select_rows, stored_names
+from sim.dataset.rows import OF_PROFILES, RUNS, Row, dimensions, stored_names
 from sim.engine.identity import NUMERICS
 from sim.engine.stored_run import (
     STATE,
@@ -98,15 +98,14 @@ def adopt(study_path: Path, dataset_path: Path, results: Path) -> str:
             for key in wanted
             if key not in points or covers(amounts(stored[key]), amounts(points[key]))
         }
-        blocks = list(
+        rows = list(
             read_rows(
                 dataset_path,
                 lambda row, _: row.point in usable,
                 lambda point: study.need(point)._replace(series=False),
             )
         )
-    rows = [(key, block) for block in blocks for key in block.points]
-    covered = [key for key, _ in rows if key in points and not study.need(key).series]
+    covered = [row for row in rows if row.point in points and not study.need(row.point).series]
     if not covered:
         common = len(points.keys() & stored.keys())
         raise InputError(
@@ -117,12 +116,12 @@ def adopt(study_path: Path, dataset_path: Path, results: Path) -> str:
     name = hashlib.sha256(content).hexdigest()[:DIGITS]
     runs = folder / "runs"
     runs.mkdir(parents=True, exist_ok=True)
-    for key, block in rows:
-        path = runs / f"{key}.nc"
+    for row in rows:
+        key, path = row.point, runs / f"{row.point}.nc"
         # A run that holds the lock is making the file.
         with suppress(Timeout), file_lock(path, wait=False):
             if not _stays(path, points.get(key), usable[key], study.need(key)):
-                _write_run(path, usable[key], select_rows([block], {key})[0], name)
+                _write_run(path, usable[key], row, name)
     date_back_readers(folder)
     number = f"{len(covered):,} of {count_text(len(points), 'point')}"
     return f"{study.name}: {dataset_path} covers {number}; in {runs}, from {name}"
@@ -164,11 +163,9 @@ def _stays(path: Path, wanted: Parameters | None, row: Parameters, need: Need) -
     return has_enough(path, point, need) or (bool(held) and not covers(amounts(row), held[0]))
 
 
-def _write_run(path: Path, point: Parameters, row: Rows, dataset: str) -> None:
+def _write_run(path: Path, point: Parameters, row: Row, dataset: str) -> None:
     """Write a row as a reduced run file; its particles go into a group."""
-    origin = {name: texts[0] for name, texts in row.origin.items()}
-    values = {name: array[0] for name, array in row.values.items()}
-    state = row.states.get(point_id(point))
+    _, origin, values, state = row
     shown = Shown.NOTHING if state is None else Shown.PATH if "path" in state else Shown.STATE
     attributes = {name: origin[name] for name in _KEPT} | {
         "title": f"Talus run {point_id(point)}, its row in a dataset",

@@ -34,11 +34,12 @@ from sim.dataset.rows import (
     PATH_VARIABLES,
     RUNS,
     SCALAR_DIGITS,
-    Rows,
-    align_rows,
+    Row,
+    Table,
     reader_hash,
     row_scalars,
     stored_names,
+    tabulate_rows,
 )
 from sim.dataset.sources import gather_rows
 from sim.engine.stored_run import current_status
@@ -106,16 +107,16 @@ def build(
         study = _select_finished(study, folder, finished)
     output = finished or folder / "dataset.nc"
     gather = partial(gather_rows, study, folder, processes=processes, scheduler=scheduler)
-    blocks = gather(study.points)
+    rows = gather(study.points)
     sides = find_sides(study, folder / "runs")
     first, study = study.points, add_rounds(study, sides)
     study = add_further_points(study, points_of_rounds(study, folder))
-    blocks += gather({key: point for key, point in study.points.items() if key not in first})
+    rows |= gather({key: point for key, point in study.points.items() if key not in first})
     with atomic_write(output) as temporary:
         # Opening a file once per group would take longer than writing most of them.
         with netCDF4.Dataset(temporary, "w") as file:
             values = Values()
-            for group, dataset in _groups(blocks, study, sides):
+            for group, dataset in _groups(rows, study, sides):
                 encoding = _encodings(dataset, group)
                 values.define(dataset, file.createGroup(group) if group else file, encoding)
                 if group in SYSTEMS:
@@ -153,9 +154,9 @@ def gather_results(
         key: study.points.get(key) or Point(key, point, (series,), ())
         for key, point in points.items()
     }
-    blocks = gather_rows(study, folder, members)
+    rows = gather_rows(study, folder, members)
     part = replace(study, points=members, boundaries=())
-    groups = dict(_groups(blocks, part, ()))
+    groups = dict(_groups(rows, part, ()))
     return Results(
         dataset=with_all_parameters(groups[None]),
         profiles={name: groups[name] for name in SYSTEMS if name in groups},
@@ -200,15 +201,15 @@ def _is_along(boundary: Boundary, parameters: Parameters) -> bool:
 
 
 def _groups(
-    blocks: Sequence[Rows], study: Study, sides_of_boundaries: Sequence[Sides]
+    rows: Mapping[str, Row], study: Study, sides_of_boundaries: Sequence[Sides]
 ) -> Iterator[tuple[str | None, xr.Dataset]]:
     """Yield the groups of the dataset by name, the root first."""
-    rows = align_rows(blocks, list(study.points), row_scalars())
-    scalars = root(rows, study)
+    table = tabulate_rows(rows, list(study.points), row_scalars())
+    scalars = root(table, study)
     yield None, scalars
     yield "natural", natural_velocities(scalars)
     yield "si", si_parameters(list(study.points.values()))
-    yield RUNS, runs(rows)
+    yield RUNS, runs(table)
     for system in SYSTEMS:
         members = [
             key
@@ -217,10 +218,11 @@ def _groups(
         ]
         if members:
             replicates = scalars.sizes["replicate"]
-            yield system, profiles(align_rows(blocks, members, OF_PROFILES, replicates))
+            yield system, profiles(tabulate_rows(rows, members, OF_PROFILES, replicates))
     for key, point in study.points.items():
-        if key in rows.states and (need := study.particles_shown(point.figures)):
-            state = rows.states[key].drop_encoding()
+        state, need = rows[key].state, study.particles_shown(point.figures)
+        if state is not None and need:
+            state = state.drop_encoding()
             if need < Shown.PATH:
                 state = state.drop_vars(PATH_VARIABLES, errors="ignore")
             # Sorted, because the library returns attributes in an order of its own.
@@ -262,12 +264,12 @@ _REPLICATE = {"units": "1", "long_name": "number of the replicate"}
 _VELOCITIES = ("velocity", "velocity_half_width", "point_velocity", "point_half_width")
 
 
-def root(rows: Rows, study: Study) -> xr.Dataset:
+def root(rows: Table, study: Study) -> xr.Dataset:
     """Return the root group: the scalars of runs over ``point`` and ``replicate``.
 
     Parameters
     ----------
-    rows : Rows
+    rows : Table
         The runs of the study, in the order of its points.
     study : Study
         Gives the series and figures of each point.
@@ -307,7 +309,7 @@ def root(rows: Rows, study: Study) -> xr.Dataset:
     return dataset.assign(_pooled_variables(dataset))
 
 
-def profiles(rows: Rows) -> xr.Dataset:
+def profiles(rows: Table) -> xr.Dataset:
     """Return the profiles of the runs of one system over (run, replicate, slice).
 
     Coordinate ``run`` is the id of the point. A run with fewer slices or replicates than another is
@@ -323,7 +325,7 @@ def profiles(rows: Rows) -> xr.Dataset:
     return xr.Dataset(variables, {"run": ("run", rows.points, {"long_name": "point id"})})
 
 
-def runs(rows: Rows) -> xr.Dataset:
+def runs(rows: Table) -> xr.Dataset:
     """Return the group `RUNS`: seal, amounts and versions of the run file behind each row.
 
     Attribute ``reads`` has the names of all variables that a row has if its run file has them.

@@ -4,6 +4,7 @@ import os
 import shutil
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from sim.dataset.rows import (
     PARTICLES,
     RUNS,
     WORDS,
-    Rows,
+    Row,
     amounts_text,
     points_with_profiles,
     reader_hash,
@@ -45,7 +46,7 @@ def keep_dataset(dataset: Path, folder: Path) -> None:
 
 def earlier_rows(
     folder: Path, need: Callable[[str], Need], points: Mapping[str, Parameters]
-) -> list[Rows]:
+) -> list[Row]:
     """Return the rows of points in the earlier dataset that equal what their run files would give.
 
     Parameters
@@ -73,7 +74,7 @@ def earlier_rows(
 
 def read_rows(
     path: Path, is_selected: Callable[[Any, str], bool], need: Callable[[str], Need]
-) -> Iterator[Rows]:
+) -> Iterator[Row]:
     """Yield the selected rows of a dataset that store enough of profiles and particles.
 
     ``is_selected`` gets the id of a point, its system and what the group `RUNS` says of it, by
@@ -97,30 +98,24 @@ def read_rows(
             for row in table.itertuples(index=False)
             for point in [row.point]
         ]
-        groups = table[selection].groupby(["system", "variables"], sort=False)
-        for (system, variables), group in groups:
-            rows, points = group.index.to_numpy(), group["point"].tolist()
-            names = [name for name in variables.split() if name in known_names]
-            values = {
-                name: root[name].values[rows].astype(object if name in WORDS else float)
-                for name in names
-                if name not in OF_PROFILES
-            }
-            if profile_names := [name for name in names if name in OF_PROFILES]:
-                profiles = open_group(file, system)
-                places = profiles.indexes["run"].get_indexer(points)
-                values |= {name: profiles[name].values[places] for name in profile_names}
-            yield Rows(
-                points=points,
-                origin={name: group[name].tolist() for name in origin}
-                | {"adopted": [""] * len(points)},
-                values=values,
-                states={
-                    point: open_group(file, f"{PARTICLES}/{point}").load()
-                    for point in points
-                    if point in particles
-                },
-            )
+        values_of = cache(lambda name: root[name].values)
+        profiles_of = cache(partial(open_group, file))
+        profile_of = cache(lambda system, name: profiles_of(system)[name].values)
+        points_of = cache(lambda system: profiles_of(system).indexes["run"])
+        for number, row in table[selection].iterrows():
+            values = {}
+            for name in filter(known_names.__contains__, row["variables"].split()):
+                if name in OF_PROFILES:
+                    place = points_of(row["system"]).get_loc(row["point"])
+                    values[name] = profile_of(row["system"], name)[place]
+                else:
+                    kind = object if name in WORDS else float
+                    values[name] = values_of(name)[number].astype(kind)
+            state = None
+            if row["point"] in particles:
+                state = open_group(file, f"{PARTICLES}/{row['point']}").load()
+            known = {name: row[name] for name in origin} | {"adopted": ""}
+            yield Row(row["point"], known, values, state).without_padding()
 
 
 def _has_seal(run: Path, seal: str) -> bool:

@@ -17,7 +17,7 @@ from sim.dataset.rows import (
     SINGLE,
     STATE_VARIABLES,
     WORDS,
-    Rows,
+    Row,
     amounts_text,
     row_arrays,
     row_scalars,
@@ -45,7 +45,7 @@ OVER_CYCLE = {
 
 def read_run(
     path: Path, amounts: Mapping[str, float] | None = None, need: Need = SCALARS_ALONE
-) -> Rows:
+) -> Row:
     """Read the row of a run file, whole or reduced, in a dataset.
 
     Parameters
@@ -88,12 +88,7 @@ def read_run(
                 origin["adopted"] = ""
                 values = _scalars(run) | _profiles(run)
                 state = _state(run) if need.particles else None
-    return Rows(
-        points=[path.stem],
-        origin={name: [str(text)] for name, text in origin.items()},
-        values={name: array[np.newaxis] for name, array in values.items()},
-        states={} if state is None else {path.stem: state},
-    )
+    return Row(path.stem, {name: str(text) for name, text in origin.items()}, values, state)
 
 
 def _row(run: RunFile) -> dict[str, np.ndarray]:

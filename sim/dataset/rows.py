@@ -1,9 +1,8 @@
 """Runs as rows of arrays: the variables of each row, and how rows are aligned."""
 
 import json
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
-from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -125,163 +124,113 @@ def amounts_text(amounts: Mapping[str, float] | None) -> str:
     return json.dumps(dict(amounts or {}), sort_keys=True)
 
 
-class Rows(NamedTuple):
-    """Runs that hold the same variables, a row each.
+class Row(NamedTuple):
+    """A run in a dataset.
 
     Attributes
     ----------
-    points : list of str
-        Ids of their points.
-    origin : dict of str to list of str
-        By name, what made each: ``seal`` of its file, how much of it was ``wanted``,
+    point : str
+        Id of its point.
+    origin : dict of str to str
+        By name, what made it: ``seal`` of its file, how much of it was ``wanted``,
         ``engine_version``, ``numerics``,
         ``source_hash``, ``versions``, ``created``, the ``caveat`` it gives itself, and the name of
         the dataset that it was ``adopted`` with, if any.
     values : dict of str to array
-        Scalars, measures and profiles, over rows and their `dimensions`.
-    states : dict of str to xarray.Dataset
-        Last state and path of the particles, by point, where a figure shows them.
+        Scalars, measures and profiles, over their `dimensions`.
+    state : xarray.Dataset, optional
+        Last state and path of the particles, where a figure shows them.
     """
 
-    points: list[str]
+    point: str
+    origin: dict[str, str]
+    values: dict[str, np.ndarray]
+    state: "xr.Dataset | None" = None
+
+    def without_profiles(self) -> "Row":
+        """Return the row without its profiles."""
+        values = {name: array for name, array in self.values.items() if name not in OF_PROFILES}
+        return self._replace(values=values)
+
+    def without_padding(self) -> "Row":
+        """Return the row without what a dataset has filled it up with to a longer one."""
+        lengths = {
+            dimension: int(_is_known(self.values[name]).sum())
+            for dimension, name in _LENGTHS.items()
+            if name in self.values
+        }
+        cut = {
+            name: array[tuple(slice(lengths.get(dimension)) for dimension in dimensions(name))]
+            for name, array in self.values.items()
+        }
+        return self._replace(values=cut)
+
+
+class Table(NamedTuple):
+    """Runs in one table: ``origin`` and ``values`` of `Row`, each over the points.
+
+    ``origin`` also has the names of all ``variables`` of each row.
+    """
+
+    points: Sequence[str]
     origin: dict[str, list[str]]
     values: dict[str, np.ndarray]
-    states: dict[str, "xr.Dataset"]
 
 
-def merge_rows(blocks: Iterable[Rows]) -> list[Rows]:
-    """Merge rows into one block for each set of variables."""
-    groups: dict[tuple[str, ...], list[Rows]] = {}
-    for block in blocks:
-        groups.setdefault(tuple(block.values), []).append(block)
-    return [_merge(group, names) for names, group in groups.items()]
-
-
-def align_rows(
-    blocks: Iterable[Rows], points: Sequence[str], names: Iterable[str], replicates: int = 0
-) -> Rows:
-    """Return the rows of points in one block, in the order of the points.
+def tabulate_rows(
+    rows: Mapping[str, Row], points: Sequence[str], names: Iterable[str], replicates: int = 0
+) -> Table:
+    """Return the rows of points in one table, in the order of the points.
 
     Parameters
     ----------
-    blocks : iterable of Rows
-        Rows, among them one of each point.
+    rows : mapping
+        Rows by point.
     points : sequence of str
         Ids of the points.
     names : iterable of str
-        Variables to return, where any row has them. The block is no longer than the longest run;
-        NaN or ``""`` is where a run is shorter or lacks a variable.
+        Variables to return, where any row has them. They are as long as the longest run; NaN or
+        ``""`` is where a run is shorter or lacks a variable.
     replicates : int
-        Smallest number of replicates of the block.
-
-    Returns
-    -------
-    Rows
-        Its origin also has the names of all ``variables`` of each row.
+        Smallest number of replicates of the table.
     """
-    blocks = [
-        block._replace(
-            origin=block.origin | {"variables": [" ".join(block.values)] * len(block.points)}
-        )
-        for block in select_rows(blocks, set(points))
-    ]
-    present = [name for name in names if any(name in block.values for block in blocks)]
-    merged = _merge(blocks, present, replicates)
-    rows = {point: row for row, point in enumerate(merged.points)}
-    order = [rows[point] for point in points]
-    return Rows(
-        points=list(points),
-        origin={name: [texts[row] for row in order] for name, texts in merged.origin.items()},
-        values={name: array[order] for name, array in merged.values.items()},
-        states=merged.states,
-    )
-
-
-def _merge(blocks: Sequence[Rows], names: Iterable[str], replicates: int = 0) -> Rows:
-    """Return the rows of all blocks as one, with some of their variables."""
+    chosen = [rows[point] for point in points]
     sizes = {"replicate": replicates}
-    for block in blocks:
-        for name, values in block.values.items():
-            for dimension, size in zip(dimensions(name), values.shape[1:], strict=True):
+    for row in chosen:
+        for name, values in row.values.items():
+            for dimension, size in zip(dimensions(name), values.shape, strict=True):
                 sizes[dimension] = max(size, sizes.get(dimension, 0))
-    return Rows(
-        points=row_points(blocks),
-        origin={
-            name: list(chain.from_iterable(block.origin[name] for block in blocks))
-            for name in blocks[0].origin
+    origins = [row.origin | {"variables": " ".join(row.values)} for row in chosen]
+    return Table(
+        points=points,
+        origin={name: [origin[name] for origin in origins] for name in origins[0]},
+        values={
+            name: _column(chosen, name, sizes)
+            for name in names
+            if any(name in row.values for row in chosen)
         },
-        values={name: _stack(blocks, name, sizes) for name in names},
-        states={point: state for block in blocks for point, state in block.states.items()},
     )
 
 
-def select_rows(blocks: Iterable[Rows], points: Collection[str]) -> list[Rows]:
-    """Return the rows of some points, no longer than the longest run of a block."""
-    selection = []
-    for block in blocks:
-        rows = np.flatnonzero([point in points for point in block.points])
-        if rows.size:
-            places = slice(None) if rows.size == len(block.points) else rows
-            values = {name: array[places] for name, array in block.values.items()}
-            lengths = {
-                dimension: int(_is_known(values[name]).any(axis=0).sum())
-                for dimension, name in _LENGTHS.items()
-                if name in values
-            }
-            cut = {
-                name: array[:, *(slice(lengths.get(dimension)) for dimension in dimensions(name))]
-                for name, array in values.items()
-            }
-            origin = {name: [texts[row] for row in rows] for name, texts in block.origin.items()}
-            states = {point: state for point, state in block.states.items() if point in points}
-            selection.append(Rows([block.points[row] for row in rows], origin, cut, states))
-    return selection
+def _column(rows: Sequence[Row], name: str, sizes: Mapping[str, int]) -> np.ndarray:
+    """Return a variable of all rows, with NaN or ``""`` where a run is shorter or lacks it.
 
-
-def _is_known(values: np.ndarray) -> np.ndarray:
-    return values != "" if values.dtype == object else np.isfinite(values)
-
-
-def without_profiles(block: Rows) -> Rows:
-    """Return rows without their profiles."""
-    values = {name: array for name, array in block.values.items() if name not in OF_PROFILES}
-    return block._replace(values=values)
-
-
-def round_scalars(block: Rows) -> Rows:
-    """Return rows with scalars of `SCALAR_DIGITS` binary digits.
-
-    What a dataset computes of scalars is then the same whether they come from run files or from a
-    dataset, which stores no more digits.
+    Scalars have `SCALAR_DIGITS` binary digits. What a dataset computes of them is then the same
+    whether they come from run files or from a dataset, which stores no more digits.
     """
-
-    def rounded(values: np.ndarray) -> np.ndarray:
-        mantissa, exponent = np.frexp(values)
-        return np.ldexp(np.rint(np.ldexp(mantissa, SCALAR_DIGITS)), exponent - SCALAR_DIGITS)
-
-    values = {
-        name: rounded(array) if array.dtype == np.float64 and name not in OF_PROFILES else array
-        for name, array in block.values.items()
-    }
-    return block._replace(values=values)
-
-
-def row_points(blocks: Iterable[Rows]) -> list[str]:
-    """Return the points of all rows."""
-    return list(chain.from_iterable(block.points for block in blocks))
-
-
-def _stack(blocks: Sequence[Rows], name: str, sizes: dict[str, int]) -> np.ndarray:
-    """Return a variable of all rows, with NaN or ``""`` where a run is shorter or lacks it."""
-    shape = (len(row_points(blocks)), *(sizes[dimension] for dimension in dimensions(name)))
+    shape = (len(rows), *(sizes[dimension] for dimension in dimensions(name)))
     if name in WORDS:
         table = np.full(shape, "", object)
     else:
         table = np.full(shape, np.nan, np.float32 if name in SINGLE else float)
-    first = 0
-    for block in blocks:
-        rows = slice(first, first := first + len(block.points))
-        if name in block.values:
-            values = block.values[name]
-            table[(rows, *map(slice, values.shape[1:]))] = values
-    return table
+    for place, row in zip(table, rows, strict=True):
+        if name in row.values:
+            place[tuple(map(slice, row.values[name].shape))] = row.values[name]
+    if name in WORDS or name in OF_PROFILES:
+        return table
+    mantissa, exponent = np.frexp(table)
+    return np.ldexp(np.rint(np.ldexp(mantissa, SCALAR_DIGITS)), exponent - SCALAR_DIGITS)
+
+
+def _is_known(values: np.ndarray) -> np.ndarray:
+    return values != "" if values.dtype == object else np.isfinite(values)

@@ -17,15 +17,7 @@ from sim.base.errors import InputError
 from sim.base.plugins import load, places
 from sim.dataset.earlier import earlier_rows
 from sim.dataset.gather import read_run
-from sim.dataset.rows import (
-    Rows,
-    merge_rows,
-    reader_hash,
-    round_scalars,
-    row_points,
-    select_rows,
-    without_profiles,
-)
+from sim.dataset.rows import Row, reader_hash
 from sim.parameters import amounts
 from sim.study.model import Need, Point, Study
 
@@ -52,7 +44,7 @@ File = tuple[Path, Mapping[str, float], Need]
 class Batch(NamedTuple):
     """Rows of run files, and the errors of those that could not be read."""
 
-    blocks: list[Rows]
+    rows: list[Row]
     problems: list[str]
 
 
@@ -62,8 +54,8 @@ def gather_rows(
     points: Mapping[str, Point],
     processes: int = 1,
     scheduler: str | None = None,
-) -> list[Rows]:
-    """Return the rows of points of a study, each from the first source that has it.
+) -> dict[str, Row]:
+    """Return the rows of points of a study by point, each from the first source that has it.
 
     These are the earlier dataset and run files.
 
@@ -84,24 +76,20 @@ def gather_rows(
         When run files are missing or damaged, see `read_files`.
     """
     need = study.need
-    blocks = earlier_rows(folder, need, {key: one.parameters for key, one in points.items()})
-    stored = set(row_points(blocks))
+    known = {key: point.parameters for key, point in points.items()}
+    rows = {row.point: row for row in earlier_rows(folder, need, known)}
     files = [
-        (folder / "runs" / f"{key}.nc", amounts(point.parameters), need(key))
-        for key, point in points.items()
-        if key not in stored
+        (folder / "runs" / f"{key}.nc", amounts(parameters), need(key))
+        for key, parameters in known.items()
+        if key not in rows
     ]
-    blocks = list(map(round_scalars, blocks + read_files(files, processes, scheduler)))
-    others = {key for key in points if not need(key).profiles}
-    return [
-        *select_rows(blocks, points.keys() - others),
-        *map(without_profiles, select_rows(blocks, others)),
-    ]
+    rows |= {row.point: row for row in read_files(files, processes, scheduler)}
+    return {key: row if need(key).profiles else row.without_profiles() for key, row in rows.items()}
 
 
 def read_files(
     files: Sequence[File], processes: int = 1, scheduler: str | None = None
-) -> list[Rows]:
+) -> list[Row]:
     """Read the rows of run files.
 
     Parameters
@@ -122,7 +110,7 @@ def read_files(
     batches = list(_batches(files, processes, scheduler))
     if problems := [problem for batch in batches for problem in batch.problems]:
         raise InputError.of_several(problems)
-    return [block for batch in batches for block in batch.blocks]
+    return [row for batch in batches for row in batch.rows]
 
 
 def _batches(files: Sequence[File], processes: int, scheduler: str | None) -> Iterable[Batch]:
@@ -150,7 +138,7 @@ def read_batch(files: Sequence[File]) -> Batch:
                 rows.append(read_run(path, wanted, need))
             except InputError as error:
                 problems.append(str(error))
-    return Batch(merge_rows(rows), problems)
+    return Batch(rows, problems)
 
 
 @contextmanager

@@ -271,10 +271,6 @@ def _by_variant(
     return {"claims": several, "rows": [row for row in rows if any(row["verdicts"])]}
 
 
-def _verdicts(claim: Mapping[str, Any], words: Sequence[str]) -> list[str]:
-    return [claim["by_reading"].get(name, "untestable") for name in words]
-
-
 def _reading(
     words: str,
     values: Mapping[str, Any],
@@ -289,7 +285,10 @@ def _reading(
     """
     system, declared = paper.system, paper.readings
     heading = reading_label(system, first, declared)
-    pairs = [_verdicts(candidate, (words, heading)) for candidate in claims]
+    pairs = [
+        [claim["by_reading"].get(name, "untestable") for name in (words, heading)]
+        for claim in claims
+    ]
     common = [pair for pair in pairs if "untestable" not in pair]
     return {
         "words": words,

@@ -82,7 +82,8 @@ def _round(study_path: Path, results: Path) -> tuple[list[str], bool]:
         raise InputError.of_value(study_path, "decide", None, "claims, precision, or both")
     folder = results / study.name
     dataset_results = load_current(study, folder)
-    extra, spent_hours = read_extra_amounts(folder), _core_hours(dataset_results.dataset)
+    extra = read_extra_amounts(folder)
+    spent_hours = float(dataset_results.dataset["wall_time"].sum()) / 3600
     hours_before = extra.before if extra.amounts else spent_hours
     remaining = study.decide.budget - (spent_hours - hours_before)
     offers = sorted(_offers(study, dataset_results), key=lambda offer: offer.hours)
@@ -107,10 +108,6 @@ def _round(study_path: Path, results: Path) -> tuple[list[str], bool]:
         lines.append("bought; run the study again")
     spent = f"{spent_hours - hours_before:.2g} of {study.decide.budget:g} core hours spent"
     return [*lines, spent if offers else f"nothing is open; {spent}"], bought
-
-
-def _core_hours(dataset: xr.Dataset) -> float:
-    return float(dataset["wall_time"].sum()) / 3600
 
 
 def _offers(study: Study, results: Results) -> Iterator[Offer]:

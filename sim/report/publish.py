@@ -4,7 +4,8 @@ import hashlib
 import json
 import re
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import nullcontext
 from mimetypes import guess_type
 from pathlib import Path
 from stat import S_ISREG
@@ -18,17 +19,13 @@ from sim.base.yaml import read_yaml
 from sim.dataset.boundaries import format_csv
 from sim.dataset.results import Results, load_current
 from sim.figures.figure_records import require_unchanged
-from sim.figures.render import derive_texts
 from sim.report.claims import read_claims, require_table
 from sim.report.page import relative_link, render
 from sim.study.extra_amounts import extra_amounts_file
 from sim.study.load import Study, load_study
 
-# A published study as an RO-Crate: who made it, under which licence, and how.
-#
-# ``ro-crate-metadata.json`` follows RO-Crate 1.1 (https://w3id.org/ro/crate/1.1); the action that
-# made the data follows the profile Process Run Crate. The library ``rocrate`` writes and reads it.
-
+# A published study as an RO-Crate 1.1 (https://w3id.org/ro/crate/1.1): who made it, under which
+# licence, and how, by the profile Process Run Crate.
 
 #: File of authors and licence, in the folder where the command is called.
 CITATION = Path("CITATION.cff")
@@ -130,86 +127,85 @@ def write_crate(
     from rocrate.rocrate import ROCrate
 
     crate = ROCrate(folder, init=True, version=VERSION)
-    _describe_publication(crate, provenance, citation)
-    _describe_files(crate, folder)
-    _describe_computation(crate, study_file, provenance)
+    for entity in (*_entities(study_file, provenance, citation), *_files(folder)):
+        crate.add_or_update_jsonld(entity)
     crate.metadata.write(folder)
 
 
-def _entity(crate: Any, identifier: str, kind: str, **properties: Any) -> Any:
-    """Add something that is no file to a crate, and return it."""
-    from rocrate.model import ContextEntity
+def _entities(
+    study_file: str, provenance: Mapping[str, Any], citation: Mapping[str, Any]
+) -> tuple[dict[str, Any], ...]:
+    """Return what a crate says of itself, its authors and its licence, and how it was made."""
+    licence, command = citation["license"], f"talus study {study_file}"
+    terms = _work(f"https://spdx.org/licenses/{licence}", licence)
+    profile = _work(PROFILE, "Process Run Crate")
+    authors = [_author(number, author) for number, author in enumerate(citation["authors"], 1)]
+    *numbers, numerics = (
+        _work(f"#{name.replace(' ', '-')}", name, "PropertyValue", value=str(provenance[name]))
+        for name in ("points", "runs", "core hours", "numerics")
+    )
+    talus = _work(
+        "#talus",
+        "Talus",
+        "SoftwareApplication",
+        softwareVersion=provenance["engine"],
+        softwareRequirements=provenance["libraries"],
+        additionalProperty=_refer(numerics),
+    )
+    study = _work(
+        "#study",
+        command,
+        "CreateAction",
+        description=f"{command} computed the runs; talus publish {study_file} --crate, of version "
+        f"{__version__}, published them.",
+        instrument=_refer(talus),
+        object=[{"@id": study_file}],
+        result=[{"@id": name} for name in ("dataset.nc", "report.html")],
+        startTime=provenance["from"],
+        endTime=provenance["to"],
+    )
+    publication = {
+        "@id": "./",
+        "name": provenance["title"] or provenance["study"],
+        "description": f"Runs, figures and verdicts of the study {provenance['study']}.",
+        "license": _refer(terms),
+        "author": [_refer(author) for author in authors],
+        "conformsTo": _refer(profile),
+        "additionalProperty": [_refer(number) for number in numbers],
+    }
+    return publication, terms, profile, *authors, *numbers, numerics, talus, study
 
-    return crate.add(ContextEntity(crate, identifier, properties={"@type": kind, **properties}))
+
+def _work(identifier: str, name: str, kind: str = "CreativeWork", **others: Any) -> dict[str, Any]:
+    return {"@id": identifier, "@type": kind, "name": name, **others}
 
 
-def _describe_publication(
-    crate: Any, provenance: Mapping[str, Any], citation: Mapping[str, Any]
-) -> None:
-    root, licence = crate.root_dataset, citation["license"]
-    crate.name = provenance["title"] or provenance["study"]
-    crate.description = f"Runs, figures and verdicts of the study {provenance['study']}."
-    address = f"https://spdx.org/licenses/{licence}"
-    crate.license = _entity(crate, address, "CreativeWork", name=licence)
-    root["author"] = [
-        _author(crate, number, author) for number, author in enumerate(citation["authors"], 1)
-    ]
-    root["conformsTo"] = _entity(crate, PROFILE, "CreativeWork", name="Process Run Crate")
-    root["additionalProperty"] = [
-        _property(crate, name, provenance) for name in ("points", "runs", "core hours")
-    ]
+def _refer(entity: Mapping[str, Any]) -> dict[str, Any]:
+    return {"@id": entity["@id"]}
 
 
-def _author(crate: Any, number: int, author: Mapping[str, Any]) -> Any:
+def _author(number: int, author: Mapping[str, Any]) -> dict[str, Any]:
     given, family = (str(author.get(key) or "") for key in ("given-names", "family-names"))
-    name = str(author.get("name", f"{given} {family}".strip()))
     details = {"givenName": given, "familyName": family, "affiliation": author.get("affiliation")}
-    return _entity(
-        crate,
+    return _work(
         str(author.get("orcid") or f"#author-{number}"),
+        str(author.get("name", f"{given} {family}".strip())),
         "Organization" if "name" in author else "Person",
-        name=name,
         **{key: str(value) for key, value in details.items() if value},
     )
 
 
-def _property(crate: Any, name: str, provenance: Mapping[str, Any]) -> Any:
-    identifier = f"#{name.replace(' ', '-')}"
-    return _entity(crate, identifier, "PropertyValue", name=name, value=str(provenance[name]))
-
-
-def _describe_files(crate: Any, folder: Path) -> None:
+def _files(folder: Path) -> Iterator[dict[str, Any]]:
     for path in sorted(path for path in folder.rglob("*") if path.is_file()):
-        file = crate.get(path.relative_to(folder).as_posix())
         guess = guess_type(path.name)[0] or "application/octet-stream"
         media, meaning = _FILES.get(path.suffix, (guess, "file of the study"))
-        file["name"], file["contentSize"] = path.name, str(path.stat().st_size)
-        file["encodingFormat"], file["description"] = media, meaning
-
-
-def _describe_computation(crate: Any, study_file: str, provenance: Mapping[str, Any]) -> None:
-    program = _entity(
-        crate,
-        "#talus",
-        "SoftwareApplication",
-        name="Talus",
-        softwareVersion=provenance["engine"],
-        softwareRequirements=provenance["libraries"],
-        additionalProperty=_property(crate, "numerics", provenance),
-    )
-    crate.add_action(
-        program,
-        "#study",
-        object=[crate.get(study_file)],
-        result=[crate.get(name) for name in ("dataset.nc", "report.html")],
-        properties={
-            "name": f"talus study {study_file}",
-            "description": f"talus study {study_file} computed the runs; talus publish "
-            f"{study_file} --crate, of version {__version__}, published them.",
-            "startTime": provenance["from"],
-            "endTime": provenance["to"],
-        },
-    )
+        yield {
+            "@id": path.relative_to(folder).as_posix(),
+            "name": path.name,
+            "contentSize": str(path.stat().st_size),
+            "encodingFormat": media,
+            "description": meaning,
+        }
 
 
 #: Folder of the published studies, beside the results of other studies.
@@ -392,10 +388,7 @@ def provenance(results: Results) -> dict[str, object]:
 
 
 def require_intact(study: Study, results: Results, folder: Path) -> None:
-    """Raise an error unless figures, tables and verdicts are unchanged and match the dataset.
-
-    The data and captions of figures and the table of boundaries are derived again from the dataset,
-    which takes little time.
+    """Raise an error unless figures, tables and verdicts are as they were made.
 
     Raises
     ------
@@ -405,28 +398,8 @@ def require_intact(study: Study, results: Results, folder: Path) -> None:
         For the first file that differs; it is set aside.
     """
     require_unchanged(study.entries.values(), folder / "figures")
-    for name, spec in study.entries.items():
-        data, caption = derive_texts(spec, results)
-        _require_text(folder / f"figures/{name}.csv", data, "table of a figure")
-        _require_text(folder / f"figures/{name}.caption.txt", caption, "caption")
-    if study.boundaries:
-        _require_text(folder / "boundaries.csv", format_csv(study, results.boundaries), "table")
     require_table(folder)
-    _require_points(folder / "claims.json", set(results.dataset["point"].values.tolist()))
-
-
-def _require_text(path: Path, expected: str, kind: str) -> None:
-    with checked_read(path, kind, replaceable=True):
-        if path.read_text(encoding="utf-8") != expected:
+    table = folder / "boundaries.csv"
+    with checked_read(table, "table", replaceable=True) if study.boundaries else nullcontext():
+        if study.boundaries and table.read_text("utf-8") != format_csv(study, results.boundaries):
             raise ValueError("not what the dataset gives")
-
-
-def _require_points(path: Path, points: set[str]) -> None:
-    """Raise an error where verdicts rest on points that the dataset lacks."""
-    variants = [variant for claim in read_claims(path) for variant in claim["variants"]]
-    judged = {
-        point for variant in variants for check in variant["checks"] for point in check["points"]
-    }
-    with checked_read(path, "table of verdicts", replaceable=True):
-        if not points.issuperset(judged):
-            raise ValueError("verdicts on points that the dataset has not")

@@ -12,7 +12,6 @@ from sim.base.files import (
     atomic_write,
     file_lock,
     open_regular,
-    read_regular,
 )
 
 
@@ -63,24 +62,6 @@ def test_an_empty_folder_of_another_file_is_removed_a_day_later(tmp_path):
     with atomic_write(tmp_path / "made.txt") as temporary:
         temporary.write_text("new")
     assert sorted(tmp_path.iterdir()) == [young, full, tmp_path / "made.txt"]
-
-
-def test_nobody_can_put_a_link_where_a_file_will_be_written(tmp_path):
-    """The temporary name cannot be foretold, and nobody else can write its folder."""
-    victim, path = tmp_path / "victim", tmp_path / "made.txt"
-    victim.write_text("precious")
-    for name in ("made.txt", f".made.txt.{os.getpid()}.part"):
-        (tmp_path / name).symlink_to(victim)
-    names = set()
-    for _ in range(2):
-        with atomic_write(path) as temporary:
-            assert not os.path.lexists(temporary)
-            assert temporary.parent.stat().st_mode & 0o777 == 0o700
-            names.add(temporary)
-            temporary.write_text("new")
-    assert len(names) == 2
-    assert victim.read_text() == "precious"
-    assert path.read_text() == "new" and not path.is_symlink()
 
 
 def test_a_file_has_the_rights_that_the_umask_leaves(tmp_path):
@@ -149,15 +130,6 @@ def test_a_folder_that_takes_no_files_is_no_lack_of_locks(tmp_path):
         pass
 
 
-def test_a_link_in_the_place_of_the_lock_leads_to_nothing_that_is_changed(tmp_path):
-    precious = tmp_path / "precious"
-    precious.write_text("kept")
-    (tmp_path / ".made.txt.lock").symlink_to(precious)
-    with file_lock(tmp_path / "made.txt"):
-        assert precious.read_text() == "kept"
-    assert precious.read_text() == "kept"
-
-
 @pytest.mark.parametrize("kind", ["pipe", "device", "folder"])
 def test_only_files_are_opened(kind, tmp_path):
     path = tmp_path / kind
@@ -173,9 +145,3 @@ def test_only_files_are_opened(kind, tmp_path):
         open_regular(path)
     if kind == "pipe":
         os.close(end)
-
-
-def test_a_link_to_a_file_is_read(tmp_path):
-    (tmp_path / "file").write_bytes(b"some")
-    (tmp_path / "link").symlink_to("file")
-    assert read_regular(tmp_path / "link") == b"some"

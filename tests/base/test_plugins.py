@@ -4,10 +4,8 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import nullcontext
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from sim.base import plugins
@@ -133,17 +131,6 @@ def test_results_that_name_a_study_run_none_of_its_code(tmp_path):
     path = write_study(tmp_path)
     load_study(path, None, plugins=False)
     assert not plugins.places()
-
-
-def test_a_plugin_changes_neither_folder_nor_arithmetic_of_the_process(tmp_path, monkeypatch):
-    lines = "import os, numpy\nos.chdir('/')\nnumpy.seterr(all='raise')\n"
-    monkeypatch.chdir(tmp_path)
-
-    before = Path.cwd(), np.geterr()
-    for text, loads in ((lines + RIGHT, True), (lines + "1 / 0\n", False)):
-        with restore_plugins(), nullcontext() if loads else pytest.raises(InputError):
-            load_study(write_study(tmp_path, text), None)
-        assert (Path.cwd(), np.geterr()) == before
 
 
 def test_commands_load_what_the_environment_names(tmp_path):

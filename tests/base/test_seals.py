@@ -32,13 +32,6 @@ def test_numbers_of_numpy_are_numbers(path):
     assert (steps, velocity) == (3, 0.1) and np.isnan(unknown)
 
 
-def test_long_summaries_are_read_whole(path):
-    long = {"velocity": np.random.default_rng(1).random(20_000).tolist()}
-    append_summary(path, long)
-    seal(path)
-    assert read_summary(path) == long
-
-
 @pytest.mark.parametrize("content", [b"", b"text", bytes(500), b"\nsummary 000000000002 00000000"])
 def test_files_without_a_summary_have_none(tmp_path, content):
     path = tmp_path / "file"

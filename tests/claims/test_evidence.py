@@ -117,22 +117,6 @@ def test_two_flows_that_are_both_asked_for_and_differ_are_an_error(usual, contro
     assert alike.at("chute", angle=24).velocity.nominal_value == pytest.approx(1.5, abs=2e-3)
 
 
-def test_other_initial_states_are_no_other_flow():
-    study = evidence(chute(1.5), chute(5.3, seed=2, replicates=2))
-    assert study.at("chute").completed == 5
-
-
-def test_the_plane_has_the_friction_of_the_spheres_unless_named():
-    points = (
-        made_point("chute", {"velocity": 1.0}, friction=0.5),
-        made_point("chute", {"velocity": 2.0}, friction=0.5, friction_plane=0.4),
-    )
-    for study in (evidence(*points), evidence(*points[::-1])):
-        assert study.at("chute", friction=0.5).velocity.nominal_value == pytest.approx(1)
-    mixed = study.at("chute", friction=0.5, friction_plane=0.4)
-    assert mixed.velocity.nominal_value == pytest.approx(2)
-
-
 def test_a_line_is_in_order_and_leaves_out_what_failed():
     lost = made_point("belt", {"velocity": 0.3, "status": "failed"}, frequency=50)
     study = evidence(belt(frequency=40), belt(frequency=20), lost)
@@ -150,34 +134,6 @@ def test_intervals_are_students_and_never_below_the_own_error():
     assert replicate_mean(np.array([1.0])).std_dev == np.inf
 
 
-def test_two_replicates_that_disagree_are_uncertain_whatever_each_thinks_of_itself():
-    scalars = {"velocity": 0.1, "acceleration": [0.2, -0.2], "acceleration_half_width": 0.01}
-    pair = evidence(made_point("belt", scalars, replicates=2)).at("belt")
-    half_width = SIGMAS * pair.value("acceleration", half_width="acceleration_half_width").std_dev
-    assert half_width == pytest.approx(12.706 * 0.2, rel=1e-3)
-    single = made_point("belt", {**scalars, "acceleration": 0.2}, replicates=1, frequency=30)
-    single_run = evidence(single).at("belt", frequency=30)
-    half_width = (
-        SIGMAS * single_run.value("acceleration", half_width="acceleration_half_width").std_dev
-    )
-    assert half_width == pytest.approx(0.01)
-
-
-def test_what_single_runs_know_of_themselves_are_errors_or_half_widths():
-    scalars = {"base_shear": 1.0, "base_shear_error": 0.1, "acceleration": 1.0}
-    point = made_point("chute", scalars | {"acceleration_half_width": 0.3}, replicates=1)
-    place = evidence(point).at("chute")
-    assert place.value("base_shear", "base_shear_error").std_dev == pytest.approx(0.1)
-    acceleration = place.value("acceleration", half_width="acceleration_half_width")
-    assert SIGMAS * acceleration.std_dev == pytest.approx(0.3)
-
-
-@pytest.mark.parametrize(("regime", "samples"), [("arrested", np.inf), ("accelerating", 15)])
-def test_flows_at_rest_alone_need_no_samples(regime, samples):
-    scalars = {"velocity": 1.0, "regime": regime, "independent_samples": [3.0] * 5}
-    assert evidence(made_point("chute", scalars)).at("chute").samples == samples
-
-
 def test_samples_are_those_of_all_replicates_and_those_of_the_poorest_place_count():
     rich = made_point("belt", {"velocity": 0.2, "independent_samples": 10.0}, frequency=30)
     poor = made_point("belt", {"velocity": 0.1, "independent_samples": 1.0}, frequency=20)
@@ -190,14 +146,6 @@ def test_samples_are_those_of_all_replicates_and_those_of_the_poorest_place_coun
     check = above("gain", places[0].velocity - places[1].velocity, 0, places)
     assert check.samples == places[1].samples
     assert check.points == tuple(place.id for place in places)
-
-
-def test_a_measure_of_profiles_has_the_interval_of_its_replicates():
-    point = made_point("belt", {"velocity": 0.1}, {"number_density": lambda z: 1e6 + 0 * z})
-    place = evidence(point).at("belt")
-    peak = place.measure(lambda z, density: density.max(), "number_density")
-    assert peak.nominal_value == pytest.approx(1e6, rel=1e-9)
-    assert SIGMAS * peak.std_dev == pytest.approx(1e3 * 2.7764 / np.sqrt(5), rel=1e-3)
 
 
 def test_the_narrowest_bracket_of_a_boundary_is_its_interval():

@@ -2,10 +2,9 @@
 
 import json
 from dataclasses import replace
-from math import inf, nan
+from math import inf
 from typing import get_args
 
-import numpy as np
 import pytest
 
 from sim.claims import judge
@@ -15,14 +14,11 @@ from sim.claims.evidence import (
     DEFAULT,
     GRID,
     Evidence,
-    combined_readings,
     model_readings,
-    reading_label,
     readings_of,
 )
 from sim.claims.judge import _variants
 from sim.claims.judgement import MODEL, Judgement, Variant
-from sim.claims.place import Points
 from sim.claims.verdict import (
     INCONCLUSIVE,
     NOT_REPRODUCED,
@@ -34,12 +30,12 @@ from sim.claims.verdict import (
     UNTESTABLE,
     Check,
 )
-from sim.claims.verdict_files import as_mapping, as_table, by_variant
+from sim.claims.verdict_files import as_mapping, as_table
 from sim.dataset.grids import GRIDS
-from sim.parameters import SYSTEMS, ChuteParameters, roles
+from sim.parameters import SYSTEMS, roles
 from sim.study.catalogue import FIGURES
 from sim.study.papers import Readings, papers
-from tests.made.paper_belt import BEAD, paper_point
+from tests.made.paper_belt import paper_point
 from tests.made.results import made_point, made_results
 
 HOLDS = Check("x", 2.0, 0.1, 1.0, 3.0, points=("p",), samples=50.0)
@@ -111,15 +107,6 @@ def test_only_contradictions_make_a_claim_dependent():
     assert judged(variant_of(HOLDS), other).reading_dependent
     assert not judged(variant_of(HOLDS), other).protocol_dependent
     assert judged(variant_of(HOLDS), other).verdict == READING_DEPENDENT
-
-
-def test_more_readings_do_not_hide_one_that_differs():
-    """A reading that fails with p = 0.04 is a contradiction, however many others hold."""
-    likely = Check("z", 0.0, nan, 0.0, inf, tested=(1.0, 0.04))
-    other = variant_of(likely, reading="belt_ghost centred")
-    alike = [variant_of(HOLDS, reading=f"corrections = {number}") for number in range(10)]
-    assert judged(variant_of(HOLDS), other).reading_dependent
-    assert judged(variant_of(HOLDS), other, *alike).reading_dependent
 
 
 def test_readings_are_compared_with_the_headline_one_under_a_protocol_of_both():
@@ -253,16 +240,6 @@ def test_a_verdict_is_told_as_a_function_of_a_number_that_is_ours():
         Number(bound="margin", what="weak", values=[0.1, 0.2], headline=0.15)
 
 
-def test_at_a_number_that_is_ours_a_verdict_may_depend_on_the_reading():
-    number = Number(bound="margin", what="weak", values=[1, 2], headline=2)
-    claim = claims()[0].model_copy(update={"number": number})
-    headline = Variant("published", DEFAULT, (FAILS,), checks_by_number={1: (FAILS,), 2: (FAILS,)})
-    other = Variant("published", "other", (FAILS,), checks_by_number={1: (HOLDS,), 2: (FAILS,)})
-    judgement = Judgement(claim, (headline, other))
-    assert judgement.by_number == {1: READING_DEPENDENT, 2: NOT_REPRODUCED}
-    assert judgement.verdict == NOT_REPRODUCED
-
-
 def test_an_open_claim_is_priced_by_the_points_of_its_votes():
     """What is reported beside the votes, decided or not, is not bought."""
     vote = replace(OPEN, value=2.95, points=("p",), freedom=7)
@@ -294,40 +271,6 @@ def test_an_alternative_of_a_claim_is_another_reading():
     assert Judgement(claim, variants).verdict == READING_DEPENDENT
 
 
-def test_readings_are_what_points_have_beyond_the_defaults():
-    results = made_results(
-        made_point("belt", {"velocity": 0.1}),
-        made_point("belt", {"velocity": 0.1}, integrator="verlet"),
-        made_point("belt", {"velocity": 0.1}, integrator="verlet", frequency=30),
-        made_point("belt", {"velocity": 0.1}, integrator="verlet", belt_ghost="centred"),
-        made_point("chute", {"velocity": 0.1}, friction_cap="after"),
-    )
-    runs = {}, {"integrator": "verlet"}, {"belt_ghost": "centred", "integrator": "verlet"}
-    grids = {}, {GRID: "edges"}, {GRID: "points"}
-    assert combined_readings(results, "belt", readings_of("belt")) == [
-        run | grid for run in runs for grid in grids
-    ]
-
-
-def test_base_rows_of_another_cell_or_stiffness_are_readings():
-    results = made_results(
-        *(made_point("chute", {"velocity": 0.1}, **settings) for settings in ({}, {"cell": 5})),
-        made_point("chute", {"velocity": 0.1}, stiffness=1000, friction_cap="after"),
-    )
-    readings = combined_readings(results, "chute", readings_of("chute"))
-    assert [reading for reading in readings if GRID not in reading] == [
-        {"friction_cap": "after"},
-        {},
-        {"cell": 5},
-        {"stiffness": 1000},
-    ]
-
-
-def test_the_default_heads_where_no_run_has_the_headline_reading():
-    results = made_results(made_point("chute", {"velocity": 0.1}))
-    assert combined_readings(results, "chute", readings_of("chute"))[0] == {}
-
-
 def test_the_model_is_judged_under_its_readings_where_the_study_has_runs_of_any():
     flow, readings = {"velocity": 0.1}, readings_of("chute")
     usual = made_results(made_point("chute", flow), made_point("chute", flow, cell=5))
@@ -349,49 +292,6 @@ def test_readings_without_the_runs_of_a_claim_are_left_out(monkeypatch):
         flows = [variant for variant in judgement.variants if variant.protocol != MODEL]
         heading = (DEFAULT, judgement.headline)
         assert all(variant.reading in heading or variant.checks for variant in flows)
-
-
-@pytest.mark.parametrize(("named", "readings"), [({}, 2), ({"cell": 5}, 1)])
-def test_a_claim_that_names_what_a_reading_changes_is_judged_once(monkeypatch, named, readings):
-    flows = (
-        made_point("chute", {"velocity": 0.1}, depth=5, **settings)
-        for settings in ({}, {"cell": 5})
-    )
-    results, chute = made_results(*flows), readings_of("chute")
-    evidence = list(judge._evidence(results, Points(results), "chute", chute))
-
-    def judge_made(evidence, **_):
-        place = evidence.at("chute", depth=5, **named)
-        return [above("V", place.velocity, 0, [place])]
-
-    claim = next(claim for claim in claims() if claim.system == "chute" and claim.kind == "flow")
-    claim = claim.model_copy(update={"judge": judge_made})
-    variants = list(judge._variants(claim, chute, evidence))
-    assert len({variant.reading for variant in variants if variant.checks}) == readings
-
-
-@pytest.mark.parametrize(("looks_at", "readings"), [("number_density", 3), ("velocity", 1)])
-def test_a_grid_is_a_reading_of_claims_that_look_at_profiles(monkeypatch, looks_at, readings):
-    height = (np.arange(40) + 0.5) * 0.5 * BEAD
-    profiles = {"number_density": lambda z: np.exp(-z / BEAD)}
-    bed = made_point("belt", {"velocity": 0.1}, profiles, height=height, slice_height=0.5)
-
-    def judge_made(evidence, **_):
-        place = evidence.at("belt")
-        if looks_at == "velocity":
-            return [above("V", place.velocity, 0, [place])]
-        middle = place.measure(lambda z, rho: (z * rho).sum() / rho.sum(), "number_density")
-        return [above("z", middle, 0, [place])]
-
-    claim = next(claim for claim in claims() if claim.system == "belt" and claim.kind == "flow")
-    claim = claim.model_copy(update={"judge": judge_made})
-    results, belt = made_results(bed), readings_of("belt")
-    evidence = judge._evidence(results, Points(results), "belt", belt)
-    variants = judge._variants(claim, belt, list(evidence))
-    labels = [variant.reading for variant in variants if variant.checks]
-    assert len(set(labels)) == len(labels) == readings
-    grids = [reading_label("belt", {GRID: name}, belt) for name in belt.grids]
-    assert labels[1:] == grids[: readings - 1]
 
 
 def test_what_is_written_is_plain_json_and_one_row_per_check():
@@ -472,31 +372,6 @@ def test_the_contact_law_is_judged_under_its_readings_too(monkeypatch):
         "γ = 0; overlap_memory shrink; friction_cap after": REPRODUCED,
         "γ = 1; overlap_memory reset; friction_cap before": NOT_REPRODUCED,
     }
-
-
-def test_every_reading_of_the_contact_law_is_judged():
-    """Each other value of a reading of the law is judged, one at a time."""
-    law = {"overlap_memory", "friction_cap", "sliding_direction"}
-    others = [
-        {name: value}
-        for name in ChuteParameters.model_fields
-        if name in law
-        for value in get_args(ChuteParameters.model_fields[name].annotation)
-        if value != getattr(ChuteParameters(), name)
-    ]
-    assert readings_of("chute").model == [{}, *others]
-
-
-def test_a_table_has_verdicts_and_conditions_by_part_protocol_and_reading():
-    checks = replace(HOLDS, part="a"), replace(FAILS, part="b")
-    variant = replace(variant_of(HOLDS), checks=checks)
-    parts, condition = {"a": "one thing", "b": "another"}, "at depth 10"
-    claim = judged(variant).claim.model_copy(update={"parts": parts, "condition": condition})
-    table = by_variant([Judgement(claim, (variant,))])
-    assert list(table["part"]) == ["", "a", "b"]
-    verdicts = [REPRODUCED_IN_PART, REPRODUCED, NOT_REPRODUCED]
-    assert list(table["verdict"]) == list(table["published, default"]) == verdicts
-    assert set(table["condition"]) == {condition}
 
 
 def test_a_protocol_that_does_not_test_a_claim_contradicts_nothing():

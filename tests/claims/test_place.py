@@ -27,11 +27,3 @@ def test_the_interval_holds_a_threshold_where_the_difference_is_not_sure():
 def test_a_divisor_that_may_be_zero_leaves_the_ratio_open():
     assert half_width(with_interval(1.16, 0.1), with_interval(3.98, 4.5)) == np.inf
     assert half_width(with_interval(1.16, 0.1), with_interval(3.98, np.inf)) == np.inf
-
-
-def test_signs_are_kept():
-    ratio = quotient(with_interval(-3.0, 0.3), with_interval(2.0, 0.2))
-    assert ratio.nominal_value == -1.5
-    assert ratio.std_dev == pytest.approx(
-        quotient(with_interval(3.0, 0.3), with_interval(2.0, 0.2)).std_dev
-    )

@@ -15,7 +15,6 @@ from sim.claims.verdict import (
     REPORTED,
     REPRODUCED,
     REPRODUCED_IN_PART,
-    SIGMAS,
     Check,
     combined_verdict,
     holm_p,
@@ -145,14 +144,6 @@ def test_p_values_are_those_of_one_sided_tests():
     assert check.bound == pytest.approx(0.5 * 1.644854)
 
 
-def test_a_statistic_without_an_interval_has_its_own_p_values():
-    trend = Check("τ", 0.8, nan, 0.0, inf, tested=(0.01, 0.99))
-    assert trend.verdict == REPRODUCED
-    assert replace(trend, tested=(0.99, 0.01)).verdict == NOT_REPRODUCED
-    assert replace(trend, tested=(0.2, 0.8)).verdict == INCONCLUSIVE
-    assert replace(trend, tested=(0.2, 0.8), samples=3).verdict == INCONCLUSIVE
-
-
 def test_the_smallest_of_several_p_values_counts_for_all():
     assert holm_p([0.01, 0.02, 0.03, 0.005]) == pytest.approx(0.02)
     assert holm_p([0.6, 0.7]) == 1.0
@@ -175,10 +166,6 @@ def test_what_would_decide_an_open_check_is_told(check, text):
     assert plan(check) == text
 
 
-def test_what_is_only_reported_decides_nothing():
-    assert REPORT.verdict == REPORTED
-
-
 def test_few_replicates_seldom_fail_by_chance_however_many_checks_there_are():
     """Of twenty quantities that are all at the edge, one in twenty claims fails at most."""
     rng, claims = np.random.default_rng(5), 400
@@ -194,7 +181,3 @@ def test_few_replicates_seldom_fail_by_chance_however_many_checks_there_are():
         failures += combined_verdict(checks) == NOT_REPRODUCED
     # One in twenty, and what 400 claims may scatter.
     assert failures / claims < 0.05 + 2 * np.sqrt(0.05 * 0.95 / claims)
-
-
-def test_half_widths_are_told_in_the_deviations_of_tables():
-    assert SIGMAS == 1.96

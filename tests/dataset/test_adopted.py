@@ -133,16 +133,6 @@ def test_a_run_file_that_holds_enough_goes_before(study, complete_study):
     assert velocity == pytest.approx(0.7)
 
 
-def test_of_more_replicates_the_first_are_taken(study, complete_study, tmp_path):
-    text = study.path.read_text().replace("'replicates': 4", "'replicates': 1")
-    study.path.write_text(text)
-    adopt(study.path, complete_study.output, study.results)
-    build(study.path, study.results)
-    shutil.copytree(complete_study.runs, tmp_path / "straight" / "made" / "runs")
-    assert_same(study.output, build(study.path, tmp_path / "straight"))
-    assert load_results(study.output).dataset.sizes["replicate"] == 3
-
-
 def test_a_point_of_which_more_is_wanted_is_run(study, complete_study):
     text = study.path.read_text()
     study.path.write_text(text.replace("'replicates': 4", "'replicates': 5"))
@@ -234,17 +224,6 @@ def test_what_other_code_has_read_is_taken_if_it_knew_all_names(study, complete_
     monkeypatch.setattr(adopted, "missing_variables", lambda made, system: ["new_measure"])
     with pytest.raises(InputError, match="got 'a dataset that cannot have new_measure'; allowed"):
         adopt(study.path, complete_study.output, study.results)
-
-
-def test_a_system_of_a_later_version_keeps_no_other_from_being_adopted(
-    study, complete_study, tmp_path
-):
-    later = Path(shutil.copy(complete_study.output, tmp_path / "later.nc"))
-    with edit_file(later) as file:
-        row = file["point"][:].tolist().index(*ids(study, 5))
-        file["system"][row] = "drum"
-    assert "covers 5 of 6 points" in adopt(study.path, later, study.results)
-    assert adopted_ids(study) == set(ids(study, *range(5)))
 
 
 def test_an_observable_of_one_system_keeps_no_other_from_being_adopted(
@@ -355,14 +334,6 @@ def test_what_has_finished_is_written_beside_nothing_else(study, tmp_path):
         build(study.path, study.results, finished=output)
     with pytest.raises(InputError, match="a file that is not among the runs"):
         build(study.path, study.results, finished=study.runs / "half.nc")
-
-
-def test_what_is_adopted_counts_as_finished(study, half_dataset, tmp_path):
-    """So a study may go on elsewhere, and elsewhere again."""
-    adopt(study.path, half_dataset, study.results)
-    study.write(REST[-1])
-    both = build(study.path, study.results, finished=tmp_path / "both.nc")
-    assert set(load_results(both).dataset["point"].values) == set(ids(study, *HALF, REST[-1]))
 
 
 def test_boundaries_refine_by_adopted_points(tmp_path):

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from sim.__main__ import main
 from sim.base.errors import InputError
 from sim.base.seals import DamagedError
 from sim.dataset import sources
@@ -69,13 +68,6 @@ def test_replicates_must_agree_on_the_side_not_on_the_regime(tmp_path):
     assert side_of_run(path, "acceleration", CHUTE) is None
 
 
-def test_failed_replicates_are_left_out(tmp_path):
-    path = write_run(tmp_path, CHUTE, failed=[0])
-    assert side_of_run(path, "flow", CHUTE) == "flowing"
-    path = write_run(tmp_path, CHUTE, failed=[0, 1])
-    assert side_of_run(path, "flow", CHUTE) is None
-
-
 # A tenth of the belt's velocity amplitude is 12.6 mm/s, the half width is 0.9 mm/s.
 @pytest.mark.parametrize(
     ("velocity", "side"),
@@ -105,15 +97,6 @@ def test_a_belt_that_shakes_upright_moves_nothing_along(tmp_path):
     upright = BeltParameters(vibration_angle=90)
     path = write_run(tmp_path, upright, 0.0)
     assert side_of_run(path, "transport", upright) == "no transport"
-
-
-def test_a_missing_and_a_broken_run_are_named(tmp_path):
-    path = tmp_path / "run.nc"
-    with pytest.raises(InputError, match=r"run\.nc: no such run file"):
-        side_of_run(path, "flow", CHUTE)
-    path.write_text("not netCDF")
-    with pytest.raises(InputError, match=r"run\.nc: damaged or not a run file"):
-        side_of_run(path, "flow", CHUTE)
 
 
 @pytest.fixture(scope="module")
@@ -178,18 +161,6 @@ def test_no_round_is_read_again_for_the_next_dataset(study_results, dataset, mon
     assert build_dataset(*study_results).read_bytes() == whole
 
 
-def test_a_round_holds_new_points_alone(study_results):
-    study_path, results = study_results
-    study = load_study(study_path, results)
-    rounds = [
-        read_round(write_round(study_path, number, results))
-        for number in range(1, study.rounds + 1)
-    ]
-    assert len(rounds) == 2
-    assert not set(rounds[0]) & set(rounds[1])
-    assert not set(study.points) & {*rounds[0], *rounds[1]}
-
-
 def test_a_round_is_read_where_none_of_its_numbers_has_changed(study_results, tmp_path):
     path = tmp_path / "1.json"
     text = write_round(study_results[0], 1, study_results[1]).read_text()
@@ -223,16 +194,6 @@ def test_a_round_follows_from_the_runs_before_it(study_results, tmp_path):
     with pytest.raises(InputError, match=r"rerun the study, .* \(and \d more\)$"):
         added_points(study, 2, runs)
     assert sum((runs / f"{key}.nc.damaged").exists() for key in first) > 1
-
-
-def test_both_commands_say_what_they_wrote(study_results, dataset, capsys):
-    options = [str(study_results[0]), "--results", str(study_results[1])]
-    assert main(["boundaries", *options]) == 0
-    assert main(["refine", *options, "1"]) == 0
-    written = [
-        Path(line).relative_to(study_results[1]) for line in capsys.readouterr().out.splitlines()
-    ]
-    assert written == [Path("regimes/boundaries.csv"), Path("regimes/rounds/1.json")]
 
 
 @pytest.mark.parametrize("number", [0, 3])

@@ -11,13 +11,13 @@ from sim.base.errors import InputError
 from sim.dataset.build import build, profiles
 from sim.dataset.gather import column_means, read_run
 from sim.dataset.results import load_results
-from sim.dataset.rows import OF_PROFILES, STATE_VARIABLES, Rows, align_rows
+from sim.dataset.rows import OF_PROFILES, STATE_VARIABLES, Row, tabulate_rows
 from sim.parameters import BeltParameters, ChuteParameters, point_id
 from sim.parameters.variables import variables_of
 from sim.study.load import load_study
 from tests.made.figures import make_built_study
 from tests.made.netcdf import ROUNDING, edit_file, store
-from tests.made.runs import FAILURE, HEIGHTS, is_hurt, is_lost, made_velocity, make_study, write_run
+from tests.made.runs import FAILURE, HEIGHTS, is_hurt, is_lost, made_velocity, write_run
 
 
 @pytest.fixture(scope="module")
@@ -34,12 +34,6 @@ def dataset_path(study_results) -> Path:
 def dataset(dataset_path) -> xr.Dataset:
     with xr.open_dataset(dataset_path) as opened:
         return opened.load()
-
-
-def test_every_point_of_the_study_is_there_in_its_order(study_results, dataset):
-    study = load_study(*study_results)
-    assert list(dataset["point"].values) == list(study.points)
-    assert dataset.sizes["replicate"] == 3
 
 
 def test_scalars_are_those_of_the_runs(study_results, dataset):
@@ -64,13 +58,6 @@ def test_replicates_are_told_together_too(study_results, dataset):
     assert (row["point_regime"].item(), row["point_quality"].item()) == (regime, quality)
 
 
-def test_missing_replicates_are_padded(dataset):
-    pair = dataset.isel(point=0)
-    assert int(pair["replicates"]) == 2
-    assert np.isnan(pair["velocity"].values[2])
-    assert pair["status"].values[2] == ""
-
-
 def test_failures_keep_their_whole_reason(study_results, dataset):
     lost = [p.id for p in load_study(*study_results).points.values() if is_lost(p.parameters)]
     assert len(lost) == 1
@@ -78,20 +65,6 @@ def test_failures_keep_their_whole_reason(study_results, dataset):
     assert list(row["status"].values[:2]) == ["failed", "failed"]
     assert list(row["reason"].values[:2]) == [FAILURE, FAILURE]
     assert np.isnan(row["velocity"].values).all()
-
-
-def test_a_run_whose_energy_does_not_add_up_says_so(tmp_path):
-    study_path, results = make_study(tmp_path)
-    key = next(iter(load_study(study_path, results).points))
-    path = results / "made" / "runs" / f"{key}.nc"
-    with xr.open_dataset(path) as opened:
-        run = opened.load()
-    run["energy_residual"][0] = -0.012
-    store(run, path)
-    with xr.open_dataset(build(study_path, results)) as found:
-        caveats = found["caveat"].to_series()
-    assert "energy does not add up" in caveats[key]
-    assert not caveats.drop(key).str.contains("energy").any()
 
 
 def test_parameters_are_coordinates_with_units(dataset):
@@ -120,32 +93,6 @@ def test_a_run_under_the_name_of_another_is_refused(tmp_path):
     other = path.rename(tmp_path / f"{point_id(ChuteParameters(depth=2))}.nc")
     with pytest.raises(InputError, match="holds point chute-depth5"):
         read_run(other)
-
-
-def test_a_study_of_belts_alone_has_no_base_forces(tmp_path):
-    study = tmp_path / "belts.yaml"
-    study.write_text("study: belts\nseries: [{name: one, system: belt}]\n")
-    write_run(tmp_path / "results" / "belts" / "runs", BeltParameters())
-    with xr.open_dataset(build(study, tmp_path / "results")) as opened:
-        assert "base_normal" not in opened
-        assert opened["stiffness"].attrs["units"] == "1"
-
-
-def test_a_missing_run_is_named_and_nothing_is_written(tmp_path):
-    study_path, results = make_study(tmp_path)
-    gone = results / "made" / "runs" / f"{point_id(BeltParameters(replicates=3))}.nc"
-    gone.unlink()
-    with pytest.raises(InputError, match=gone.name):
-        build(study_path, results)
-    assert not list((results / "made").glob("*dataset*"))
-
-
-@pytest.mark.parametrize("content", [b"", b"not netCDF"])
-def test_a_file_that_is_no_run_is_named(tmp_path, content):
-    path = tmp_path / "broken.nc"
-    path.write_bytes(content)
-    with pytest.raises(InputError, match=r"broken\.nc"):
-        read_run(path)
 
 
 def test_a_netcdf_file_that_is_no_run_is_named(tmp_path):
@@ -204,11 +151,6 @@ def test_columns_of_many_points_are_compressed_and_hold_the_same(
     xr.testing.assert_identical(xr.open_datatree(path), xr.open_datatree(dataset_path))
 
 
-def test_the_whole_file_opens_as_a_tree(dataset_path):
-    with xr.open_datatree(dataset_path) as tree:
-        assert set(tree["chute"]["run"].values) <= set(tree["point"].values)
-
-
 def run_row(name, width, slices, replicates):
     """Return the row of a run on a belt ``width`` (mm) long."""
     squares = np.arange(width) + 0.5
@@ -226,13 +168,12 @@ def run_row(name, width, slices, replicates):
         "height": 1e-3 * np.arange(slices),
         "number_density": np.ones((replicates, slices)),
     }
-    values = {key: one[np.newaxis] for key, one in (arrays | column_means(field)).items()}
-    return Rows([name], {}, values, {})
+    return Row(name, {}, arrays | column_means(field))
 
 
 def test_belts_of_different_lengths_are_filled_up():
-    blocks = [run_row("short", 3, 5, 2), run_row("long", 6, 4, 3)]
-    dataset = profiles(align_rows(blocks, ["long", "short"], OF_PROFILES, 3))
+    rows = {"short": run_row("short", 3, 5, 2), "long": run_row("long", 6, 4, 3)}
+    dataset = profiles(tabulate_rows(rows, ["long", "short"], OF_PROFILES, 3))
     assert dataset.sizes == {"run": 2, "replicate": 3, "slice": 5, "square": 6}
     short = dataset.sel(run="short")
     assert short["column"].values[:3] == pytest.approx([0.5e-3, 1.5e-3, 2.5e-3])

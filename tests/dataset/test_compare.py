@@ -1,7 +1,5 @@
 """Comparison of two sides: common points, differences beyond chance, as text and as JSON."""
 
-import json
-
 import numpy as np
 import pytest
 
@@ -46,15 +44,6 @@ def test_points_are_paired_by_what_varies_and_what_is_constant_is_compared():
     assert comparison.is_real == [False] * 4
 
 
-def test_means_that_lie_apart_are_told_from_chance():
-    other = [*side(1.05)[:2], *side()[2:]]
-    comparison = compared(side(), other)
-    assert comparison.is_real == [True, True, False, False]
-    first = comparison.pairs[0]
-    assert first.difference.value == pytest.approx(0.05, abs=3 * first.difference.error)
-    assert first.difference.half_width < 0.015
-
-
 @pytest.mark.long
 def test_equal_means_are_called_different_no_more_often_than_said():
     false = [any(compared(side(), side()).is_real) for _ in range(300)]
@@ -75,22 +64,6 @@ def test_a_single_replicate_knows_what_its_own_window_says():
     assert pair.first.half_width == pytest.approx(0.01) and pair.chance < 1e-6
     (unknown,) = compared([one], [belt(1.1)]).pairs
     assert np.isnan(unknown.chance) and not any(compared([one], [belt(1.1)]).is_real)
-
-
-def test_replicates_that_agree_by_accident_still_have_what_each_knows_of_itself():
-    """As in the dataset and the line of a run: the larger of the two intervals counts."""
-    one, other = (
-        belt([1.0, 1.001], half_width=0.2, samples=20),
-        belt([1.1, 1.101], half_width=0.2, samples=20),
-    )
-    (pair,) = compared([one], [other]).pairs
-    assert pair.first.half_width == pytest.approx(0.2 / np.sqrt(2)) and pair.first.freedom == 38
-    assert pair.chance > 0.05
-
-
-def test_equal_values_without_any_error_do_not_differ():
-    (pair,) = compared([belt([1.0, 1.0])], [belt([1.0, 1.0])]).pairs
-    assert pair.chance == 1 and pair.difference.value == 0
 
 
 def test_points_of_one_side_alone_are_counted():
@@ -114,12 +87,6 @@ def test_points_that_were_run_for_longer_besides_are_told():
     assert [pair.first.freedom for pair in comparison.pairs] == [8, 8, 7, 7]
 
 
-def test_what_no_run_knows_is_not_compared(tmp_path):
-    path = write_run(tmp_path, parse_point({"system": "chute"}, "test"), failed=[0])
-    with pytest.raises(InputError, match="no completed run knows its velocity"):
-        read_side(path, "velocity")
-
-
 def test_what_follows_from_another_parameter_can_be_ignored():
     varied = [beds(1.0, frequency=f, transient=t) for f, t in ((20, 10), (30, 20))]
     other = [beds(1.0, frequency=f) for f in (20, 30)]
@@ -138,18 +105,6 @@ def test_run_files_are_read_with_what_each_replicate_knows(tmp_path):
     assert unit == "m s-1" and point["_replicates"] == 2 and point["depth"] == 5
     with pytest.raises(InputError, match=r"got 'speed'; did you mean velocity"):
         read_side(path, "speed")
-
-
-def test_a_published_study_is_equal_to_itself():
-    from tests.made.processes import ROOT
-
-    table, _ = read_side(ROOT / "results" / "published" / "paper_walton", "velocity")
-    comparison = compare(table, table)
-    assert (
-        len(comparison.pairs) > 200
-        and not any(comparison.is_real)
-        and comparison.unmatched_counts == (0, 0)
-    )
 
 
 @pytest.fixture
@@ -171,14 +126,6 @@ def test_two_runs_are_told_with_intervals_and_what_is_different(runs, capsys):
     out = capsys.readouterr().out
     assert "friction: A 0.4, B 0.5" in out and "velocity (m s-1), with 95 % intervals" in out
     assert "of 1 point" in out and "±" in out
-
-
-def test_the_same_as_json(runs, capsys):
-    assert main(["compare", *runs, "--format", "json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert found["different"]["friction"] == [0.4, 0.5]
-    (point,) = found["points"]
-    assert point["difference"]["value"] == pytest.approx(point["b"]["value"] - point["a"]["value"])
 
 
 @pytest.mark.parametrize(

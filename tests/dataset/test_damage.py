@@ -12,20 +12,18 @@ from functools import partial
 from pathlib import Path
 from unittest.mock import Mock
 
-import netCDF4
 import numpy as np
 import pytest
 
 from sim.base.errors import InputError
 from sim.base.files import file_lock
-from sim.base.seals import DamagedError, is_damaged
+from sim.base.seals import DamagedError
 from sim.dataset.gather import read_run
 from sim.engine.command import warm
 from sim.engine.run import run_point
 from sim.engine.run_file import read_stages
 from sim.engine.stored_run import current_status
 from sim.parameters import canonical_values, point_id
-from sim.report import page
 from tests.engine.test_states import assert_same
 from tests.engine_motion.points import belt_point
 from tests.figures.drawing import draw
@@ -126,21 +124,6 @@ def test_what_a_library_cannot_read_of_a_whole_file_stays(content, path, monkeyp
     assert path.read_bytes() == content and len(list(path.parent.iterdir())) == 1
 
 
-def test_what_is_damaged_again_replaces_nothing(content, path):
-    for ending in ("", ".2", ".3"):
-        path.write_bytes(content + ending.encode() + b"x")
-        with pytest.raises(DamagedError, match=rf"now {path.name}\.damaged{ending}: rerun"):
-            read_run(path)
-    assert len(list(path.parent.iterdir())) == 3
-
-
-def test_what_other_programs_have_changed_is_no_run_file(content, tmp_path):
-    (tmp_path / "run.nc").write_bytes(content)
-    with netCDF4.Dataset(tmp_path / "run.nc", "a") as file:
-        file.comment = "changed on purpose"
-    assert is_damaged(tmp_path / "run.nc")
-
-
 @pytest.fixture
 def study_results(tmp_path) -> tuple[Path, Path]:
     """A study with its run files, dataset and figures."""
@@ -160,28 +143,6 @@ def test_all_damaged_runs_of_a_study_are_set_aside_at_once(study_results, capsys
     assert (results / "made" / "dataset.nc").read_bytes() == before
 
 
-@pytest.mark.parametrize("damage", ["truncated", "flipped", "empty"])
-@pytest.mark.parametrize("command", ["figure", "report"])
-def test_a_damaged_dataset_is_named_and_set_aside(study_results, damage, command, capsys):
-    study, results = study_results
-    path = results / "made" / "dataset.nc"
-    whole = path.read_bytes()
-    path.write_bytes(
-        {
-            "truncated": whole[: len(whole) // 2],
-            "flipped": whole[:5000] + bytes([whole[5000] ^ 1]) + whole[5001:],
-            "empty": b"",
-        }[damage]
-    )
-    words = {
-        "figure": ("walton_2", path, "--output", results),
-        "report": (study, "--results", results),
-    }
-    line = refusal(capsys, command, *words[command])
-    assert line.startswith(f"error: {path}: damaged") and "rerun the study" in line
-    assert not path.exists() and path.with_name("dataset.nc.damaged").exists()
-
-
 def test_a_file_named_by_mistake_is_left_where_it_is(tmp_path, content):
     half = content[: len(content) // 2]
     for name, text in (("notes.txt", b"mine"), ("run.nc", content), ("dataset.nc", half)):
@@ -189,17 +150,6 @@ def test_a_file_named_by_mistake_is_left_where_it_is(tmp_path, content):
         with pytest.raises(InputError, match="not "):
             draw("walton_2", tmp_path / name, tmp_path)
         assert (tmp_path / name).read_bytes() == text
-
-
-@pytest.mark.parametrize("suffix", [".csv", ".svg", ".caption.txt"])
-def test_a_damaged_figure_is_named_and_set_aside(study_results, suffix):
-    study, results = study_results
-    path = results / "made" / "figures" / f"walton_2{suffix}"
-    path.write_bytes(b"\xff\xfe\x00" + path.read_bytes()[:40])
-    with pytest.raises(DamagedError, match=r"rerun the study"):
-        page.build(study, results)
-    assert not path.exists()
-    assert not (results / "made" / "report.html").exists()
 
 
 def run_with_limit(output: Path, size: int | None) -> subprocess.CompletedProcess:
@@ -251,14 +201,6 @@ def test_a_full_disk_is_told_with_the_name_of_the_file(study_results, command, n
     assert done.stderr.splitlines()[-1].startswith("error: ")
     assert str(path) in done.stderr.splitlines()[-1], done.stderr
     assert {file: file.read_bytes() for file in results.rglob("*") if file.is_file()} == before
-
-
-def test_an_old_result_outlives_a_full_disk(tmp_path, content):
-    warm([LONG])
-    output = tmp_path / "run.nc"
-    output.write_bytes(content)
-    assert run_with_limit(output, 20_000).returncode == 1
-    assert output.read_bytes() == content
 
 
 def test_two_processes_of_one_run_do_not_meet(tmp_path):

@@ -9,7 +9,7 @@ import xarray as xr
 
 from sim.base.errors import InputError
 from sim.dataset import results
-from sim.dataset.grids import GRIDS, number_density_name, regrid
+from sim.dataset.grids import GRIDS, regrid
 from sim.dataset.results import added_columns, load_results
 from sim.parameters import SYSTEMS, defaults_of_added
 from tests.made.netcdf import store
@@ -61,25 +61,6 @@ def test_a_point_or_a_group_that_is_not_there_is_refused(dataset):
         study_results.particles("c")
     with pytest.raises(KeyError):
         study_results.profiles["chute"]
-
-
-def test_a_system_that_is_none_is_refused(dataset):
-    with pytest.raises(InputError, match=r"of: system: got 'blet'; did you mean belt"):
-        load_results(dataset).of("blet")
-
-
-def test_a_dataset_that_is_gone_when_its_particles_are_asked_for_is_named(dataset):
-    study_results = load_results(dataset)
-    dataset.unlink()
-    with pytest.raises(InputError, match=r"dataset\.nc: no such dataset"):
-        study_results.particles("a")
-
-
-def test_a_dataset_can_be_written_again_once_it_is_read(dataset):
-    study_results = load_results(dataset)
-    study_results.particles("a")
-    store(xr.Dataset({"x": ("i", [3.0, 4.0])}), dataset, mode="a", group="states/b")
-    assert list(study_results.particles("b")["x"]) == [3, 4]
 
 
 def test_rows_without_a_value_get_the_default_of_their_system():
@@ -182,11 +163,6 @@ def test_what_is_not_known_stays_unknown():
         assert np.isnan(regrid("points", BEAD, HALVES, name, blank, blank)[0]).all()
     with pytest.raises(ValueError, match="it needs the number density"):
         regrid("points", BEAD, HALVES, "velocity_profile", blank, None)
-
-
-def test_a_profile_goes_with_the_number_density_of_its_time():
-    assert number_density_name("velocity_profile") == "number_density"
-    assert number_density_name("packing_profile_at_phase_0") == "number_density_at_phase_0"
 
 
 def test_results_give_any_run_on_the_grid_that_is_asked_for():

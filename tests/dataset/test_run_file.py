@@ -10,7 +10,6 @@ import xarray as xr
 from sim.__main__ import main
 from sim.base.errors import InputError
 from sim.dataset.build import build
-from sim.dataset.rounds import side_of_run
 from sim.engine.run import run_point
 from sim.engine.stored_run import summary_of
 from sim.parameters import amounts
@@ -102,17 +101,6 @@ def test_the_end_of_a_file_tells_what_opening_it_does(path, tmp_path):
         np.testing.assert_array_equal(values, reopened.scalars[name])
 
 
-def test_run_files_are_not_opened_to_see_how_they_ended(tmp_path, monkeypatch):
-    folder = Folder(tmp_path)
-    first, second, *_ = folder.ids
-    point = folder.study.points[first].parameters
-    path = folder.finish(first)
-    folder.finish(second, failed=[0])
-    monkeypatch.setattr(netCDF4, "Dataset", None)
-    assert folder.survey().counts["done"] == folder.survey().counts["failed"] == 1
-    assert side_of_run(path, "flow", point) == "flowing"
-
-
 GROWN = """\
 study: grown
 series:
@@ -153,13 +141,6 @@ def test_more_than_is_asked_for_is_left_out(tmp_path, short_dataset):
     assert survey(study, tmp_path).is_over
     assert_equal(run_study(tmp_path, SHORT), short_dataset)
     assert survey(load_study(tmp_path / "grown.yaml", tmp_path), tmp_path).is_over
-
-
-def test_a_point_that_is_to_grow_waits(tmp_path):
-    run_study(tmp_path, SHORT)
-    (tmp_path / "grown.yaml").write_text(GROWN % LONG)
-    status = survey(load_study(tmp_path / "grown.yaml", tmp_path), tmp_path)
-    assert status.counts["waiting"] == 2 and not status.is_over
 
 
 def test_a_point_that_is_to_grow_is_not_read(tmp_path):

@@ -15,9 +15,6 @@ SLOPE = PAPER.gravity * sin(radians(PAPER.angle))
 #: Mean velocities in √(gσ) by depth, as in the paper.
 SPEEDS = {1: 4.2, 1.24: 4.4, 1.5: 4.5, 2: 4.6, 2.5: 4.8, 3.5: 6, 5: 8.2, 10: 15, 20: 25, 40: 30}
 
-#: Values of a flow that accelerates by a tenth of g sin θ.
-RUNAWAY = {"regime": "accelerating", "acceleration": 0.1 * SLOPE}
-
 #: Half widths of 95 % intervals of few samples in standard errors.
 WIDE = 2.5
 

@@ -1,12 +1,9 @@
 """Judges on made-up points: their checks and verdicts."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from unittest import mock
 
 from sim.claims.claim import claims
 from sim.claims.evidence import Evidence
-from sim.claims.judge import judge as judge_claims
-from sim.claims.judgement import Judgement
 from sim.claims.verdict import NOT_REPRODUCED, Check, Untestable, combined_verdict
 from tests.made.results import MadePoint, made_results
 
@@ -32,14 +29,6 @@ def checks_of(
 def verdict_of(judge: Callable, points: Sequence[MadePoint], *args: object, **rest: object) -> str:
     """Return the verdict of a judge on made-up points; arguments are those of `checks_of`."""
     return combined_verdict(checks_of(judge, points, *args, **rest))
-
-
-def judgement_of(name: str, points: Sequence[MadePoint]) -> Judgement:
-    """Return the judgement on a claim under all protocols and readings of points."""
-    (claim,) = (claim for claim in claims() if claim.id == name)
-    with mock.patch("sim.claims.judge.claims", return_value=[claim]):
-        (judgement,) = judge_claims(made_results(*points))
-    return judgement
 
 
 def by_part(checks: Sequence[Check]) -> dict[str, str]:

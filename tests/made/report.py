@@ -22,6 +22,7 @@ from sim.study.load import load_study
 from sim.study.plot_kinds import FigureSpec
 from sim.surrogates.storage import save_surrogate
 from tests.made.figures import make_figures
+from tests.made.once import once
 from tests.made.surrogates import asked, made_surrogate
 
 ANIMATION = "animation_made"
@@ -144,8 +145,9 @@ def register_animation(folder: Path) -> Iterator[str]:
         yield ANIMATION
 
 
-def make_page(folder: Path) -> Path:
-    """Write a report with all that there can be, a surrogate included; return its file."""
+@once
+def make_page(folder: Path) -> tuple[Path, Path]:
+    """Write a report with all that there can be, a surrogate included; return study and report."""
     study_path, results = make_figures(folder)
     made = results / "made"
     study = load_study(study_path, results)
@@ -169,4 +171,4 @@ def make_page(folder: Path) -> Path:
         )
     path = made / "report.html"
     path.write_text(page, encoding="utf-8")
-    return path
+    return study_path, path

@@ -1,16 +1,9 @@
 """Judges of claims about the density over height."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
-from sim.base.errors import InputError
-from sim.claims.evidence import Evidence
-from sim.claims.verdict import (
-    REPRODUCED,
-    RISK,
-)
+from sim.claims.verdict import RISK
 from sim.papers.gallas.judges.density import (
     compare_differences,
     g15,
@@ -21,9 +14,8 @@ from sim.papers.gallas.judges.density import (
     g20,
     plateau_end,
 )
-from tests.made.judging import checks_of, headline_bounds, letters, verdict_of
+from tests.made.judging import letters
 from tests.made.paper_belt import BEAD, density, paper_point
-from tests.made.results import made_results
 
 FREQUENCIES = (10, 20, 60, 80)
 PAIRS = ((10, 10), (0, 50), (50, 50), (50, 100))
@@ -64,36 +56,6 @@ def test_a_plateau_ends_where_the_density_begins_to_fall(slices, end, fall):
     assert plateau_end(BEAD)(height, number) / BEAD == pytest.approx(end, abs=0.5 / slices)
 
 
-def test_grids_of_cells_and_of_points_count_other_beads():
-    """Beads on the belt are at half a diameter: at no grid point, but in the first cell."""
-    thin = {"height": (np.arange(60) + 0.5) * BEAD / 2, "slice_height": 0.5}
-    place = np.arange(60)
-    lying = np.where(place == 1, 2.0, 0) + np.where((place > 2) & (place < 20), 1.0, 0)
-    profiles = {"number_density": lambda _: lying, "number_density_at_phase_0": lambda _: lying}
-    results = made_results(
-        *(paper_point(frequency=f, profiles=profiles, **thin) for f in (20, 60, 80))
-    )
-    for grid, share in (("centres", 1.0), ("points", 0.0)):
-        checks = g16(Evidence(replace(results, grid=grid), "published"), **headline_bounds(g16))
-        assert [check.value for check in checks] == pytest.approx([share] * 3 * 2)
-    with pytest.raises(InputError, match="grid: got 'centers'; allowed: one of centres, "):
-        results.profile(results.dataset.point.values[0], "number_density", "centers")
-    assert len(checks_of(g16, row((20, 60, 80)))) == 3
-
-
-def test_beads_at_the_belt_at_the_beginning_of_the_cycle_are_shown():
-    """The paper's figure is one of a time mean."""
-    early = {"number_density_at_phase_0": block}
-    points = [paper_point(profiles=early, frequency=f) for f in (20, 60, 80)]
-    checks = checks_of(g16, points)
-    assert [(check.what.rpartition(", ")[2], check.votes) for check in checks] == [
-        *[("time mean", True)] * 3,
-        *[("phase 0", False)] * 3,
-    ]
-    assert all(check.value == pytest.approx(1) for check in checks[3:])
-    assert verdict_of(g16, points) == REPRODUCED
-
-
 #: Densities of the bed at 80 Hz: more beads of the usual shape, and a thin layer with a gas.
 USUAL = density(paper_point(frequency=80).parameters)
 SMEARED = {
@@ -121,15 +83,6 @@ def angles(excess, noise=0.01, values=(30, 45, 60, 90)):
     return points
 
 
-def test_the_largest_difference_is_that_of_the_same_beds():
-    random = np.random.default_rng(3)
-    shift = np.zeros((4, 1, 30))
-    shift[1, 0, 7] = 0.1
-    difference, _ = compare_differences(random.normal(size=(1, 5, 1)) + shift, 1.0)
-    assert difference.nominal_value == pytest.approx(0.1)
-    assert difference.std_dev == pytest.approx(0, abs=1e-12)
-
-
 def test_chance_alone_makes_differences_neither_small_nor_large():
     random = np.random.default_rng(5)
     held, failed = 0, 0
@@ -141,18 +94,6 @@ def test_chance_alone_makes_differences_neither_small_nor_large():
     assert held <= 0.08 * 200 and failed <= 0.08 * 200
     assert compare_differences(beds, 3.0)[1][0] <= RISK
     assert compare_differences(beds, 0.1)[1][1] <= RISK
-
-
-def test_beds_are_compared_with_themselves_where_one_has_failed():
-    points = angles(0.0, noise=1e-4)
-    whole = checks_of(g19, points)
-    values = points[1].profiles["number_density"].copy()
-    status = ["completed"] * 5
-    status[1], values[1] = "failed", np.nan
-    points[1] = paper_point(
-        {"status": status}, {"number_density": values}, frequency=60, vibration_angle=45
-    )
-    assert checks_of(g19, points)[0].verdict == whole[0].verdict == REPRODUCED
 
 
 def friction(profiles=None, **rest):
@@ -167,15 +108,6 @@ def friction(profiles=None, **rest):
         )
         for pair in PAIRS
     ]
-
-
-def test_a_gas_above_does_not_widen_the_layer():
-    gas = {(50, 100): lambda height: block(height) + 5e4 * (height < 60 * BEAD)}
-    checks = checks_of(g20, friction(gas))
-    widths = [check for check in checks if check.what.startswith("width of the layer")]
-    spreads = [check for check in checks if check.what.startswith("standard deviation")]
-    assert all(check.value > 0 for check in widths)
-    assert min(check.value for check in spreads) < 0
 
 
 def uneven():

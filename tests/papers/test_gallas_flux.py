@@ -4,13 +4,10 @@ from functools import partial
 
 import pytest
 
-from sim.claims.evidence import Evidence
-from sim.claims.verdict import INCONCLUSIVE, REPORTED, REPRODUCED, Untestable
 from sim.papers.gallas.judges.flux import g1, g2, g8, g13
 from sim.papers.gallas.judges.onset import g14 as judge_g14
-from tests.made.judging import checks_of, headline_bounds, letters, verdict_of
+from tests.made.judging import letters
 from tests.made.paper_belt import paper_point
-from tests.made.results import made_results
 
 #: The judge of the other reading, on frequencies in fine steps.
 fine_g1 = partial(g1, step=2)
@@ -42,47 +39,7 @@ def replaced(points, scalars, **parameters):
     return [new if point.id == new.id else point for point in points]
 
 
-def test_a_fine_grid_of_too_wide_steps_decides_nothing():
-    """From 20 to 30 Hz the grid is one of 5 Hz: a fall between may be missed, or not be one."""
-    wide = [
-        point for point in base(replicates=8) if point.parameters.frequency not in (22, 24, 26, 28)
-    ]
-    for points in (wide, replaced(wide, {"velocity": 0.05}, replicates=8, frequency=25)):
-        fine, coarse = checks_of(fine_g1, points)[:2]
-        assert (coarse.verdict, fine.verdict) == (REPORTED, INCONCLUSIVE)
-        assert verdict_of(g1, points) == REPRODUCED
-        assert fine.withheld == "frequencies up to 2 Hz apart"
-    # Above 30 Hz any steps will do.
-    gap = [point for point in base() if point.parameters.frequency != 28]
-    assert verdict_of(fine_g1, gap) == INCONCLUSIVE
-
-
-def test_angles_are_compared_from_20_hz_on_and_with_several_beds():
-    points = rows("vibration_angle", (30, 45, 60))
-    slow = rows("vibration_angle", (30, 45, 60), frequencies=(16,))
-    single = rows("vibration_angle", (30, 45, 60), frequencies=(60,), replicates=1)
-    check, likely = checks_of(g2, points + slow + single)
-    assert likely.verdict == REPORTED and likely.value == 1
-    assert "3 frequencies from 20 Hz on" in check.what
-    with pytest.raises(Untestable, match="20 Hz"):
-        checks_of(g2, slow + single)
-
-
 STIFF = (500, 700, 1000, 2000, 5000)
-
-
-def test_with_the_restitution_kept_stiffer_beads_are_compared_with_the_usual_ones():
-    usual = [paper_point({"velocity": 0.1}, frequency=f) for f in (20, 50, 80)]
-    stiff = {"stiffness_keeps": "restitution"}
-    stiffer = [
-        paper_point({"velocity": 0.1}, frequency=f, stiffness=y, **stiff)
-        for f in (20, 50, 80)
-        for y in (700, 2000, 5000)
-    ]
-    evidence = Evidence(made_results(*usual, *stiffer), "published", stiff)
-    judged = g13(evidence, **headline_bounds(g13))
-    checks = [check for check in judged if check.what.startswith("change of V")]
-    assert len(checks) == 9 and {check.verdict for check in checks} == {REPRODUCED}
 
 
 def halved(frequencies=(14, 14.5, 15, 15.5, 16, 17, 20, 80), **rest):

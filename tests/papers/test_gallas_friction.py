@@ -2,14 +2,9 @@
 
 import pytest
 
-from sim.claims.verdict import (
-    INCONCLUSIVE,
-    NOT_REPRODUCED,
-    PROTOCOL_DEPENDENT,
-    REPRODUCED,
-)
+from sim.claims.verdict import INCONCLUSIVE, REPRODUCED
 from sim.papers.gallas.judges.friction import g9, g10, g11, g12, g36
-from tests.made.judging import checks_of, judgement_of, letters, verdict_of
+from tests.made.judging import letters, verdict_of
 from tests.made.paper_belt import paper_point
 
 SHEAR = (0, 10, 20, 50, 100)
@@ -31,36 +26,6 @@ def line(velocities=None, values=SHEAR, frequencies=(20, 50), **rest):
     ]
 
 
-def drifting(protocol):
-    """Return points that drift: by 12 % in 100 cycles at 20 Hz, by 5 % at 50 Hz, by 3 % at 80."""
-    drift = {"acceleration": 0.0025, "acceleration_half_width": 1e-5}
-    return [
-        paper_point(
-            {"velocity": 0.1 + shear / 1e4} | drift,
-            frequency=frequency,
-            shear_damping=shear,
-            protocol=protocol,
-        )
-        for frequency in (20, 50, 80)
-        for shear in SHEAR
-    ]
-
-
-@pytest.mark.parametrize("judge", [g9, g36])
-def test_converged_velocities_that_drift_decide_nothing(judge):
-    checks = checks_of(judge, drifting("converged"), protocol="converged")
-    assert {check.verdict for check in checks if check.has_vote} == {INCONCLUSIVE}
-    assert all("longer runs" in check.withheld for check in checks)
-
-
-@pytest.mark.parametrize("judge", [g9, g36])
-def test_runs_of_the_papers_length_are_judged_as_they_are(judge):
-    """These drift, and show what the paper could see: the same rise at all frequencies."""
-    checks = checks_of(judge, drifting("published"))
-    assert not any(check.withheld for check in checks)
-    assert verdict_of(judge, drifting("published")) == NOT_REPRODUCED
-
-
 @pytest.mark.parametrize(("half_width", "verdict"), [(1e-6, REPRODUCED), (2e-3, INCONCLUSIVE)])
 def test_converged_velocities_must_be_known_not_to_drift(half_width, verdict):
     steady = {"acceleration": 0.0, "acceleration_half_width": half_width}
@@ -76,21 +41,6 @@ def test_converged_velocities_must_be_known_not_to_drift(half_width, verdict):
     assert verdict_of(g9, points) == REPRODUCED
 
 
-@pytest.mark.parametrize(
-    ("converged", "verdict"),
-    [
-        ([0, 0.1, 0.1, 0.095, 0.09], PROTOCOL_DEPENDENT),
-        ([0, 0.1, 0.102, 0.105, 0.108], REPRODUCED),
-    ],
-)
-def test_a_rise_of_short_runs_alone_depends_on_the_protocol(converged, verdict):
-    """What runs of the paper's length show, converged ones contradict."""
-    points = [*line(GENTLE), *line(converged, protocol="converged")]
-    judgement = judgement_of("G9", points)
-    assert (judgement.verdict, judgement.decided_by) == (verdict, "converged")
-    assert judgement_of("G9", line(GENTLE)).verdict == REPRODUCED
-
-
 def still(velocities, frequencies=(20, 50)):
     """Return points without shear friction, velocities (m/s) per bed, and the usual points."""
     free = [
@@ -104,14 +54,6 @@ def scattered(ratio, **rest):
     """Return points whose relative scatter below g is ``ratio`` times that at 50g."""
     usual = line(values=(50,), scatter=0.01, **rest)
     return usual + line(values=(0.2, 0.5), scatter=0.01 * ratio, **rest)
-
-
-def test_the_scatter_of_runs_of_the_papers_length_decides():
-    """A converged bed goes on until its mean is known, which makes its scatter."""
-    converged = scattered(2, protocol="converged")
-    judgement = judgement_of("G11", [*scattered(20), *converged])
-    assert (judgement.verdict, judgement.decided_by) == (REPRODUCED, "published")
-    assert judgement_of("G11", converged).decided_by == "converged"
 
 
 #: Judges, the verdicts of their parts, and worlds that make them.

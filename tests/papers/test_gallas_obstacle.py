@@ -3,12 +3,8 @@
 import numpy as np
 import pytest
 
-from sim.claims.verdict import (
-    NOT_REPRODUCED,
-    REPORTED,
-)
 from sim.papers.gallas.judges.obstacle import g31, g33, g34
-from tests.made.judging import checks_of, letters
+from tests.made.judging import letters
 from tests.made.paper_belt import BEAD, paper_point, velocity
 
 SIZES = (0, 0.5, 1.5, 2.5)
@@ -52,33 +48,6 @@ def blocked(local, scatter=1e-3, far_height=1.2):
         stopped = paper_point(scalars, profiles, frequency=frequency, obstacle=1.5, scatter=scatter)
         points += [free, stopped]
     return points
-
-
-def test_paths_that_change_only_close_to_the_obstacle_are_no_effect_on_the_system():
-    checks = checks_of(g34, blocked(local=False, far_height=0.5))
-    assert [check.verdict for check in checks] == [NOT_REPRODUCED, REPORTED] * 2
-
-
-def test_shares_of_the_slow_down_are_taken_bed_by_bed():
-    uneven = np.array([0.1, 0.2, 0.3, 0.4, 0.5])[:, None]
-    points = []
-    for frequency in (20, 80):
-        shape = np.where(np.abs(np.arange(20) - 9.5) < 5, 0.4, 0.5)
-        for size, slowed in ((0, np.ones(20)), (1.5, shape)):
-            profiles = {"column_velocity": uneven * slowed}
-            points.append(paper_point(profiles=profiles, frequency=frequency, obstacle=size))
-    check = checks_of(g34, points)[1]
-    assert check.value == pytest.approx(0.25 / 0.55)
-    assert check.half_width == pytest.approx(0, abs=1e-9)
-
-
-def test_a_uniform_slow_down_has_half_of_it_far_away():
-    points = [
-        paper_point(frequency=frequency, obstacle=size)
-        for frequency in (20, 80)
-        for size in (0, 1.5)
-    ]
-    assert checks_of(g34, points)[1].value == pytest.approx(0.5)
 
 
 #: Judges, the verdicts of their parts, and worlds that make them.

@@ -3,12 +3,10 @@
 import numpy as np
 import pytest
 
-from sim.claims.claim import claims
 from sim.claims.evidence import Evidence
-from sim.claims.verdict import INCONCLUSIVE, Untestable, plan
 from sim.papers.gallas.judges.onset import find_onset, g3, g4, g5, g6, g7, g35
 from sim.parameters.belt import ONSET_TRANSPORT
-from tests.made.judging import checks_of, letters
+from tests.made.judging import letters
 from tests.made.paper_belt import paper_point
 from tests.made.results import made_boundary, made_results
 
@@ -66,69 +64,6 @@ def test_a_scan_finds_where_the_mean_passes_a_tenth_of_the_belt():
     assert half_width == pytest.approx(0.25)
 
 
-def test_beds_that_differ_widen_the_interval():
-    spread = [
-        paper_point({"velocity": [0, 0, 0, 0.045]}, replicates=4, frequency=15.5)
-        if point.parameters.frequency == 15.5
-        else point
-        for point in early(16, replicates=4)
-    ]
-    value, half_width = onset_interval(spread)
-    assert 15 < value < 15.5 and half_width > 0.4
-
-
-def test_single_beds_that_creep_to_and_fro_are_no_transport():
-    creeping = [
-        paper_point({"velocity": [0.005, -0.005, 0.006, -0.005, 0.0]}, frequency=frequency)
-        for frequency in (12, 13, 14, 15)
-    ]
-    value, _ = onset_interval([*creeping, *early(16, (16, 17, 18, 20))])
-    assert 15 < value < 16
-
-
-def test_a_bed_that_failed_somewhere_counts_elsewhere():
-    points = early(16)
-    failed = {"status": ["completed", "failed", "completed", "completed", "completed"]}
-    points[SCAN.index(15.5)] = paper_point({"velocity": 0.0} | failed, frequency=15.5)
-    assert onset_interval(points) == pytest.approx(onset_interval(early(16)), abs=1e-3)
-
-
-def test_beds_that_nowhere_meet_are_no_scan():
-    points = []
-    for frequency, beds in ((15, (0, 1)), (17, (2, 3))):
-        status = ["completed" if bed in beds else "failed" for bed in range(4)]
-        points.append(paper_point({"status": status}, frequency=frequency, replicates=4))
-    with pytest.raises(Untestable, match="no scan of the frequency with two beds"):
-        onset_interval(points)
-
-
-def test_a_scan_in_coarse_steps_tells_no_onset():
-    with pytest.raises(Untestable, match="steps of 1 Hz between 15 and 17 Hz"):
-        onset_interval(early(16, (14, 15, 17, 18, 20)))
-
-
-def test_the_onset_is_a_function_of_what_counts_as_transport():
-    evidence = Evidence(made_results(*early(16)), "published")
-    onsets = [find_onset(evidence, least).frequency.nominal_value for least in (0.02, 0.1, 0.2)]
-    assert onsets == sorted(onsets) and onsets[-1] > onsets[0]
-
-
-def test_few_beds_at_a_frequency_that_tells_it_widen_the_interval():
-    def half_width(beds):
-        near = paper_point(
-            {"velocity": [0.01, 0.03] * (beds // 2)}, frequency=15.5, replicates=beds
-        )
-        line = [near if point.parameters.frequency == 15.5 else point for point in early(16)]
-        return onset_interval(line)[1]
-
-    assert half_width(2) > 6 * half_width(4)
-
-
-def test_boundaries_are_those_of_the_headline():
-    numbers = {claim.number.headline for claim in claims() if "transport" in str(claim.number)}
-    assert numbers == {ONSET_TRANSPORT}
-
-
 def test_boundaries_serve_where_they_tell_it_better():
     point = [paper_point(frequency=30)]
     # Its ends are bounds of one side.
@@ -142,32 +77,10 @@ def test_boundaries_serve_where_they_tell_it_better():
     assert interval == pytest.approx((15.625, bound), rel=1e-3)
 
 
-def test_a_boundary_from_one_seed_says_nothing_of_other_beds():
-    boundary_row = boundary(15.0, 15.25)[:1]
-    assert onset_interval([paper_point(frequency=30)], boundary_row)[1] == np.inf
-    assert onset_interval(early(16), boundary_row) == onset_interval(early(16))
-
-
 def angles(start=None):
     """Return scans at three angles; with ``start`` the flattest begins to flow there."""
     flat = early(start, FINE, vibration_angle=30) if start else scan(vibration_angle=30)
     return [*flat, *scan(), *scan(vibration_angle=60)]
-
-
-def test_what_half_a_step_leaves_open_no_number_of_beds_decides():
-    beds = angles(start=15.35)
-    open_ones = [check for check in checks_of(g3, beds) if check.verdict == INCONCLUSIVE]
-    assert [check.what for check in open_ones] == ["onset at 30 degrees, published runs"]
-    assert open_ones[0].replicate_factor == np.inf and "finer steps" in plan(open_ones[0])
-    scattered = {"velocity": [0, 0, 0, 0.1]}
-    wide = [
-        paper_point(scattered, replicates=4, frequency=15.5, vibration_angle=30)
-        if point.parameters.frequency == 15.5 and point.parameters.vibration_angle == 30
-        else point
-        for point in beds
-    ]
-    unsure = [check for check in checks_of(g3, wide) if check.verdict == INCONCLUSIVE]
-    assert unsure and "replicates" in plan(unsure[0])
 
 
 def damped(last):
@@ -177,11 +90,6 @@ def damped(last):
         for (damping, shear), low in zip(PAIRS, (15.5, 15.75, 15.5, 15.75, last), strict=True)
         for boundary_row in boundary(low, low + 0.25, damping=damping, shear_damping=shear)
     ]
-
-
-def test_the_acceleration_is_that_of_the_belt():
-    check = checks_of(g7, [paper_point()], boundaries=boundary(16, 16))[0]
-    assert check.value == pytest.approx((2 * 3.14159 * 16) ** 2 * 1e-3 / 10, rel=1e-4)
 
 
 SHARP = (14, 15, 15.5, 16, 16.5, 17, 18, 20, 25, 40, 80)

@@ -4,9 +4,8 @@ from math import nan
 
 import pytest
 
-from sim.claims.verdict import INCONCLUSIVE, REPRODUCED
 from sim.papers.gallas.judges.snapshots import g26, g27, g28
-from tests.made.judging import by_part, checks_of, letters, verdict_of
+from tests.made.judging import letters
 from tests.made.paper_belt import BEAD, paper_point
 
 LOOSE = {"frequency": 40, "vibration_angle": 30, "damping": 10, "shear_damping": 10}
@@ -39,13 +38,6 @@ def firm_and_soft(profiles=None, **rest):
     """Return beds at two coefficients of damping; the softer one may have other profiles."""
     soft = paper_point(profiles=profiles, frequency=100, damping=1, **rest)
     return [paper_point(frequency=100, **rest), soft]
-
-
-def test_a_picture_is_one_of_the_beginning_of_the_cycle():
-    """How many beads there are in the mean over the cycle is another statement."""
-    assert verdict_of(g26, panels("c", {"base_occupancy": 0.1})) == REPRODUCED
-    lacking = panels("c", {"base_occupancy_at_phase_0": nan})
-    assert by_part(checks_of(g26, lacking)) == {"a": REPRODUCED, "b": REPRODUCED, "c": INCONCLUSIVE}
 
 
 #: Judges, the verdicts of their parts, and worlds that make them.

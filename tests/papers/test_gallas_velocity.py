@@ -3,14 +3,8 @@
 import numpy as np
 import pytest
 
-from sim.claims.verdict import (
-    INCONCLUSIVE,
-    NOT_REPRODUCED,
-    REPRODUCED,
-    combined_verdict,
-)
 from sim.papers.gallas.judges.velocity import g21, g22, g23, g29, g30
-from tests.made.judging import checks_of, letters, verdict_of
+from tests.made.judging import letters
 from tests.made.paper_belt import BEAD, paper_point, temperature_profile, velocity_profile
 
 FREQUENCIES = (10, 20, 60, 80)
@@ -22,23 +16,6 @@ def row(frequencies=FREQUENCIES, profiles=None, **rest):
         paper_point(profiles=(profiles or {}).get(frequency), frequency=frequency, **rest)
         for frequency in frequencies
     ]
-
-
-def faster_at_the_top(frequency):
-    """Return a velocity over height that rises at the top instead of falling there."""
-    usual = paper_point(frequency=frequency)
-    slow, fast = (velocity_profile(usual.parameters, lag) for lag in (0.3, -0.3))
-    return lambda z: np.where(z > 10 * BEAD, fast(z), slow(z))
-
-
-@pytest.mark.parametrize("frequency", [20, 60, 80])
-def test_velocities_fall_at_the_top_at_all_frequencies(frequency):
-    young = paper_point(frequency=80, damping=10, shear_damping=10)
-    contrary = {frequency: {"velocity_profile": faster_at_the_top(frequency)}}
-    checks = checks_of(g21, [*row(profiles=contrary), young])
-    votes = [check for check in checks if check.part == "c"]
-    assert [check.value > 1 for check in votes] == [f == frequency for f in (20, 60, 80)] + [False]
-    assert combined_verdict(votes) == NOT_REPRODUCED
 
 
 def started(fast_lag=0.0, long_lag=0.1, short_lag=0.4, initial=20.0, scatter=1e-3):
@@ -62,17 +39,6 @@ def angles(values=(30, 45, 60, 90), **rest):
     return [paper_point(frequency=60, vibration_angle=angle, **rest) for angle in values]
 
 
-def test_a_few_stray_beads_above_the_surface_hide_no_temperature():
-    usual = paper_point(frequency=20)
-    hot = temperature_profile(usual.parameters)(usual.height)
-    above = usual.profiles["number_density"] < 1e-3 * usual.profiles["number_density"].max()
-    points = row((18, 20), {20: {"fluctuation_temperature_profile": np.where(above, np.nan, hot)}})
-    assert verdict_of(g29, points) == REPRODUCED
-    lacking = np.where(usual.height > 13 * BEAD, np.nan, hot)
-    points = row((18, 20), {20: {"fluctuation_temperature_profile": lacking}})
-    assert verdict_of(g29, points) == INCONCLUSIVE
-
-
 def waves(early, later=2.0, **rest):
     """Return points with a power of density waves in the first cycles, and another later."""
     usual = {"early_wave_power": early, "wave_power": later}
@@ -81,14 +47,6 @@ def waves(early, later=2.0, **rest):
         paper_point(usual, frequency=40, **rest),
         paper_point(usual, frequency=40, **loose, **rest),
     ]
-
-
-def test_density_waves_count_the_first_cycles_of_all_beds():
-    few = waves(1.6, scatter=0.01, replicates=4, protocol="converged")
-    assert verdict_of(g30, few, protocol="converged") == NOT_REPRODUCED
-    # The published beds begin as the converged ones do, and there are more of them.
-    many = waves(1.6 + np.r_[np.zeros(4), np.full(8, 1.2)], scatter=0, replicates=12)
-    assert verdict_of(g30, [*few, *many], protocol="converged") == REPRODUCED
 
 
 #: A bed that has not relaxed, one at 20 Hz, and few beds that differ.

@@ -41,13 +41,6 @@ def test_of_runs_in_different_states_most_must_hold(shares, verdict):
     assert majority.value == np.mean(np.array(shares) > 0.5) and majority.verdict == verdict
 
 
-@pytest.mark.parametrize("riding", [0, 8])
-def test_the_mean_of_runs_in_one_state_counts(riding):
-    place = deep(np.linspace(0.6, 0.8, 8), riding)
-    check = above("share", place.value("crystalline_share"), 0.5, [place])
-    assert majority_if_mixed(check, place, place.values("crystalline_share")) is check
-
-
 def test_the_lifetime_does_not_depend_on_the_length_of_the_runs():
     """States that end at random after 500 on average, seen in windows of 200, 1,000 and 5,000."""
     rng = np.random.default_rng(2)

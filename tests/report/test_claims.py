@@ -9,7 +9,6 @@ from sim.report.claims import (
     claim_rows,
     count_verdicts,
     has_tested_claims,
-    read_claims,
     reading_tables,
 )
 from sim.report.numbers import strip
@@ -39,54 +38,38 @@ def test_they_are_counted_by_paper(rows):
     assert list(found["gallas"].values()) == [0, 0, 1, 1, 0, 1, 1, 1]
 
 
-def test_figures_that_are_not_drawn_are_told(rows):
-    assert [figure["drawn"] for figure in rows["W9"]["figures"]] == [True]
-    assert [figure["drawn"] for figure in rows["G3"]["figures"]] == [False, False]
-
-
-def test_what_a_verdict_depends_on_is_told(rows):
+def test_a_row_tells_its_evidence_and_what_it_depends_on(rows):
+    assert [[one["drawn"] for one in rows[name]["figures"]] for name in ("W9", "G3")] == [
+        [True],
+        [False, False],
+    ]
     assert {name: row["depends"] for name, row in rows.items() if row["depends"]} == {
         "W9": ["protocol"],
         "G4": ["reading"],
     }
     assert rows["W9"]["by_protocol"] == {"converged": "reproduced", "published": "not reproduced"}
     assert [variant["usual"] for variant in rows["G4"]["variants"]] == [True, True, False]
+    assert rows["W9"]["cost"] == {"points": 1, "seconds": 90.0}
+    found = {one["value"]: one["verdict"] for one in rows["G13"]["by_number"]}
+    assert found == {0.1: "reproduced", 0.15: "not reproduced"}
+    # Lengths that a paper does not give are called fixed.
+    titles = rows["W9"]["variants"][1]["title"], rows["G13"]["variants"][0]["title"]
+    assert titles == ("Fixed length", "Published protocol")
 
 
-def test_checks_lead_to_the_runs_of_the_study(rows):
+def test_checks_lead_to_the_runs_of_the_study_and_to_what_would_decide(rows):
     (check,) = rows["W9"]["variants"][0]["checks"]
     assert check["runs"] == [(POINTS[0], 7)]
-    assert rows["G3"]["variants"][0]["checks"][0]["runs"] == [(POINTS[1], None), (POINTS[0], 7)]
-
-
-def test_the_cost_of_a_verdict_is_that_of_the_points_it_rests_on(rows):
-    assert rows["W9"]["cost"] == {"points": 1, "seconds": 90.0}
-    assert rows["W21"]["cost"] is None or rows["W21"]["cost"]["points"] == 1
-
-
-def test_the_evidence_holds_the_first_verdict_and_what_would_decide(rows):
+    known, unknown = rows["G3"]["variants"][0]["checks"]
+    assert known["runs"] == [(POINTS[1], None), (POINTS[0], 7)]
     assert rows["G3"]["first"]["criterion"] == "another"
-    plans = [check["plan"] for check in rows["G3"]["variants"][0]["checks"]]
-    assert plans == [
+    assert [known["plan"], unknown["plan"]] == [
         "about 12 times the replicates",
         "more independent samples: longer runs or more replicates",
     ]
     assert rows["W21"]["part_verdicts"] == {"a": "reproduced", "b": "inconclusive"}
     assert rows["W21"]["variants"][0]["checks"][1]["plan"] == "too young"
-
-
-def test_numbers_of_ours_have_a_row_each(rows):
-    found = {one["value"]: one["verdict"] for one in rows["G13"]["by_number"]}
-    assert found == {0.1: "reproduced", 0.15: "not reproduced"}
-
-
-def test_lengths_that_a_paper_does_not_give_are_called_fixed(rows):
-    assert rows["W9"]["variants"][1]["title"] == "Fixed length"
-    assert rows["G13"]["variants"][0]["title"] == "Published protocol"
-
-
-def test_what_is_not_finite_has_no_strip(rows):
-    known, unknown = rows["G3"]["variants"][0]["checks"]
+    # What is not finite has no strip.
     assert known["strip"] is not None and unknown["strip"] is None
     assert (unknown["measured"], unknown["threshold"]) == ("–", "< 1")
 
@@ -98,17 +81,10 @@ def test_a_strip_keeps_its_order():
     assert place["value"] == pytest.approx(50)
     open_end = strip({"value": 3.0, "bound": 0.1, "low": None, "high": 1.0})
     assert open_end["low"] == 0 and open_end["width"] < open_end["start"]
-
-
-def test_a_strip_of_a_single_number_has_a_place_for_it():
     for high in (1.0, None):
         place = strip({"value": 1.0, "bound": 0.0, "low": None, "high": high})
         assert 0 < place["value"] < 100
         assert place["length"] == 0
-
-
-def test_no_file_is_no_claims(tmp_path):
-    assert read_claims(tmp_path / "claims.json") == []
 
 
 def test_claims_on_the_model_are_not_judged_by_runs(rows):
@@ -155,23 +131,19 @@ def table():
     return found
 
 
-def test_claims_that_hold_are_counted_under_each_reading(table):
+def test_each_reading_has_its_counts_verdicts_and_words(table):
     counts = {one["words"]: (one["hold"], one["tested"]) for one in table["readings"]}
     assert counts == {"default": (1, 2), "damping_mass reduced": (1, 1)}
-
-
-def test_a_table_has_the_verdicts_by_protocol_and_reading(table):
     assert [claim["id"] for claim in table["claims"]] == ["G1"]
     rows = [(row["words"], row["protocol"], row["verdicts"]) for row in table["rows"]]
     assert rows == [
         ("default", "published", ["not reproduced"]),
         ("damping_mass reduced", "published", ["reproduced"]),
     ]
-
-
-def test_a_reading_is_compared_with_the_headline_over_the_claims_that_both_test(table):
     _, reduced = table["readings"]
     assert (reduced["common"], reduced["common_hold"], reduced["headline_hold"]) == (1, 1, 0)
+    assert [bool(one["sentences"]) for one in table["readings"]] == [False, True]
+    assert [one["is_headline"] for one in table["readings"]] == [True, False]
 
 
 def test_no_step_is_called_stable_where_no_bound_of_it_is_known():
@@ -190,8 +162,3 @@ def test_the_published_step_is_looked_at_by_theory_and_by_energy(table):
     assert (default["points"], default["stable"], default["sound"]) == (2, 1, 1)
     assert default["missing"] == pytest.approx(2e3, rel=0.01)
     assert (reduced["points"], reduced["stable"], reduced["sound"]) == (1, 1, 1)
-
-
-def test_a_reading_says_which_words_leave_it_open(table):
-    assert [bool(one["sentences"]) for one in table["readings"]] == [False, True]
-    assert [one["is_headline"] for one in table["readings"]] == [True, False]

@@ -3,7 +3,6 @@
 import json
 import shutil
 from collections.abc import Sequence
-from math import inf
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -145,13 +144,6 @@ def test_points_and_status_tell_the_budget(made, capsys):
     assert "decisions: " in capsys.readouterr().out
 
 
-def test_a_workflow_that_fails_ends_the_rounds(made, monkeypatch):
-    folder = made("budget: 10, precision: 0.05")
-    monkeypatch.setattr(deciding, "run_with_signals", lambda _: 3)
-    assert folder.decide("--cores", "2") == 3
-    assert folder.replicates() == [3, 3]
-
-
 @pytest.fixture
 def judges(monkeypatch):
     """Return a function that lets the judge give some judgements."""
@@ -199,12 +191,6 @@ def test_each_look_of_the_judge_is_counted(made, judges):
     assert above("V", places[0].velocity, 0, places).looks == 3
 
 
-def test_runs_that_are_bought_for_precision_are_no_looks(made):
-    folder = made("budget: 10, precision: 0.05")
-    folder.decide()
-    assert {point.looks for point in folder.points.values()} == {0}
-
-
 def decided_claims(*names: str) -> list[str]:
     series = [{"name": "a", "system": "chute"}]
     decide = {"budget": 1.0, "claims": [*names]}
@@ -219,15 +205,6 @@ def test_claims_of_the_papers_may_be_decided_and_no_others():
     for name in ("W0", "W27", "G37", "G99", "X1"):
         with pytest.raises(InputError, match=rf"s\.yaml: decide\.claims\[0\]: got '{name}'"):
             decided_claims(name)
-
-
-def test_what_has_too_few_samples_to_tell_gets_some(made, judges):
-    folder = made("budget: 10, claims: [W9]")
-    first, _ = folder.points
-    check = Check("x", 1.5, inf, 1.0, 9.0, points=(first,), samples=3)
-    judges(judged("W9", default=[check]))
-    folder.decide()
-    assert folder.replicates() == [12, 3]
 
 
 def test_a_claim_is_decided_under_each_reading_of_the_whole_study(made, judges, capsys):
@@ -247,13 +224,6 @@ def test_a_claim_is_decided_under_each_reading_of_the_whole_study(made, judges, 
     folder.decide()
     out = capsys.readouterr().out
     assert out.startswith("W9 (friction_cap after): replicates of 1 point") and "reset" not in out
-
-
-def test_a_study_that_decides_nothing_says_so(made, capsys):
-    folder = made("budget: 1, precision: 0.1")
-    text = folder.path.read_text()
-    folder.path.write_text("\n".join(line for line in text.splitlines() if "decide" not in line))
-    assert "decide: got" in refusal(capsys, "decide", folder.path, "--results", folder.root)
 
 
 @pytest.mark.parametrize("damage", ["torn", "a digit", "unknown", "endless"])

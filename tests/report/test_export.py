@@ -1,7 +1,5 @@
 """Particles in other formats, read again by programs that know nothing of this one."""
 
-import shutil
-import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -13,8 +11,6 @@ import pytest
 from PIL import Image
 
 from sim.__main__ import main
-from sim.base.command_line import parse
-from sim.base.errors import InputError
 from sim.engine import run_file
 from sim.engine.systems.recorder import Record
 from sim.parameters import Parameters, point_id
@@ -200,11 +196,11 @@ def test_vtk_is_a_series_with_its_times(run, system):
     assert sorted(path.name for path in output.parent.iterdir()) == ["run", "run.pvd"]
 
 
-@pytest.mark.parametrize("to", FORMATS)
-def test_frames_that_a_replicate_lacks_are_left_out(to, run, system, capsys):
-    exported(run, to, "--replicate", "1")
+def test_frames_that_a_replicate_lacks_are_left_out(run, system, capsys):
     number = POINTS[system].particles + POINTS[system].glued_particles
-    assert f"2 frames of {number} particles" in capsys.readouterr().out
+    for to in FORMATS:
+        exported(run, to, "--replicate", "1")
+        assert f"2 frames of {number} particles" in capsys.readouterr().out
 
 
 def test_without_a_trajectory_there_are_the_first_and_the_last_state(system, tmp_path):
@@ -226,16 +222,7 @@ def test_the_default_output_is_named_like_the_run_and_lies_here(run, tmp_path, m
     assert [path.name for path in Path().iterdir()] == ["a.run.ncdf"]
 
 
-def test_the_suffix_of_the_output_is_its_format(run):
-    for to, (endings, _) in FORMATS.items():
-        for ending in endings:
-            output = run.parent / f"{to}{ending}"
-            assert main(["export", str(run), "-o", str(output)]) == 0
-            assert output.read_bytes() == exported(run, to).read_bytes() or to in ("amber", "vtk")
-            shutil.rmtree(run.parent / "out")
-
-
-@pytest.mark.parametrize("to", FORMATS)
+@pytest.mark.parametrize("to", ["vtk", "amber"])
 def test_a_study_becomes_a_folder_of_short_names(to, system, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     points = [POINTS[system].model_copy(update={"gravity": g}) for g in (1.0, 2.0)]
@@ -269,14 +256,10 @@ def test_a_study_without_runs_or_a_format_is_refused(run, capsys):
     ("words", "message"),
     [
         (["--replicate", "2"], "--replicate: got 2; allowed: a replicate of the run, 0 to 1"),
-        (["--replicate", "-1"], "--replicate: got -1; allowed: a replicate of the run, 0 to 1"),
         (["-o", "there.xyz"], "--output: got 'there.xyz'; allowed: a name that nothing has"),
         (["-o", "a_folder"], "--output: got 'a_folder'; allowed: the name of a file; a_folder is"),
-        (["-o", "a_folder/"], "a_folder is a folder"),
-        (["-o", "..", "--to", "vtk"], "the name of a file; .. is a folder"),
         (["-o", "new/", "--to", "vtk"], "--output: got 'new'; allowed: a name that ends in .pvd"),
         (["-o", "new", "--to", "amber"], "allowed: a name that ends in .ncdf or .nc, as amber"),
-        (["-o", "new.dcd"], "a name that ends in .xyz or .extxyz, as extxyz does"),
         (["-o", "there.pvd", "--to", "vtk"], "--output: got 'there'; allowed: a name that nothing"),
         (["-o", "there/x.xyz"], "--output: got 'there'; allowed: a folder that can be written"),
     ],
@@ -289,12 +272,6 @@ def test_mistakes_are_one_line_and_leave_nothing(words, message, run, monkeypatc
     before = sorted(Path().rglob("*"))
     assert message in refusal(capsys, "export", run.name, "--to", "extxyz", *words)
     assert sorted(Path().rglob("*")) == before
-
-
-def test_a_missing_library_is_named(run, monkeypatch, capsys):
-    monkeypatch.setitem(sys.modules, "meshio", None)
-    monkeypatch.chdir(run.parent)
-    assert "pip install meshio" in refusal(capsys, "export", run.name, "--to", "vtk")
 
 
 def test_what_is_no_run_file_is_told(tmp_path, capsys):
@@ -311,13 +288,6 @@ def test_a_write_that_fails_leaves_nothing(run, monkeypatch):
     output = run.parent / "out" / "run.pvd"
     assert main(["export", str(run), "--to", "vtk", "-o", str(output)]) == 1
     assert list(output.parent.iterdir()) == []
-
-
-def test_the_command_line_knows_the_formats():
-    for to in FORMATS:
-        assert parse(["export", "run.nc", "--to", to])["to"] == to
-    with pytest.raises(InputError):
-        parse(["export", "run.nc", "--to", "pdb"])
 
 
 @pytest.mark.long

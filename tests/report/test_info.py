@@ -39,14 +39,6 @@ def test_the_summary_names_parameters_results_and_provenance(tmp_path, capsys):
     assert "source_hash" in text
 
 
-def test_caveats_are_told(tmp_path):
-    path = write_run(tmp_path, ChuteParameters(), 0.5)
-    assert "caveat" not in describe(path)
-    with edit_file(path) as file:
-        file["energy_residual"][:] = 0.13
-    assert "\ncaveat: energy does not add up within 1 %" in describe(path)
-
-
 @pytest.mark.parametrize("content", [None, b"", b"no netCDF"])
 def test_a_file_that_is_no_run_gives_one_line(tmp_path, capsys, content):
     path = tmp_path / "odd.nc"

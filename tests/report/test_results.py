@@ -54,15 +54,6 @@ def test_what_was_measured_of_failed_runs_is_in_no_mean_of_a_study(monkeypatch):
     assert dataset.steps.values[:2].all()
 
 
-def test_a_grid_takes_observables_that_plots_take():
-    points = [
-        made_point("chute", {"velocity": 1.0, "shear_depth": 2e-3 * depth}, depth=depth)
-        for depth in (1.5, 2.0)
-    ]
-    grid = results_of(*points).to_grid("shear_depth")
-    assert grid.values == pytest.approx([3e-3, 4e-3]) and grid.units == "m"
-
-
 @pytest.mark.parametrize(
     ("points", "arguments", "message"),
     [
@@ -149,11 +140,6 @@ def test_a_plot_is_that_of_a_study_file():
     assert shown(figure) == shown(draw(study.plots["v"], found))
     heights = [y for line in shown(figure)[2] if len(line) == 3 for _, y in line]
     assert heights[:3] == pytest.approx([0.45, 0.6, 0.75])
-
-
-def test_a_map_is_drawn_too():
-    figure = results_of(*GRID).plot(kind="map", x="friction", y="depth", colour="velocity")
-    assert "friction" in figure.axes[0].get_xlabel()
 
 
 @pytest.mark.parametrize(

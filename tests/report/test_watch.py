@@ -125,11 +125,6 @@ def test_a_failed_job_is_one_line(
     assert lines == [": ".join(filter(None, ("dataset: job failed", line)))]
 
 
-def test_a_job_without_a_log_is_told_by_its_rule(log, lines):
-    fail(log)
-    assert lines == ["run: job failed"]
-
-
 @pytest.mark.parametrize(
     ("said", "is_told"),
     [

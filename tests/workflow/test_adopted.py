@@ -8,12 +8,9 @@ import xarray as xr
 
 from sim.dataset.adopted import adopt
 from sim.dataset.build import build
-from sim.dataset.rounds import read_round
-from sim.engine.stored_run import is_reduced
 from sim.study.load import load_study
-from sim.surrogates.rounds import write_round
 from tests.golden import CLOCK
-from tests.made.project import bare_folder, jobs, plan, planned_jobs, points, snakemake
+from tests.made.project import jobs, plan, planned_jobs, points, snakemake
 from tests.made.runs import write_run
 
 STUDY = """\
@@ -47,7 +44,6 @@ def frequencies(output: str) -> set[str]:
 def test_only_what_the_dataset_has_not_is_run(finished_tree, tmp_path):
     path, results = tmp_path / "small.yaml", tmp_path / "results"
     path.write_text(STUDY % 2)
-    held = load_study(path, results).points
     adopt(path, finished_tree / "half.nc", results)
     dry_run = plan(tmp_path, study="small.yaml")
     assert frequencies(dry_run) == {"40", "50"}
@@ -81,11 +77,6 @@ def test_only_what_the_dataset_has_not_is_run(finished_tree, tmp_path):
     series = "y: velocity}, {name: v, kind: time_series, y: velocity}]"
     (tmp_path / "series.yaml").write_text((STUDY % 2).replace("y: velocity}]", series))
     assert frequencies(plan(tmp_path, study="series.yaml")) == {"20", "30"}
-    process = snakemake(tmp_path, "runs", study="series.yaml")
-    assert process.returncode == 0, process.stderr
-    runs = results / "small" / "runs"
-    assert not any(is_reduced(runs / f"{key}.nc", one.parameters) for key, one in held.items())
-    assert planned_jobs(tmp_path, "runs", study="series.yaml") == {}
     # What Snakemake has recorded of smaller runs does not make larger ones run that are adopted.
     for one in load_study(tmp_path / "more.yaml").points.values():
         write_run(tmp_path / "made" / "small" / "runs", one.parameters)
@@ -116,23 +107,3 @@ def test_what_a_point_that_is_run_starts_from_is_run_too(tmp_path):
     assert set(points(plan(tmp_path, "dataset", study="small.yaml"))) == {
         *load_study(path, results).points
     }
-
-
-def test_boundaries_are_found_without_running_adopted_points(tmp_path):
-    tree = bare_folder(tmp_path, "onset.yaml")
-    study = load_study(tree / "onset.yaml", tree / "made")
-    new = [point.parameters for point in study.points.values()]
-    for number in range(study.rounds + 1):
-        if number:
-            new = list(read_round(write_round(tree / "onset.yaml", number, tree / "made")).values())
-        for one in new:
-            velocity, regime = (0.05, "steady") if one.frequency > 21.2 else (0.0, "arrested")
-            write_run(tree / "made" / "onset" / "runs", one, velocity, regime=regime)
-    dataset = build(tree / "onset.yaml", tree / "made", finished=tree / "onset.nc")
-    adopt(tree / "onset.yaml", dataset, tree / "results")
-    process = snakemake(tree, "results/onset/boundaries.csv", study="onset.yaml")
-    assert process.returncode == 0, process.stderr
-    assert points(process.stderr) == []
-    found = (tree / "results/onset/boundaries.csv").read_text()
-    assert ",no transport,transport,found," in found
-    assert planned_jobs(tree, "results/onset/boundaries.csv", study="onset.yaml") == {}

@@ -63,7 +63,7 @@ def test_a_copy_of_a_finished_study_runs_nothing(tree):
         assert planned_jobs(tree, "dataset", study=f"{name}.yaml") == {}
 
 
-def test_what_is_there_is_taken_and_the_rest_runs_and_both_grow_apart(tree):
+def test_what_is_there_is_taken_grows_apart_and_the_rest_runs(tree):
     """Compiling for the new point does not rerun those that were taken."""
     first = read_runs(tree, "first")
     study = write(tree, "larger", 4, "[20, 40]")
@@ -76,14 +76,6 @@ def test_what_is_there_is_taken_and_the_rest_runs_and_both_grow_apart(tree):
     assert f"{shared}.nc: grows\n" in log.read_text()
     assert read_runs(tree, "first") == first
     assert planned_jobs(tree, "dataset", study="first.yaml") == {}
-    # The first study grows in its turn: it takes what the other has become.
-    grown = write(tree, "first", 4)
-    (other,) = first.keys() - {shared}
-    assert planned_points(tree, "dataset", study=grown) == {other}
-    process = snakemake(tree, "dataset", study=grown)
-    assert process.returncode == 0, process.stderr
-    assert run_files(tree, "first")[shared].samefile(run_files(tree, "larger")[shared])
-    assert planned_jobs(tree, "dataset", study=grown) == {}
     # Taken beside a new point, it is not run because the engine is compiled for that.
     assert planned_points(tree, "dataset", study=write(tree, "wider", 4, "[20, 50]")) == set(
         load_study(tree / "wider.yaml", tree / "results").points
@@ -92,7 +84,7 @@ def test_what_is_there_is_taken_and_the_rest_runs_and_both_grow_apart(tree):
 
 def test_a_job_looks_again_just_before_it_computes(tree, tmp_path, monkeypatch):
     points = load_study(tree / "first.yaml", tree / "results").points
-    key = next(iter(points))
+    *_, key = points
     results = tree / "results" / "late"
     text = json.dumps([canonical_values(points[key].parameters)])
     read, write = os.pipe()

@@ -12,7 +12,7 @@ sys.path.insert(0, str(ROOT))
 
 from sim.base.additions import additions, codes
 from sim.base.errors import InputError
-from sim.base.files import correct_future_times, write_start
+from sim.base.files import write_start
 from sim.base.program import files_hash, room_hash
 from sim.dataset.rounds import read_round, require_start_files
 from sim.engine import shared_runs, stored_run

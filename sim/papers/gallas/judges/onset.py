@@ -6,7 +6,7 @@ amplitude along x and stays above it. The paper gives no share; judges take it a
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import lru_cache, partial
 from itertools import combinations
 from math import pi
 from typing import Any
@@ -86,6 +86,16 @@ def _scan(evidence: Evidence, **where: Any) -> tuple[pd.DataFrame, dict[float, P
     additional beds, and a bed may have failed. Then frequencies with a single bed are left out.
     """
     line = select_replicated(evidence.line("belt", "frequency", **where))
+    beds = _shares_of_beds(tuple(line.items()))
+    if beds.shape[1] < 2:
+        settings = ", ".join(f"{name} {value}" for name, value in where.items())
+        raise Untestable(f"no scan of the frequency with two beds {settings}".rstrip())
+    return beds, {frequency: line[frequency] for frequency in beds}
+
+
+@lru_cache(maxsize=1000)
+def _shares_of_beds(line: tuple[tuple[float, Place], ...]) -> pd.DataFrame:
+    """Return the table of `_scan` for the places of a line; judges ask for it again and again."""
     table = pd.DataFrame(
         {
             frequency: pd.Series(
@@ -93,15 +103,11 @@ def _scan(evidence: Evidence, **where: Any) -> tuple[pd.DataFrame, dict[float, P
                 place.values("replicate_seed"),
                 dtype=float,
             )
-            for frequency, place in line.items()
+            for frequency, place in line
         }
     )
     beds = table[table.count(axis=1) > 0.5 * len(line)]
-    beds = beds.loc[:, beds.count() > 1]
-    if beds.shape[1] < 2:
-        settings = ", ".join(f"{name} {value}" for name, value in where.items())
-        raise Untestable(f"no scan of the frequency with two beds {settings}".rstrip())
-    return beds, {frequency: line[frequency] for frequency in beds}
+    return beds.loc[:, beds.count() > 1]
 
 
 def _jackknife(
