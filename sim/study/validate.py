@@ -27,7 +27,6 @@ from sim.study.entries import (
     optional,
 )
 from sim.study.file import BoundaryFile, SeriesFile, StudyFile
-from sim.study.read import Document
 
 #: Description of the key ``of`` in the first system, whose models the reference shows.
 _OF_DESCRIPTION = (
@@ -58,8 +57,7 @@ def _system_models(system: str) -> SystemModels:
         for name, field in model.model_fields.items()
         if field.annotation is float and name not in excluded
     ]
-    system_of_figures = {name: spec.system for name, spec in FIGURES.items()}
-    figures = [name for name in FIGURES if system_of_figures[name] == system]
+    figures = [name for name, spec in FIGURES.items() if spec.system == system]
     values, lists = _with_parameters(Some, system), _with_parameters(Lists, system)
     readings = _with_parameters(Readings, system, roles.reading_parameters(model))
     override = _with_field_types(
@@ -95,7 +93,6 @@ def _system_models(system: str) -> SystemModels:
         shared | {"of": Literal[model.boundaries], "along": Literal[tuple(numbers)]},
         **({"of": Field(description=_OF_DESCRIPTION)} if system == first else {}),
     )
-    series.system_of_figures = boundary.system_of_figures = system_of_figures
     return SystemModels(values, readings, override, series, boundary)
 
 
@@ -220,7 +217,7 @@ def _build_file_models(
     return FileModels(systems, defaults, readings, study)
 
 
-def validate(documents: Sequence[Document]) -> list[tuple[Path, StudyFile]]:
+def validate(documents: Sequence[tuple[Path, Any]]) -> list[tuple[Path, StudyFile]]:
     """Return the path and the model of each file of a study.
 
     Raises
@@ -229,12 +226,12 @@ def validate(documents: Sequence[Document]) -> list[tuple[Path, StudyFile]]:
         With the file, the key, its value and the allowed values. Also if two files have a series
         of the same name, or a part has parts of its own.
     """
-    source, parts = documents[0].path, documents[1:]
-    for index, part in enumerate(parts):
-        if isinstance(part.contents, dict) and "parts" in part.contents:
+    (source, _), *parts = documents
+    for index, (path, contents) in enumerate(parts):
+        if isinstance(contents, dict) and "parts" in contents:
             allowed = "a study without parts of its own"
-            raise InputError.of_value(source, f"parts[{index}]", part.path.name, allowed)
-    files = [(document.path, _validate_file(document)) for document in documents]
+            raise InputError.of_value(source, f"parts[{index}]", path.name, allowed)
+    files = [(path, _validate_file(path, contents)) for path, contents in documents]
     names: set[str] = set()
     for number, (path, file) in enumerate(files):
         for _, entry in file.entries:
@@ -246,9 +243,9 @@ def validate(documents: Sequence[Document]) -> list[tuple[Path, StudyFile]]:
     return files
 
 
-def _validate_file(document: Document) -> StudyFile:
+def _validate_file(path: Path, contents: Any) -> StudyFile:
     model = file_models().study
     try:
-        return model.model_validate(document.contents)
+        return model.model_validate(contents)
     except ValidationError as error:
-        raise input_error(error, model, str(document.path)) from None
+        raise input_error(error, model, str(path)) from None

@@ -129,12 +129,6 @@ def test_installed_packages_add_by_their_entry_points(tmp_path, monkeypatch):
         load(["answers"], Path(), "here")
 
 
-def test_results_that_name_a_study_run_none_of_its_code(tmp_path):
-    path = write_study(tmp_path)
-    load_study(path, None, plugins=False)
-    assert not plugins.places()
-
-
 def test_a_plugin_changes_neither_folder_nor_arithmetic_of_the_process(tmp_path, monkeypatch):
     lines = "import os, numpy\nos.chdir('/')\nnumpy.seterr(all='raise')\n"
     monkeypatch.chdir(tmp_path)
