@@ -123,29 +123,8 @@ class Parameters(BaseModel):
     offered: ClassVar[Mapping[str, Mapping[str, Any]]] = {}
 
     if TYPE_CHECKING:
-        # Every concrete system adds these, with its own ranges, defaults and meanings.
-        system: str = ""
-        diameter: float = 0.0
-        mass: float = 0.0
-        gravity: float = 0.0
-        stiffness: float = 0.0
-        transient: float = 0.0
-        average: float = 0.0
-        limit: float = 0.0
-        trajectory: float = 0.0
-
-        @property
-        def time_unit(self) -> float: ...
-        @property
-        def time_step(self) -> float: ...
-        @property
-        def sample_steps(self) -> int: ...
-        @property
-        def particles(self) -> int: ...
-        @property
-        def period(self) -> float: ...
-        @property
-        def rate(self) -> float: ...
+        # What every concrete system adds, with its own ranges, defaults and meanings.
+        def __getattr__(self, name: str) -> Any: ...
 
     seed: int = numerics(
         1, description="seed of the first replicate's initial state", ge=0, le=2**32 - 1

@@ -215,7 +215,11 @@ def complete_values(parameters: Parameters) -> dict[str, Any]:
 
 def canonical_json(parameters: Parameters) -> str:
     """Return the canonical form as one line of JSON with sorted keys."""
-    return json.dumps(canonical_values(parameters), sort_keys=True, separators=(",", ":"))
+    return _json(canonical_values(parameters))
+
+
+def _json(values: Mapping[str, Any]) -> str:
+    return json.dumps(values, sort_keys=True, separators=(",", ":"))
 
 
 def point_id(parameters: Parameters) -> str:
@@ -240,8 +244,7 @@ def point_id(parameters: Parameters) -> str:
         name: type(values[name])(default_of(model, name, values))
         for name in amount_parameters(model)
     }
-    same = canonical_json(parameters.model_copy(update=usual))
-    return f"{name}-{hashlib.sha256(same.encode()).hexdigest()[:8]}"
+    return f"{name}-{hashlib.sha256(_json(values | usual).encode()).hexdigest()[:8]}"
 
 
 def amounts(parameters: Parameters) -> dict[str, float]:

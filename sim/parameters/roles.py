@@ -113,42 +113,43 @@ def declarations(model: type[BaseModel]) -> Mapping[str, Declaration]:
     )
 
 
+def _named(selects: Callable[[Declaration], bool]) -> Callable[[type[BaseModel]], tuple[str, ...]]:
+    """Return a function: a system → its parameters whose declaration is selected."""
+
+    @cache
+    def names(model: type[BaseModel]) -> tuple[str, ...]:
+        return tuple(name for name, row in declarations(model).items() if selects(row))
+
+    return names
+
+
+#: Parameters that set how much of a flow is run.
+amount_parameters = _named(lambda row: row.role == "amount")
+
+#: Parameters whose values select the code to compile.
+compiled_parameters = _named(lambda row: row.compiled)
+
+#: Parameters introduced after points were published, see `declare`.
+added_parameters = _named(lambda row: row.added)
+
+#: Numerical parameters that change the start of flows, see `declare`.
+start_parameters = _named(lambda row: row.changes_start)
+
+_numerical = _named(lambda row: row.role in ("numerics", "amount"))
+_readings = _named(lambda row: row.role == "reading")
+
+
 @cache
 def numerical_parameters(model: type[BaseModel]) -> frozenset[str]:
     """Return the parameters that set how a flow is computed, not which flow it is."""
-    return frozenset(_names(model, lambda row: row.role in ("numerics", "amount")))
-
-
-@cache
-def amount_parameters(model: type[BaseModel]) -> tuple[str, ...]:
-    """Return the parameters that set how much of a flow is run."""
-    return _names(model, lambda row: row.role == "amount")
+    return frozenset(_numerical(model))
 
 
 @cache
 def reading_parameters(model: type[BaseModel]) -> tuple[str, ...]:
     """Return the parameters that distinguish readings of a paper, choices before numbers."""
     declared = declarations(model)
-    names = _names(model, lambda row: row.role == "reading")
-    return tuple(sorted(names, key=lambda name: bool(declared[name].unit)))
-
-
-@cache
-def compiled_parameters(model: type[BaseModel]) -> tuple[str, ...]:
-    """Return the parameters whose values select the code to compile."""
-    return _names(model, lambda row: row.compiled)
-
-
-@cache
-def added_parameters(model: type[BaseModel]) -> tuple[str, ...]:
-    """Return the parameters introduced after points were published, see `declare`."""
-    return _names(model, lambda row: row.added)
-
-
-@cache
-def start_parameters(model: type[BaseModel]) -> tuple[str, ...]:
-    """Return the numerical parameters that change the start of flows, see `declare`."""
-    return _names(model, lambda row: row.changes_start)
+    return tuple(sorted(_readings(model), key=lambda name: bool(declared[name].unit)))
 
 
 @cache
@@ -157,10 +158,6 @@ def id_parts(model: type[BaseModel]) -> Mapping[str, str]:
     return MappingProxyType(
         {name: row.id_part for name, row in declarations(model).items() if row.id_part}
     )
-
-
-def _names(model: type[BaseModel], has_role: Callable[[Declaration], bool]) -> tuple[str, ...]:
-    return tuple(name for name, row in declarations(model).items() if has_role(row))
 
 
 # Parameters of several systems: one declaration each, to which a system adds what is its own, as

@@ -79,10 +79,6 @@ class SphereParameters(Parameters):
         *("overlap_memory", "initial_packing", "orientations", "threads", "engine"),
     )
 
-    if TYPE_CHECKING:
-        angle: float = 0.0
-        initial_velocity: float = 0.0
-
     depth: Real = declare(
         5,
         symbol="n",
