@@ -32,6 +32,7 @@ from sim.parameters.roles import (
     added_parameters,
     amount_parameters,
     declarations,
+    fixed_parameters,
     id_parts,
     numerical_parameters,
 )
@@ -313,7 +314,7 @@ def require_compatible_source(parameters: Parameters, source: Parameters, where:
     elif source.replicates < parameters.replicates:
         allowed = f"a run of {parameters.replicates} replicates or more, as of the point itself"
     else:
-        for name in parameters.fixed_parameters:
+        for name in fixed_parameters(type(parameters)):
             value, source_value = getattr(parameters, name), getattr(source, name)
             if source_value != value:
                 allowed = f"a run with {name} = {value}, as of the point itself, not {source_value}"

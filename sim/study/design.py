@@ -251,6 +251,15 @@ class Distribution(Strict):
         ) < len(choices):
             yield broken_rule("choices", choices, "a list of two different values or more")
 
+    def axis(self, name: str, is_integer: bool) -> Axis:
+        """Return the axis of a parameter that is spread like this."""
+        if self.choices:
+            axis = axis_of(name, self.choices, is_integer)
+            return replace(axis, choices=tuple(self.choices))
+        normal = None if self.mean is None else (self.mean, self.deviation)
+        low, high = self.between
+        return Axis(name, low, high, self.scale, normal=normal, is_integer=is_integer)
+
 
 def read_values(value: Any) -> Any:
     """Return what a mapping says of the values of a parameter; a list stays one."""
@@ -372,21 +381,6 @@ class DesignFile(Strict):
         except ValidationError:
             raise broken_rule(f"over.{name}", values, _ALLOWED_VALUES) from None
 
-    def _axis(self, name: str) -> Axis:
-        spread = self._distribution(name)
-        if spread.choices:
-            axis = axis_of(name, spread.choices, self._is_integer(name))
-            return replace(axis, choices=tuple(spread.choices))
-        low, high = spread.between
-        return Axis(
-            name,
-            low,
-            high,
-            spread.scale,
-            normal=None if spread.mean is None else (spread.mean, spread.deviation),
-            is_integer=self._is_integer(name),
-        )
-
     def _field(self, name: str) -> FieldInfo:
         return (self.over.parameters.model_fields | self.over.in_place)[name]
 
@@ -396,12 +390,12 @@ class DesignFile(Strict):
     @cached_property
     def axes(self) -> tuple[Axis, ...]:
         """The parameters that it varies, in the order of the reference."""
-        if self.kind == "zip":
-            return tuple(
-                axis_of(name, values, self._is_integer(name))
-                for name, values in self._values.items()
-            )
-        return tuple(self._axis(name) for name in self._values)
+        return tuple(
+            axis_of(name, values, self._is_integer(name))
+            if self.kind == "zip"
+            else self._distribution(name).axis(name, self._is_integer(name))
+            for name, values in self._values.items()
+        )
 
     @property
     def max_points(self) -> int:

@@ -67,7 +67,6 @@ class _Family(Strict):
     system: str = Field(description="which of the systems")
     base: Some = optional("parameters shared by all points")
     grid: Lists = optional("one point (boundary) for every combination of the values listed")
-
     overrides: list[Override] = Field([], description="changes at certain values")
 
     def rules(self) -> Iterator[PydanticCustomError]:

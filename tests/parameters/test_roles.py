@@ -1,5 +1,6 @@
 """Roles of parameters fit together, and points keep their ids."""
 
+import csv
 import json
 from pathlib import Path
 
@@ -7,6 +8,7 @@ import pytest
 
 from sim.parameters import NUMERICAL, SYSTEMS, parse_point, point_id
 from sim.parameters.roles import (
+    TABLE,
     added_parameters,
     declarations,
     id_parts,
@@ -34,6 +36,12 @@ def test_roles_fit_together(model):
     assert not any(model.model_fields[name].default_factory for name in added_parameters(model))
     assert set(model.smallest_values) <= set(declarations(model))
     assert model(**model.smallest_values).particles <= 5
+
+
+def test_every_row_of_the_table_is_a_parameter():
+    names = {name for model in SYSTEMS.values() for name in model.model_fields}
+    with TABLE.open(encoding="utf-8") as file:
+        assert {row["name"] for row in csv.DictReader(file)} == names
 
 
 def test_readings_are_told_choices_first():
