@@ -37,34 +37,16 @@ from sim.parameters.roles import (
     numerical_parameters,
 )
 
-#: Name in Talus -> words for it.
+#: Words for names that are no parameters: keys, kinds and observables of plots.
 SYNONYMS = {
-    "amplitude": "A",
-    "angle": "inclination slope tilt",
-    "average": "averaging_time duration length",
-    "beads": "n_beads n_particles number_of_particles particles",
-    "cell": "box domain periodic_length",
     "colour": "c color hue value values z",
     "curves": "by hue line lines plot",
-    "damping": "damping_coefficient viscosity",
-    "depth": "height layers",
-    "diameter": "d grain_size particle_size radius size",
     "distribution": "hist histogram",
-    "friction": "coefficient_of_friction friction_coefficient",
-    "frequency": "freq hz omega",
-    "gravity": "acceleration_of_gravity",
-    "law": "contact contact_law contact_model force_law force_model",
     "map": "contour heat_map heatmap phase_diagram",
-    "mass": "particle_mass",
     "panels": "col facet facets row subplots",
     "profiles": "profile",
-    "replicates": "repeats repetitions runs seeds",
-    "restitution": "coefficient_of_restitution cor elasticity",
-    "stiffness": "k kn spring spring_constant",
     "time_series": "series timeseries",
-    "transient": "burn_in spin_up warm_up warmup",
     "velocity": "flow_rate mean_velocity speed v",
-    "width": "belt_width",
 }
 
 
@@ -84,6 +66,15 @@ def _update_systems() -> None:
     for model in SYSTEMS.values():
         for name, declaration in declarations(model).items():
             add_synonym(declaration.symbol, name)
+    for name, words in sorted(all_synonyms().items()):
+        for word in words.split():
+            add_synonym(word, name)
+
+
+def all_synonyms() -> dict[str, str]:
+    """Return the words for parameters and for other names, by name."""
+    declared = [one for model in SYSTEMS.values() for one in declarations(model).items()]
+    return {name: one.synonyms for name, one in declared if one.synonyms} | SYNONYMS
 
 
 load_shipped("sim.laws")
@@ -92,9 +83,6 @@ load_shipped("sim.engines")
 LAW.describe()
 ENGINE.describe()
 on_change(_update_systems)
-for _name, _words in SYNONYMS.items():
-    for _word in _words.split():
-        add_synonym(_word, _name)
 
 #: Suffix of run files.
 RUN_FILE = ".nc"

@@ -55,6 +55,8 @@ class Declaration:
         canonical form, id and run file of old and new points omit it.
     allowed : str
         The allowed values in words, where type and range are not enough.
+    synonyms : str
+        Other words for it, with spaces between, for hints.
     """
 
     symbol: str = ""
@@ -68,6 +70,7 @@ class Declaration:
     fixed: bool = False
     added: bool = False
     allowed: str = ""
+    synonyms: str = ""
 
     def __call__(self, schema: dict[str, Any]) -> None:
         """Add symbol, unit, scale and equation to the JSON schema of the parameter."""
