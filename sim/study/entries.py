@@ -145,8 +145,10 @@ RANGE_SCHEMA: dict[str, Any] = {
 }
 
 
-def expand_range(value: Any) -> Any:
+def expand_range(value: Any, are_whole: bool = False) -> Any:
     """Return the values of a range; return any other value unchanged, for later validation.
+
+    ``are_whole`` makes whole numbers integers.
 
     >>> expand_range({"start": 0.3, "stop": 0.6, "step": 0.1})
     [0.3, 0.4, 0.5, 0.6]
@@ -174,15 +176,8 @@ def expand_range(value: Any) -> Any:
                 "step", step, f"a step from start to stop, of {MAX_VALUES} values at most"
             )
         count = floor(steps * (1 + _SLACK) + _SLACK) + 1
-    return [canonical_number(start + number * step) for number in range(count)]
-
-
-def expand_integer_range(value: Any) -> Any:
-    """Return the values of a range as `expand_range` does, whole numbers as ``int``."""
-    numbers = expand_range(value)
-    if numbers is value:
-        return value
-    return [int(number) if float(number).is_integer() else number for number in numbers]
+    numbers = [canonical_number(start + number * step) for number in range(count)]
+    return [int(one) if are_whole and float(one).is_integer() else one for one in numbers]
 
 
 def allow_range_in_schema(schema: dict[str, Any]) -> None:

@@ -1,7 +1,7 @@
 """Second step of a study: validate what was read by the models of its systems and figures."""
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
-from functools import cache, reduce
+from collections.abc import Collection, Sequence
+from functools import cache, partial, reduce
 from operator import or_
 from pathlib import Path
 from types import GenericAlias
@@ -22,7 +22,6 @@ from sim.study.entries import (
     Some,
     Strict,
     allow_range_in_schema,
-    expand_integer_range,
     expand_range,
     optional,
 )
@@ -114,7 +113,7 @@ def _with_parameters(base: type[Some], system: str, names: Collection[str] | Non
             if issubclass(base, Over):
                 value = Annotated[list[Any] | Distribution, BeforeValidator(read_values)]
             elif parameter.annotation in (int, float):
-                expand = expand_integer_range if parameter.annotation is int else expand_range
+                expand = partial(expand_range, are_whole=parameter.annotation is int)
                 value = Annotated[value, BeforeValidator(expand)]
                 field = Field(
                     None, description=parameter.description, json_schema_extra=allow_range_in_schema
@@ -145,76 +144,48 @@ def _list_type(kind: Any) -> Any:
     return GenericAlias(list, (kind,))
 
 
-def _union_type(kinds: Iterable[type[BaseModel]]) -> Any:
-    return Annotated[reduce(or_, kinds), Field(discriminator="system")]
-
-
-def _system_fields(
-    systems: Mapping[str, SystemModels], kind: str, description: str
-) -> dict[str, Any]:
-    """Return an optional field for each system, whose type is one of its `SystemModels`.
-
-    ``kind`` names that model; ``description`` has a placeholder for the system.
-    """
-    return {
-        system: (getattr(models, kind), optional(description.format(system)))
-        for system, models in systems.items()
-    }
-
-
-class FileModels(NamedTuple):
-    """Models of study files: of each system, of the keys that all systems share, of the whole."""
-
-    systems: dict[str, SystemModels]
-    defaults: type[Strict]
-    readings: type[Strict]
-    study: type[StudyFile]
-
-
-def file_models() -> FileModels:
-    """Return the models of study files, with what plug-ins have added so far."""
+def file_models() -> tuple[type[StudyFile], dict[str, SystemModels]]:
+    """Return the models of study files and of their parts, with what plug-ins have added so far."""
     return _build_file_models(tuple(SYSTEMS.values()), tuple(FIGURES))
 
 
 @cache
 def _build_file_models(
     parameters: tuple[type[Parameters], ...], figures: tuple[str, ...]
-) -> FileModels:
+) -> tuple[type[StudyFile], dict[str, SystemModels]]:
     """Return the models for the present `SYSTEMS` and `FIGURES`: the key of the cache."""
     systems = {system: _system_models(system) for system in SYSTEMS}
-    defaults = create_model(
-        "Defaults",
-        __base__=Strict,
-        __doc__="Parameters shared by all series of a system.",
-        **_system_fields(systems, "parameters", "shared by all series of the {}"),
-    )
-    readings = create_model(
-        "SharedReadings",
-        __base__=Strict,
-        __doc__="Readings of the papers under which all series of a system are run.",
-        **_system_fields(
-            systems,
-            "readings",
-            "of the {}: every combination; figures and boundaries take the first",
-        ),
-    )
-    fields = StudyFile.model_fields
+
+    def of_systems(name: str, key: str, kind: str, doc: str, description: str) -> Any:
+        """Return the declaration of a key with a part for each system, all optional."""
+        parts: dict[str, Any] = {
+            system: (getattr(models, kind), optional(description.format(system)))
+            for system, models in systems.items()
+        }
+        model = create_model(name, __base__=Strict, __doc__=doc, **parts)
+        return model, Field(model(), description=StudyFile.model_fields[key].description)
+
+    def list_of(kind: str) -> Any:
+        models = reduce(or_, (getattr(one, kind) for one in systems.values()))
+        return _list_type(Annotated[models, Field(discriminator="system")])
+
+    fields, shared = StudyFile.model_fields, "shared by all series of the {}"
     types: dict[str, Any] = {
         "figures": (_list_type(Literal[figures]), fields["figures"]),
-        "defaults": (defaults, Field(defaults(), description=fields["defaults"].description)),
-        "readings": (readings, Field(readings(), description=fields["readings"].description)),
-        "series": (
-            _list_type(_union_type(models.series for models in systems.values())),
-            fields["series"],
+        "defaults": of_systems(
+            *("Defaults", "defaults", "parameters"),
+            *("Parameters shared by all series of a system.", shared),
         ),
-        "boundaries": (
-            _list_type(_union_type(models.boundary for models in systems.values())),
-            fields["boundaries"],
+        "readings": of_systems(
+            *("SharedReadings", "readings", "readings"),
+            "Readings of the papers under which all series of a system are run.",
+            "of the {}: every combination; figures and boundaries take the first",
         ),
+        "series": (list_of("series"), fields["series"]),
+        "boundaries": (list_of("boundary"), fields["boundaries"]),
     }
     doc = "A study: series of points, boundaries to be found, and the figures they feed."
-    study = create_model("StudyFile", __base__=StudyFile, __doc__=doc, **types)
-    return FileModels(systems, defaults, readings, study)
+    return create_model("StudyFile", __base__=StudyFile, __doc__=doc, **types), systems
 
 
 def validate(documents: Sequence[tuple[Path, Any]]) -> list[tuple[Path, StudyFile]]:
@@ -244,7 +215,7 @@ def validate(documents: Sequence[tuple[Path, Any]]) -> list[tuple[Path, StudyFil
 
 
 def _validate_file(path: Path, contents: Any) -> StudyFile:
-    model = file_models().study
+    model, _ = file_models()
     try:
         return model.model_validate(contents)
     except ValidationError as error:
