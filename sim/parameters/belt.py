@@ -3,9 +3,10 @@
 import math
 from typing import Any, ClassVar, Literal
 
-from sim.parameters import roles
 from sim.parameters.common import MAX_PARTICLES, MAX_STEPS, Parameters, Real, broken_rule
-from sim.parameters.roles import declare, numerics, reading
+from sim.parameters.roles import rows_of
+
+row = rows_of("belt")
 
 #: Stiffness (g⟨m⟩/⟨d⟩) of the paper.
 STIFFNESS = 1000.0
@@ -63,250 +64,44 @@ class BeltParameters(Parameters):
     most_contacts: ClassVar[int] = 10
     boundaries: ClassVar[tuple[str, ...]] = ("flow", "transport")
     smallest_values: ClassVar[dict[str, Any]] = {"beads": 2, "settle_velocity_squared": 1e6}
-    fixed_parameters: ClassVar[tuple[str, ...]] = (
-        *("seed", "beads", "width", "diameter", "diameter_spread", "mass", "obstacle", "phase"),
-        *("belt_ghost", "integrator", "corrector_order"),
-    )
-
-    system: Literal["belt"] = declare("belt", description="which of the systems")
-    frequency: Real = roles.frequency(equation="Gallas, Eqs. 1a, 1b")
-    amplitude: Real = declare(
-        1,
-        symbol="A_z",
-        scale="⟨d⟩",
-        description="vertical amplitude of the vibration",
-        equation="Gallas, Eq. 1b",
-        id_part="amplitude",
-        ge=0,
-    )
-    vibration_angle: Real = declare(
-        45,
-        symbol="α",
-        unit="degree",
-        description="angle of the vibration with the horizontal (90: vertical)",
-        equation="Gallas, Sec. 2: α = arctan(A_z/A_x)",
-        id_part="angle",
-        gt=0,
-        le=90,
-    )
-    damping: Real = declare(
-        50,
-        symbol="γ",
-        scale="g",
-        description="normal damping coefficient",
-        equation="Gallas, Eq. 3",
-        id_part="damping",
-        ge=0,
-    )
-    shear_damping: Real = roles.shear_damping(
-        description="shear friction coefficient", id_part="shear"
-    )
-    stiffness: Real = declare(
-        STIFFNESS,
-        symbol="Y",
-        scale="g⟨m⟩/⟨d⟩",
-        description="stiffness of the elastic restoration force",
-        equation="Gallas, Eq. 2",
-        gt=0,
-    )
-    beads: int = declare(
-        200,
-        symbol="N",
-        description="number of beads",
-        equation="Gallas, Sec. 2",
-        ge=1,
-        le=MAX_PARTICLES,
-    )
-    width: Real = declare(
-        20,
-        symbol="L",
-        scale="⟨d⟩",
-        description="length of the periodic segment of the belt",
-        equation="Gallas, Sec. 2",
-        ge=5,
-    )
-    obstacle: Real = declare(
-        0,
-        symbol="d_o",
-        scale="⟨d⟩",
-        description="diameter of the fixed obstacle, below width - 3 (0: none)",
-        equation="Gallas, Sec. 3, Fig. 6",
-        ge=0,
-    )
-    initial_velocity: Real = roles.initial_velocity(
-        0,
-        scale="√(g⟨d⟩)",
-        description="velocity along the belt of all beads when the shaking starts",
-        equation="Gallas, Sec. 3, Fig. 3c: dashed line",
-    )
-    prior_frequency: Real = declare(
-        0,
-        symbol="f0",
-        unit="Hz",
-        description="frequency at which the bed has been shaken before, for sweeps (0: at rest)",
-        ge=0,
-    )
-    prior_cycles: int = numerics(
-        60,
-        symbol="t_0",
-        scale="cycles",
-        description="how many cycles of prior_frequency went before",
-        ge=1,
-        le=100_000,
-    )
-    diameter: Real = declare(
-        1e-3,
-        symbol="⟨d⟩",
-        unit="m",
-        description="mean diameter of the beads",
-        equation="Gallas, Sec. 2",
-        gt=0,
-    )
-    diameter_spread: Real = declare(
-        0.5,
-        symbol="Δd/⟨d⟩",
-        scale="⟨d⟩",
-        description="half width of the uniform distribution of diameters",
-        equation="Gallas, Sec. 2",
-        ge=0,
-        lt=1,
-    )
-    mass: Real = declare(
-        1e-6,
-        symbol="⟨m⟩",
-        unit="kg",
-        description="mass of a bead of mean diameter (drops out of the motion)",
-        equation="Gallas, Sec. 3",
-        gt=0,
-    )
-    gravity: Real = roles.gravity(10, equation="Gallas, Sec. 2")
-    phase: Real = declare(
-        0,
-        symbol="φ0",
-        unit="degree",
-        description="phase of the belt when the shaking starts",
-        ge=0,
-        lt=360,
-    )
-    steps_per_cycle: int = numerics(
-        2000,
-        symbol="1/(fΔt)",
-        description="time steps in one cycle of the vibration",
-        equation="Gallas, Sec. 2: Δt = 1/(2000 f)",
-        ge=100,
-        le=1_000_000,
-    )
-    samples_per_cycle: int = roles.samples_per_cycle(
-        description="samples of the observables in one cycle (divides steps_per_cycle)"
-    )
-    slice_height: Real = numerics(
-        1,
-        symbol="Δz",
-        scale="⟨d⟩",
-        description="height of the slices of the profiles (0.5 gives every grid of ⟨d⟩)",
-        equation="Gallas, Sec. 3",
-        added=True,
-        ge=0.1,
-        le=10,
-    )
-    phase_0_profiles: bool = roles.extra(
-        description="also average the profiles at the beginning of the cycle alone, when the "
-        "belt is at its mean height and rises",
-        equation="Gallas, Sec. 3, Fig. 5",
-    )
-    fluctuation_profiles: bool = roles.extra(
-        description="also keep the granular temperature about the mean velocity at each phase of "
-        "the cycle, of which there are samples_per_cycle"
-    )
-    belt_forces: bool = roles.extra(
-        description="also keep the forces on the belt and when it is touched, as time series"
-    )
-    trajectory: Real = roles.trajectory(scale=roles.CYCLES)
-    transient: Real = roles.transient(
-        45,
-        scale=roles.CYCLES,
-        description="length discarded before averaging",
-        equation="Gallas, Sec. 2: 9·10⁴ steps",
-    )
-    average: Real = roles.average(
-        45,
-        scale=roles.CYCLES,
-        description="length averaged over",
-        equation="Gallas, Sec. 2: 9·10⁴ steps",
-    )
-    limit: Real = roles.limit(1500, scale=roles.CYCLES)
-    settle_velocity_squared: Real = numerics(
-        1e-8,
-        symbol="⟨v²⟩",
-        unit="m2 s-2",
-        description="mean squared velocity below which the bed is at rest and the shaking starts",
-        equation="Gallas, Sec. 2",
-        gt=0,
-    )
-    overlap_limit: Real = numerics(
-        0.95,
-        symbol="δ_lim",
-        scale="r_i + r_j",
-        description="overlap at which the run stops as unphysical (the published stiffness lets "
-        "beads overlap by more than half a radius from 20 Hz on)",
-        gt=0,
-        le=0.95,
-    )
-    damping_mass: Literal["own", "reduced"] = reading(
-        "own",
-        description="mass in the damping terms: the bead's own, or the reduced mass of the pair",
-        equation="Gallas, Eqs. 3, 4",
-        compiled=True,
-    )
-    belt_ghost: Literal["below", "centred"] = reading(
-        "below",
-        description="the belt acts as a bead that is tangent to its line from below, or centred "
-        "on it",
-        equation="Gallas, Sec. 2",
-    )
-    ghost_mass: Literal["infinite", "mean"] = reading(
-        "infinite",
-        description="mass of the bead as which the belt acts: infinite, or that of a bead of mean "
-        "diameter (with damping_mass: reduced)",
-        equation="Gallas, Sec. 2",
-        added=True,
-    )
-    attraction: Literal["kept", "clipped"] = reading(
-        "kept",
-        description="an attractive total normal force at the end of a contact is kept or set to 0",
-        equation="Gallas, Eqs. 2, 3",
-        compiled=True,
-    )
-    integrator: Literal["gear", "verlet"] = reading(
-        "gear",
-        description="Gear predictor-corrector, or velocity Verlet",
-        equation="Gallas, Sec. 2",
-        compiled=True,
-    )
-    corrector_order: int = reading(
-        5,
-        description="order of Gear's predictor-corrector: 3, 4 or 5, which keep as many "
-        "derivatives of the position",
-        equation="Gallas, Sec. 2",
-        added=True,
-        ge=3,
-        le=5,
-    )
-    corrections: int = reading(
-        1,
-        description="how often Gear's corrector acts in a step, with forces evaluated anew",
-        equation="Gallas, Sec. 2",
-        added=True,
-        ge=1,
-        le=2,
-    )
-    stiffness_keeps: Literal["damping", "restitution"] = reading(
-        "damping",
-        description="another stiffness than the paper's leaves γ as it is, or multiplies it by "
-        "√(Y/1000), which leaves the restitution",
-        equation="Gallas, Sec. 3",
-        added=True,
-    )
+    system: Literal["belt"] = row("system")
+    frequency: Real = row("frequency")
+    amplitude: Real = row("amplitude")
+    vibration_angle: Real = row("vibration_angle")
+    damping: Real = row("damping")
+    shear_damping: Real = row("shear_damping")
+    stiffness: Real = row("stiffness", default=STIFFNESS)
+    beads: int = row("beads", le=MAX_PARTICLES)
+    width: Real = row("width")
+    obstacle: Real = row("obstacle")
+    initial_velocity: Real = row("initial_velocity")
+    prior_frequency: Real = row("prior_frequency")
+    prior_cycles: int = row("prior_cycles")
+    diameter: Real = row("diameter")
+    diameter_spread: Real = row("diameter_spread")
+    mass: Real = row("mass")
+    gravity: Real = row("gravity")
+    phase: Real = row("phase")
+    steps_per_cycle: int = row("steps_per_cycle")
+    samples_per_cycle: int = row("samples_per_cycle")
+    slice_height: Real = row("slice_height")
+    phase_0_profiles: bool = row("phase_0_profiles")
+    fluctuation_profiles: bool = row("fluctuation_profiles")
+    belt_forces: bool = row("belt_forces")
+    trajectory: Real = row("trajectory")
+    transient: Real = row("transient")
+    average: Real = row("average")
+    limit: Real = row("limit")
+    settle_velocity_squared: Real = row("settle_velocity_squared")
+    overlap_limit: Real = row("overlap_limit")
+    damping_mass: Literal["own", "reduced"] = row("damping_mass")
+    belt_ghost: Literal["below", "centred"] = row("belt_ghost")
+    ghost_mass: Literal["infinite", "mean"] = row("ghost_mass")
+    attraction: Literal["kept", "clipped"] = row("attraction")
+    integrator: Literal["gear", "verlet"] = row("integrator")
+    corrector_order: int = row("corrector_order")
+    corrections: int = row("corrections")
+    stiffness_keeps: Literal["damping", "restitution"] = row("stiffness_keeps")
 
     @property
     def time_unit(self) -> float:

@@ -6,7 +6,7 @@ points say, and so their ids and run files. An edited one is another one.
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from keyword import iskeyword
 from math import inf
@@ -126,8 +126,8 @@ class Choice:
     def declared(cls, name: str, *models: type[Parameters]) -> Self:
         """Return the choice that systems declare, all with the options that ship."""
         field: Any = models[0].model_fields[name]
-        role, kept = field.json_schema_extra.role, name in models[0].fixed_parameters
-        return cls(name, field.description, models, get_args(field.annotation), role, kept)
+        said, usual = field.json_schema_extra, get_args(field.annotation)
+        return cls(name, field.description, models, usual, said.role, said.fixed)
 
     def add(self, name: str, kind: type[Option], **fields: Any) -> None:
         """Add an option of the plug-in that is being loaded.
@@ -202,15 +202,16 @@ def _extended(
     base: type[Parameters], offers: tuple[tuple[Choice, tuple[str, ...]], ...]
 ) -> type[Parameters]:
     fields: dict[str, Any] = {}
-    fixed, offered = [*base.fixed_parameters], {}
+    offered = {}
     for choice, names in offers:
         fields[choice.name] = _field(base, choice, names)
         offered[choice.name] = plugin_options(choice.name)
         for option in _undeclared(base, choice).values():
-            fields |= {name: (Real, field) for name, field in option.parameters.items()}
-            fixed += option.parameters if choice.kept else ()
+            for name, field in option.parameters.items():
+                field.json_schema_extra = replace(field.json_schema_extra, fixed=choice.kept)
+                fields[name] = Real, field
     model: Any = create_model(base.__name__, __base__=base, **fields)
-    model.fixed_parameters, model.offered = tuple(fixed), offered
+    model.offered = offered
     return model
 
 

@@ -3,13 +3,11 @@
 import math
 from typing import ClassVar, Literal
 
-from sim.parameters import roles
 from sim.parameters.common import Real, broken_rule
-from sim.parameters.roles import declare, numerics
+from sim.parameters.roles import rows_of
 from sim.parameters.spheres import SphereParameters
 
-#: Scale of times.
-TIME = "√(σ/g)"
+row = rows_of("chute")
 
 
 def negligible_acceleration(gravity: float, angle: float) -> float:
@@ -30,30 +28,16 @@ class ChuteParameters(SphereParameters):
     sampling_key: ClassVar[str] = "sample_interval"
     boundaries: ClassVar[tuple[str, ...]] = ("flow", "acceleration")
 
-    system: Literal["chute"] = declare("chute", description="which of the systems")
-    angle: Real = roles.angle(17, equation="Walton, Sec. 3")
-    initial_velocity: Real = roles.initial_velocity(
-        scale="√(gσ)",
-        description="uniform initial velocity down the slope (omitted: 4 + 1.2 depth, at most 30)",
-        equation="Walton, Sec. 1: slightly above the expected steady velocity",
-        default_factory=lambda values: min(4 + 1.2 * values["depth"], 30),
+    system: Literal["chute"] = row("system")
+    angle: Real = row("angle")
+    initial_velocity: Real = row(
+        "initial_velocity", default_factory=lambda values: min(4 + 1.2 * values["depth"], 30)
     )
-    transient: Real = roles.transient(
-        300, scale=TIME, description="time discarded before averaging", equation="Walton, Sec. 1"
-    )
-    average: Real = roles.average(
-        200, scale=TIME, description="time averaged over", equation="Walton, Sec. 1"
-    )
-    limit: Real = roles.limit(3000, scale=TIME)
-    sample_interval: Real = numerics(
-        0.25,
-        symbol="Δt_s",
-        scale=TIME,
-        description="time between two samples of the observables",
-        gt=0,
-        le=100,
-    )
-    trajectory: Real = roles.trajectory(scale=TIME)
+    transient: Real = row("transient")
+    average: Real = row("average")
+    limit: Real = row("limit")
+    sample_interval: Real = row("sample_interval")
+    trajectory: Real = row("trajectory")
 
     @property
     def time_unit(self) -> float:

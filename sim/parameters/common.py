@@ -11,8 +11,9 @@ from pydantic_core import PydanticCustomError
 
 from sim.base.additions import plain_name, shipped
 from sim.base.errors import Allowed
-from sim.parameters import roles
-from sim.parameters.roles import amount, declare, numerics
+from sim.parameters.roles import rows_of
+
+row = rows_of("all")
 
 SIGNIFICANT_DIGITS = 12
 MAX_PARTICLES = 10_000_000
@@ -98,8 +99,6 @@ class Parameters(BaseModel):
         Kinds of boundaries between its regimes: what may change there.
     smallest_values : dict
         Values that make a run as small and short as possible.
-    fixed_parameters : tuple of str
-        Parameters that cannot change during a flow: equal in a run and the run it starts from.
     state_numbers : int
         Numbers per particle in a frame of a trajectory: position and motion.
     axes : int
@@ -116,7 +115,6 @@ class Parameters(BaseModel):
     sampling_key: ClassVar[str]
     boundaries: ClassVar[tuple[str, ...]]
     smallest_values: ClassVar[dict[str, Any]]
-    fixed_parameters: ClassVar[tuple[str, ...]]
     state_numbers: ClassVar[int]
     axes: ClassVar[int]
     most_contacts: ClassVar[int]
@@ -147,42 +145,19 @@ class Parameters(BaseModel):
         @property
         def rate(self) -> float: ...
 
-    seed: int = numerics(
-        1, description="seed of the first replicate's initial state", ge=0, le=2**32 - 1
-    )
-    replicates: int = amount(
-        1, description="independent runs from different initial states", ge=1, le=1000
-    )
-
-    start_from: str = numerics(
-        "",
-        description="run from whose final states the replicates start: the id of a point of the "
-        "same study, or a run file (*.nc); omitted, they start as in the paper",
-        changes_start=True,
-        added=True,
-        allowed="the id of a point of the study, or a run file (*.nc)",
+    seed: int = row("seed")
+    replicates: int = row("replicates")
+    start_from: str = row(
+        "start_from",
+        default="",
         pattern=r"^(|[a-z]+-[\w.-]+-[0-9a-f]{8}|[^\x00-\x1f\x7f]+\.nc)$",
         max_length=1000,
     )
-
-    trajectory_contacts: bool = roles.extra(
-        description="also keep the contacts in each frame of the trajectory: partners and forces"
-    )
+    trajectory_contacts: bool = row("trajectory_contacts")
 
     # Not an amount: ids of points and names of curves distinguish the protocols.
-    protocol: Literal["published", "converged"] = declare(
-        "published",
-        description="lengths exactly as given, or from there on until the mean velocity is known "
-        "to within target and no drift is left",
-    )
-    target: Real = amount(
-        0.02,
-        description="half width of the 95 % interval of the mean velocity, relative to the mean, "
-        "at which a run of the converged protocol ends; under both protocols a change of the "
-        "velocity over the window by five times as much (at least 0.1, at most 0.25) is a drift",
-        ge=0.001,
-        le=0.5,
-    )
+    protocol: Literal["published", "converged"] = row("protocol")
+    target: Real = row("target")
 
     def options(self, choice: str) -> dict[str, Any]:
         """Return the laws or the motions, of Talus and of plug-ins, by their names in points."""

@@ -3,10 +3,11 @@
 import math
 from typing import Any, ClassVar, Literal
 
-from sim.parameters import roles
 from sim.parameters.common import Real, broken_rule
-from sim.parameters.roles import declare
-from sim.parameters.spheres import SLIDING, SlidingDirection, SphereParameters
+from sim.parameters.roles import rows_of
+from sim.parameters.spheres import SlidingDirection, SphereParameters
+
+row = rows_of("conveyor")
 
 
 class ConveyorParameters(SphereParameters):
@@ -20,96 +21,26 @@ class ConveyorParameters(SphereParameters):
     sampling_key: ClassVar[str] = "samples_per_cycle"
     boundaries: ClassVar[tuple[str, ...]] = ("flow", "transport")
     smallest_values: ClassVar[dict[str, Any]] = {"depth": 0.2, "cell": 5, "steps_per_collision": 10}
-    fixed_parameters: ClassVar[tuple[str, ...]] = (
-        *SphereParameters.fixed_parameters,
-        "shape",
-        "rotation",
-    )
-
     # No paper prescribes it.
-    sliding_direction: SlidingDirection = declare("slip", **SLIDING)
-    system: Literal["conveyor"] = declare("conveyor", description="which of the systems")
-    frequency: Real = roles.frequency(equation="ω = 2πf")
-    amplitude: Real = declare(
-        1,
-        symbol="A_z",
-        scale="σ",
-        description="amplitude of the vibration normal to the plane",
-        equation="z = A_z sin ωt",
-        id_part="amplitude",
-        ge=0,
-    )
-    amplitude_along: Real = declare(
-        1,
-        symbol="A_x",
-        scale="σ",
-        description="amplitude of the vibration along the plane",
-        equation="x = A_x sin(ωt + φ_x)",
-        id_part="along",
-        ge=0,
-    )
-    phase_along: Real = declare(
-        0,
-        symbol="φ_x",
-        unit="degree",
-        description="phase by which the motion along the plane leads (0: straight, 90 with equal "
-        "amplitudes: circular)",
-        equation="x = A_x sin(ωt + φ_x)",
-        ge=0,
-        lt=360,
-    )
-    overtone: int = declare(
-        2,
-        symbol="k",
-        description="second frequency of the vibration, in multiples of the first",
-        ge=2,
-        le=20,
-    )
-    overtone_amplitude: Real = declare(
-        0,
-        symbol="B_z",
-        scale="σ",
-        description="amplitude normal to the plane at the second frequency",
-        ge=0,
-    )
-    overtone_along: Real = declare(
-        0,
-        symbol="B_x",
-        scale="σ",
-        description="amplitude along the plane at the second frequency",
-        ge=0,
-    )
-    overtone_phase: Real = declare(
-        0,
-        symbol="ψ",
-        unit="degree",
-        description="phase of the vibration at the second frequency",
-        ge=0,
-        lt=360,
-    )
-    angle: Real = roles.angle(0)
-    shape: Literal["sphere", "disc"] = declare(
-        "sphere",
-        description="solid spheres, or discs that move in the plane of x and z alone",
-        compiled=True,
-    )
-    rotation: bool = declare(True, description="whether the particles rotate")
-    initial_velocity: Real = roles.initial_velocity(
-        0,
-        scale="√(gσ)",
-        description="velocity along the plane of all particles when the vibration starts",
-    )
-    samples_per_cycle: int = roles.samples_per_cycle(
-        description="samples of the observables in one cycle", le=1000
-    )
-    transient: Real = roles.transient(
-        60,
-        scale=roles.CYCLES,
-        description="length discarded before averaging, the fall onto the plane included",
-    )
-    average: Real = roles.average(60, scale=roles.CYCLES, description="length averaged over")
-    limit: Real = roles.limit(1500, scale=roles.CYCLES)
-    trajectory: Real = roles.trajectory(scale=roles.CYCLES)
+    sliding_direction: SlidingDirection = row("sliding_direction")
+    system: Literal["conveyor"] = row("system")
+    frequency: Real = row("frequency")
+    amplitude: Real = row("amplitude")
+    amplitude_along: Real = row("amplitude_along")
+    phase_along: Real = row("phase_along")
+    overtone: int = row("overtone")
+    overtone_amplitude: Real = row("overtone_amplitude")
+    overtone_along: Real = row("overtone_along")
+    overtone_phase: Real = row("overtone_phase")
+    angle: Real = row("angle")
+    shape: Literal["sphere", "disc"] = row("shape")
+    rotation: bool = row("rotation")
+    initial_velocity: Real = row("initial_velocity")
+    samples_per_cycle: int = row("samples_per_cycle")
+    transient: Real = row("transient")
+    average: Real = row("average")
+    limit: Real = row("limit")
+    trajectory: Real = row("trajectory")
 
     @property
     def time_unit(self) -> float:

@@ -32,38 +32,21 @@ from sim.parameters.roles import (
     added_parameters,
     amount_parameters,
     declarations,
+    fixed_parameters,
     id_parts,
     numerical_parameters,
 )
 
-#: Name in Talus -> words for it.
+#: Words for names that are no parameters: keys, kinds and observables of plots.
 SYNONYMS = {
-    "amplitude": "A",
-    "angle": "inclination slope tilt",
-    "average": "averaging_time duration length",
-    "beads": "n_beads n_particles number_of_particles particles",
-    "cell": "box domain periodic_length",
     "colour": "c color hue value values z",
     "curves": "by hue line lines plot",
-    "damping": "damping_coefficient viscosity",
-    "depth": "height layers",
-    "diameter": "d grain_size particle_size radius size",
     "distribution": "hist histogram",
-    "friction": "coefficient_of_friction friction_coefficient",
-    "frequency": "freq hz omega",
-    "gravity": "acceleration_of_gravity",
-    "law": "contact contact_law contact_model force_law force_model",
     "map": "contour heat_map heatmap phase_diagram",
-    "mass": "particle_mass",
     "panels": "col facet facets row subplots",
     "profiles": "profile",
-    "replicates": "repeats repetitions runs seeds",
-    "restitution": "coefficient_of_restitution cor elasticity",
-    "stiffness": "k kn spring spring_constant",
     "time_series": "series timeseries",
-    "transient": "burn_in spin_up warm_up warmup",
     "velocity": "flow_rate mean_velocity speed v",
-    "width": "belt_width",
 }
 
 
@@ -83,6 +66,15 @@ def _update_systems() -> None:
     for model in SYSTEMS.values():
         for name, declaration in declarations(model).items():
             add_synonym(declaration.symbol, name)
+    for name, words in sorted(all_synonyms().items()):
+        for word in words.split():
+            add_synonym(word, name)
+
+
+def all_synonyms() -> dict[str, str]:
+    """Return the words for parameters and for other names, by name."""
+    declared = [one for model in SYSTEMS.values() for one in declarations(model).items()]
+    return {name: one.synonyms for name, one in declared if one.synonyms} | SYNONYMS
 
 
 load_shipped("sim.laws")
@@ -91,9 +83,6 @@ load_shipped("sim.engines")
 LAW.describe()
 ENGINE.describe()
 on_change(_update_systems)
-for _name, _words in SYNONYMS.items():
-    for _word in _words.split():
-        add_synonym(_word, _name)
 
 #: Suffix of run files.
 RUN_FILE = ".nc"
@@ -215,7 +204,11 @@ def complete_values(parameters: Parameters) -> dict[str, Any]:
 
 def canonical_json(parameters: Parameters) -> str:
     """Return the canonical form as one line of JSON with sorted keys."""
-    return json.dumps(canonical_values(parameters), sort_keys=True, separators=(",", ":"))
+    return _json(canonical_values(parameters))
+
+
+def _json(values: Mapping[str, Any]) -> str:
+    return json.dumps(values, sort_keys=True, separators=(",", ":"))
 
 
 def point_id(parameters: Parameters) -> str:
@@ -240,8 +233,7 @@ def point_id(parameters: Parameters) -> str:
         name: type(values[name])(default_of(model, name, values))
         for name in amount_parameters(model)
     }
-    same = canonical_json(parameters.model_copy(update=usual))
-    return f"{name}-{hashlib.sha256(same.encode()).hexdigest()[:8]}"
+    return f"{name}-{hashlib.sha256(_json(values | usual).encode()).hexdigest()[:8]}"
 
 
 def amounts(parameters: Parameters) -> dict[str, float]:
@@ -310,7 +302,7 @@ def require_compatible_source(parameters: Parameters, source: Parameters, where:
     elif source.replicates < parameters.replicates:
         allowed = f"a run of {parameters.replicates} replicates or more, as of the point itself"
     else:
-        for name in parameters.fixed_parameters:
+        for name in fixed_parameters(type(parameters)):
             value, source_value = getattr(parameters, name), getattr(source, name)
             if source_value != value:
                 allowed = f"a run with {name} = {value}, as of the point itself, not {source_value}"

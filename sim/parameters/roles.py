@@ -1,8 +1,12 @@
 """Declarations of parameters, and the roles of parameters that follow from them."""
 
+import csv
+import json
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
-from functools import cache, partial
+from functools import cache
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal, cast
 
@@ -44,11 +48,15 @@ class Declaration:
     changes_start : bool
         True for a numerical parameter that changes the start of flows, so that answers may depend
         on it. Unless a claim names it, its runs have one value or their defaults.
+    fixed : bool
+        True for what cannot change during a flow: equal in a run and the run it starts from.
     added : bool
         True for a parameter introduced after points were published. Where it has its default, the
         canonical form, id and run file of old and new points omit it.
     allowed : str
         The allowed values in words, where type and range are not enough.
+    synonyms : str
+        Other words for it, with spaces between, for hints.
     """
 
     symbol: str = ""
@@ -59,8 +67,10 @@ class Declaration:
     id_part: str = ""
     compiled: bool = False
     changes_start: bool = False
+    fixed: bool = False
     added: bool = False
     allowed: str = ""
+    synonyms: str = ""
 
     def __call__(self, schema: dict[str, Any]) -> None:
         """Add symbol, unit, scale and equation to the JSON schema of the parameter."""
@@ -95,10 +105,61 @@ def declare(default: Any = ..., *, description: str, unit: str = "", **options: 
     return Field(description=description, json_schema_extra=declaration, **options)
 
 
-#: `declare` for the other roles than physics.
-reading, numerics, amount = (
-    partial(declare, role=role) for role in ("reading", "numerics", "amount")
-)
+#: Declarations of the parameters of all systems: a row each. Columns are those of `declare` and
+#: `Declaration`, ``range`` (``> 0``, ``[0, 90)``) and ``is`` (flags); an empty cell stands for the
+#: usual value. ``of`` says whose parameter it is. Rows of ``several`` have what some systems share.
+TABLE = Path(__file__).with_name("parameters.csv")
+
+#: A range in the table: a lower bound, or both with brackets, of which round ones exclude.
+_RANGE = re.compile(r"(>=?) (\S+)|([(\[])(\S+), (\S+)([\])])")
+
+
+@cache
+def _table() -> dict[tuple[str, str], dict[str, str]]:
+    with TABLE.open(encoding="utf-8", newline="") as file:
+        rows = {(row.pop("of"), row.pop("name")): row for row in csv.DictReader(file)}
+    return {key: {name: cell for name, cell in row.items() if cell} for key, row in rows.items()}
+
+
+def rows_of(table: str) -> Callable[..., Any]:
+    """Return a function: the name of a parameter → its declaration in rows of the table.
+
+    Further arguments are those of `declare`, such as a default that depends on other parameters.
+    """
+
+    def row(name: str, **options: Any) -> Any:
+        cells = _table().get(("several", name), {}) | _table()[table, name]
+        options = {flag: True for flag in cells.pop("is", "").split()} | options
+        if limits := cells.pop("range", ""):
+            options = _bounds(limits) | options
+        if default := cells.pop("default", ""):
+            options = {"default": _value(default)} | options
+        return declare(**cells, **options)
+
+    return row
+
+
+def _value(text: str) -> Any:
+    """Return a number, a switch or a word."""
+    try:
+        return json.loads(text)
+    except ValueError:
+        return text
+
+
+def _bounds(text: str) -> dict[str, float]:
+    """Return a range as pydantic's ``Field`` takes it.
+
+    >>> _bounds("> 0"), _bounds("[0, 90)")
+    ({'gt': 0}, {'ge': 0, 'lt': 90})
+    """
+    match = _RANGE.fullmatch(text)
+    assert match, f"{TABLE}: {text}: a range is written as > 0 or as [0, 90)"
+    sign, least, left, low, high, right = match.groups()
+    if sign:
+        return {"gt" if sign == ">" else "ge": json.loads(least)}
+    ends = {"gt" if left == "(" else "ge": low, "lt" if right == ")" else "le": high}
+    return {name: json.loads(end) for name, end in ends.items()}
 
 
 # Studies of 10,000 points ask each of these for every point; a plug-in makes another model.
@@ -113,42 +174,46 @@ def declarations(model: type[BaseModel]) -> Mapping[str, Declaration]:
     )
 
 
+def _named(selects: Callable[[Declaration], bool]) -> Callable[[type[BaseModel]], tuple[str, ...]]:
+    """Return a function: a system → its parameters whose declaration is selected."""
+
+    @cache
+    def names(model: type[BaseModel]) -> tuple[str, ...]:
+        return tuple(name for name, row in declarations(model).items() if selects(row))
+
+    return names
+
+
+#: Parameters that set how much of a flow is run.
+amount_parameters = _named(lambda row: row.role == "amount")
+
+#: Parameters whose values select the code to compile.
+compiled_parameters = _named(lambda row: row.compiled)
+
+#: Parameters introduced after points were published, see `declare`.
+added_parameters = _named(lambda row: row.added)
+
+#: Parameters that cannot change during a flow, see `Declaration`.
+fixed_parameters = _named(lambda row: row.fixed)
+
+#: Numerical parameters that change the start of flows, see `declare`.
+start_parameters = _named(lambda row: row.changes_start)
+
+_numerical = _named(lambda row: row.role in ("numerics", "amount"))
+_readings = _named(lambda row: row.role == "reading")
+
+
 @cache
 def numerical_parameters(model: type[BaseModel]) -> frozenset[str]:
     """Return the parameters that set how a flow is computed, not which flow it is."""
-    return frozenset(_names(model, lambda row: row.role in ("numerics", "amount")))
-
-
-@cache
-def amount_parameters(model: type[BaseModel]) -> tuple[str, ...]:
-    """Return the parameters that set how much of a flow is run."""
-    return _names(model, lambda row: row.role == "amount")
+    return frozenset(_numerical(model))
 
 
 @cache
 def reading_parameters(model: type[BaseModel]) -> tuple[str, ...]:
     """Return the parameters that distinguish readings of a paper, choices before numbers."""
     declared = declarations(model)
-    names = _names(model, lambda row: row.role == "reading")
-    return tuple(sorted(names, key=lambda name: bool(declared[name].unit)))
-
-
-@cache
-def compiled_parameters(model: type[BaseModel]) -> tuple[str, ...]:
-    """Return the parameters whose values select the code to compile."""
-    return _names(model, lambda row: row.compiled)
-
-
-@cache
-def added_parameters(model: type[BaseModel]) -> tuple[str, ...]:
-    """Return the parameters introduced after points were published, see `declare`."""
-    return _names(model, lambda row: row.added)
-
-
-@cache
-def start_parameters(model: type[BaseModel]) -> tuple[str, ...]:
-    """Return the numerical parameters that change the start of flows, see `declare`."""
-    return _names(model, lambda row: row.changes_start)
+    return tuple(sorted(_readings(model), key=lambda name: bool(declared[name].unit)))
 
 
 @cache
@@ -157,51 +222,3 @@ def id_parts(model: type[BaseModel]) -> Mapping[str, str]:
     return MappingProxyType(
         {name: row.id_part for name, row in declarations(model).items() if row.id_part}
     )
-
-
-def _names(model: type[BaseModel], has_role: Callable[[Declaration], bool]) -> tuple[str, ...]:
-    return tuple(name for name, row in declarations(model).items() if has_role(row))
-
-
-# Parameters of several systems: one declaration each, to which a system adds what is its own, as
-# default, source and range.
-
-#: Scale of times of shaken systems.
-CYCLES = "cycles"
-
-frequency = partial(
-    declare,
-    20,
-    symbol="f",
-    unit="Hz",
-    description="frequency of the vibration",
-    gt=0,
-    id_part="frequency",
-)
-angle = partial(
-    declare, symbol="θ", unit="degree", description="inclination of the plane", ge=0, lt=90
-)
-gravity = partial(declare, symbol="g", unit="m s-2", description="gravitational acceleration", gt=0)
-shear_damping = partial(declare, 50, symbol="γ_s", scale="g", equation="Gallas, Eq. 4", ge=0)
-initial_velocity = partial(numerics, symbol="V0", changes_start=True, ge=0)
-samples_per_cycle = partial(numerics, 20, ge=1)
-transient = partial(numerics, symbol="t_tr", ge=0)
-average = partial(amount, symbol="t_av", gt=0)
-limit = partial(
-    amount,
-    symbol="t_max",
-    description="longest run of the converged protocol, whose cost `points` tells",
-    gt=0,
-)
-trajectory = partial(
-    numerics,
-    0,
-    symbol="Δt_f",
-    description="time from one frame of the trajectory, which has the state of every particle, "
-    "to the next (0: none); in whole samples",
-    added=True,
-    ge=0,
-)
-
-#: A switch by which a run records more; it changes no flow.
-extra = partial(numerics, False, added=True)

@@ -5,10 +5,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from sim.base.additions import attribute_errors_to, plain_name
 from sim.base.plugins import module_names
-from sim.parameters import roles
 from sim.parameters.common import CHOICES, MAX_PARTICLES, Parameters, Real, broken_rule
 from sim.parameters.images import largest_diameter, usual_cell, wider_cell
-from sim.parameters.roles import declare, numerics, reading
+from sim.parameters.roles import rows_of
+
+row = rows_of("spheres")
 
 #: Particle-steps per second on one core of a present-day server up to a depth, that depth, and the
 #: exponent with which the rate falls above it, as there are more contacts per particle.
@@ -48,16 +49,6 @@ else:
 
 SlidingDirection = Literal["printed", "slip"]
 
-#: Declaration of ``sliding_direction`` without its default.
-SLIDING: dict[str, Any] = {
-    "description": "a friction cut to its limit has the direction of the printed sum, which does "
-    "not settle where spheres slip by more than 2 μ F_N/K0 in a step, or that of the old force "
-    "and K0 times all of the slip, which settles along the slip",
-    "equation": "Walton, Sec. 2.2",
-    "role": "reading",
-    "compiled": True,
-}
-
 
 class SphereParameters(Parameters):
     """Particles that rotate and slide on a plane.
@@ -71,244 +62,46 @@ class SphereParameters(Parameters):
     # Twelve neighbors of equal size, and more where sizes differ or overlaps are large.
     most_contacts: ClassVar[int] = 10
     smallest_values: ClassVar[dict[str, Any]] = {"depth": 0.2, "cell": 5}
-    fixed_parameters: ClassVar[tuple[str, ...]] = (
-        *("seed", "depth", "cell", "diameter", "diameter_spread", "mass"),
-        *("bumps", "bump_coverage", "bump_arrangement"),
-        *("restitution", "stiffness", "law", "tangential_ratio", "tangential_exponent"),
-        *("attraction", "tangential_unloading"),
-        *("overlap_memory", "initial_packing", "orientations", "threads", "engine"),
-    )
-
     if TYPE_CHECKING:
         angle: float = 0.0
         initial_velocity: float = 0.0
 
-    depth: Real = declare(
-        5,
-        symbol="n",
-        description="depth of the flow: particles per squared diameter of plane",
-        equation="Walton, Sec. 3: n = N/σ²",
-        id_part="depth",
-        gt=0,
+    depth: Real = row("depth")
+    friction: Real = row("friction")
+    friction_plane: Real = row("friction_plane", default_factory=lambda values: values["friction"])
+    restitution: Real = row("restitution")
+    stiffness: Real = row("stiffness")
+    law: LawName = row("law")
+    tangential_ratio: Real = row("tangential_ratio")
+    shear_damping: Real = row("shear_damping")
+    attraction: Literal["kept", "clipped"] = row("attraction")
+    tangential_unloading: Literal["kept", "rescaled"] = row("tangential_unloading")
+    tangential_exponent: Real = row("tangential_exponent")
+    diameter: Real = row("diameter")
+    mass: Real = row("mass")
+    diameter_spread: Real = row("diameter_spread")
+    bumps: Real = row("bumps")
+    cell: Real = row(
+        "cell", default_factory=lambda values: usual_cell(values["depth"], values["bumps"])
     )
-    friction: Real = declare(
-        0.4,
-        symbol="μ",
-        description="friction coefficient between particles",
-        equation="Walton, Sec. 2.2: |T| ≤ μ F_N",
-        id_part="friction",
-        ge=0,
-    )
-    friction_plane: Real = declare(
-        symbol="μ_p",
-        unit="1",
-        description="friction coefficient between particles and plane (omitted: friction)",
-        equation="Walton, Sec. 3",
-        ge=0,
-        default_factory=lambda values: values["friction"],
-    )
-    restitution: Real = declare(
-        0.85,
-        symbol="e",
-        description="normal coefficient of restitution, the same at every impact velocity",
-        equation="Walton, Sec. 2.1: e = √(K1/K2)",
-        id_part="restitution",
-        ge=0.001,
-        le=1,
-    )
-    stiffness: Real = declare(
-        100,
-        symbol="K1",
-        unit="N m-1",
-        description="normal stiffness in loading",
-        equation="Walton, Sec. 2.1: F_N = K1 α",
-        id_part="stiffness",
-        gt=0,
-    )
-    law: LawName = reading(
-        "walton_braun",
-        # The laws that are declared say what they are.
-        description="contact law",
-        compiled=True,
-    )
-    tangential_ratio: Real = reading(
-        0.8,
-        symbol="K0/K1",
-        description="initial tangential stiffness relative to the normal stiffness",
-        equation="Walton, Eq. 1",
-        gt=0,
-    )
-    shear_damping: Real = roles.shear_damping(
-        description="shear friction coefficient of law: drag", added=True
-    )
-    attraction: Literal["kept", "clipped"] = declare(
-        "kept",
-        description="a dashpot that would pull at the end of a contact does so, or the normal "
-        "force is then 0; the restitution is the same",
-        compiled=True,
-        added=True,
-    )
-    tangential_unloading: Literal["kept", "rescaled"] = declare(
-        "kept",
-        description="the tangential force of law: hertz stays while a contact unloads, or falls "
-        "with the stiffness of its spring",
-        compiled=True,
-        added=True,
-    )
-    tangential_exponent: Real = reading(
-        1 / 3,
-        symbol="γ",
-        description="exponent of the tangential stiffness (0: linear spring)",
-        equation="Walton, Eq. 1",
-        compiled=True,
-        ge=0,
-    )
-    diameter: Real = declare(
-        1e-3,
-        symbol="σ",
-        unit="m",
-        description="diameter of a particle",
-        equation="Walton, Sec. 3",
-        gt=0,
-    )
-    mass: Real = declare(
-        1.492e-6,
-        symbol="m",
-        unit="kg",
-        description="mass of a particle",
-        equation="Walton, Sec. 3",
-        gt=0,
-    )
-    diameter_spread: Real = declare(
-        0,
-        symbol="Δσ/σ",
-        scale="σ",
-        description="half width of the uniform distribution of diameters, which are scaled so that "
-        "the mean mass is mass (the paper: 0)",
-        equation="Walton, Sec. 3",
-        ge=0,
-        le=0.5,
-    )
-    bumps: Real = declare(
-        0,
-        symbol="d_b",
-        scale="σ",
-        description="diameter of the spheres glued to the plane (0: none)",
-        equation="Walton, Sec. 3: various degrees of roughness",
-        ge=0,
-        le=3,
-    )
-    cell: Real = numerics(
-        symbol="L",
-        scale="σ",
-        description="side of the periodic cell (omitted: 10 up to depth 10; above, 5, and 8 with "
-        "bumps)",
-        equation="Walton, Sec. 3, Figs. 1.1-1.6",
-        changes_start=True,
-        ge=3,
-        default_factory=lambda values: usual_cell(values["depth"], values["bumps"]),
-    )
-    bump_coverage: Real = declare(
-        0.4,
-        symbol="c_b",
-        description="share of the plane that the glued spheres cover, seen from above",
-        ge=0.01,
-        le=0.45,
-    )
-    bump_arrangement: Literal["random", "ordered"] = declare(
-        "random",
-        description="glued spheres lie at random places, or on a square lattice along x and y, of "
-        "as many as come nearest to the coverage",
-        equation="Walton, Sec. 3: various degrees of roughness",
-        added=True,
-    )
-    gravity: Real = roles.gravity(9.8, equation="Walton, Sec. 3")
-    initial_packing: Real = numerics(
-        0.32,
-        symbol="φ0",
-        description="packing fraction of the random initial state",
-        equation="Walton, Sec. 1: 0.4 or less",
-        ge=0.001,
-        le=0.35,
-    )
-    initial_agitation: Real = numerics(
-        0.1,
-        symbol="u0",
-        scale="√(gσ)",
-        description="root mean square of the random initial velocities",
-        equation="Walton, Sec. 1",
-        ge=0,
-    )
-    steps_per_collision: int = numerics(
-        40,
-        symbol="t_c/Δt",
-        description="time steps in one binary collision",
-        equation="t_c = (π/2) √(m/2K1) (1 + e)",
-        ge=10,
-        le=1000,
-    )
-    slice_height: Real = numerics(
-        0.25,
-        symbol="Δz",
-        scale="σ",
-        description="height of the slices of the profiles",
-        equation="Walton, Figs. 1.1-1.6",
-        ge=0.01,
-    )
-    stress_profiles: bool = roles.extra(
-        description="also keep profiles of stress, spin and slip, and how the profiles change with "
-        "time",
-        compiled=True,
-    )
-    overlap_limit: Real = numerics(
-        0.25,
-        symbol="α_lim",
-        scale="σ",
-        description="overlap at which the run stops as unphysical (0.25: half a radius)",
-        gt=0,
-        le=0.95,
-    )
-    orientations: bool = numerics(
-        True,
-        description="follow the orientations of the particles (changes no trajectory)",
-        equation="Walton, Sec. 2",
-        compiled=True,
-    )
-    threads: int = numerics(
-        1,
-        description="threads of one run (pays from some thousand particles on); the bits of the "
-        "result depend on their number",
-        ge=1,
-        le=256,
-    )
-    overlap_memory: Literal["separation", "shrink", "reset"] = reading(
-        "separation",
-        description="the largest overlap of a contact is remembered until the particles separate, "
-        "shrinks with the overlap once the force is zero, or is reset when the force is zero",
-        equation="Walton, Sec. 2.1: α0",
-        compiled=True,
-    )
-    friction_cap: Literal["before", "after"] = reading(
-        "before",
-        description="a tangential force above the friction limit is cut before or after the "
-        "tangential stiffness is evaluated",
-        equation="Walton, Sec. 2.2",
-        compiled=True,
-    )
-
-    sliding_direction: SlidingDirection = declare("printed", added=True, **SLIDING)
+    bump_coverage: Real = row("bump_coverage")
+    bump_arrangement: Literal["random", "ordered"] = row("bump_arrangement")
+    gravity: Real = row("gravity")
+    initial_packing: Real = row("initial_packing")
+    initial_agitation: Real = row("initial_agitation")
+    steps_per_collision: int = row("steps_per_collision")
+    slice_height: Real = row("slice_height")
+    stress_profiles: bool = row("stress_profiles")
+    overlap_limit: Real = row("overlap_limit")
+    orientations: bool = row("orientations")
+    threads: int = row("threads")
+    overlap_memory: Literal["separation", "shrink", "reset"] = row("overlap_memory")
+    friction_cap: Literal["before", "after"] = row("friction_cap")
+    sliding_direction: SlidingDirection = row("sliding_direction")
 
     # No numerical parameter: what two programs computed is not one flow until it is shown to be.
-    engine: EngineName = declare(
-        "talus",
-        # The engines that are declared say what they are.
-        description="program that computes the flow",
-        compiled=True,
-        added=True,
-    )
-    ranks: int = numerics(
-        1, description="processes of one run of another engine, by MPI", added=True, ge=1, le=4096
-    )
+    engine: EngineName = row("engine")
+    ranks: int = row("ranks")
 
     @classmethod
     def hint(cls, key: str, value: Any) -> str:

@@ -111,11 +111,11 @@ def _read(path: Path) -> tuple[Variable, ...]:
 def _variable(
     kind: str,
     systems: str,
-    dims: str,
-    cell_method: str,
-    part: str,
-    of: str,
-    in_datasets: str,
+    dims: str = "",
+    cell_method: str = "",
+    part: str = "",
+    of: str = "",
+    in_datasets: str = "",
     **texts: str,
 ) -> Variable:
     runs = tuple(systems.split()) or ALL
@@ -150,9 +150,8 @@ def observed(
     name: str, unit: str, meaning: str, systems: Iterable[str], asked_by: str = ""
 ) -> Variable:
     """Return the variable of an observable."""
-    texts = {"kind": OBSERVABLE, "name": name, "unit": unit, "meaning": meaning}
-    usual = dict.fromkeys(("dims", "cell_method", "part", "of", "in_datasets"), "")
-    return _variable(systems=" ".join(systems), asked_by=asked_by, **texts, **usual)
+    texts = {"name": name, "unit": unit, "meaning": meaning, "asked_by": asked_by}
+    return _variable(OBSERVABLE, " ".join(systems), **texts)
 
 
 def _load_observables() -> None:

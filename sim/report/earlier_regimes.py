@@ -22,7 +22,7 @@ def lines(study: Study, results: Path) -> list[str]:
     Runs of a length are those of the system with at most twice and at least half of it. There is
     no line where the results have none.
     """
-    series = dict.fromkeys(spec.series for spec in study.questions)
+    series = dict.fromkeys(spec.of.series for spec in study.questions)
     earlier = list(_earlier_points(results)) if series else []
     return [line for name in series if (line := _line(study, name, earlier))]
 

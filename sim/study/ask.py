@@ -4,7 +4,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
-from typing import Any
 
 from sim.base.errors import count_text
 from sim.study.calibration import CalibrateFile
@@ -15,11 +14,51 @@ from sim.study.plot_contents import name_in_words, parameter_phrase
 from sim.study.plot_kinds import Answer, FigureSpec
 from sim.study.plottable import numbers
 from sim.study.sensitivity import SensitivityFile
-from sim.study.surrogate import Place, SurrogateFile
+from sim.study.surrogate import Place, Question, SurrogateFile
 
-#: Keys of study files, with the attribute of a study that holds their questions. Those of
-#: surrogates come first, as the others are asked of them.
-_KEYS = {"surrogate": "surrogates", "sensitivity": "sensitivities", "calibrate": "calibrations"}
+#: Keys of study files with questions. Surrogates come first, as the others are asked of them.
+KEYS = ("surrogate", "sensitivity", "calibrate")
+
+#: Title and lead of each kind of picture.
+PICTURES = {
+    "section": (
+        "{What} against {x}",
+        "{What} ({meaning}) against {x_phrase}, as the {source} gives it with its 95 % band.",
+    ),
+    "surface": (
+        "{What} over {x} and {y}",
+        "{What} ({meaning}) over {x_phrase} and {y_phrase}, as the {source} gives it.",
+    ),
+    "agreement": (
+        "{What} predicted and run",
+        "{What} ({meaning}) of each run, against what the {source} predicts from all the others.",
+    ),
+    "screening": (
+        "Screening of what changes the {what}",
+        "Elementary effects of each parameter on {what} ({meaning}), from the runs of the "
+        "{source}.",
+    ),
+    "indices": (
+        "What the {what} depends on",
+        "Sobol' indices of {what} ({meaning}), from the {source}.",
+    ),
+    "interactions": (
+        "What acts together on the {what}",
+        "Second-order Sobol' indices of {what} ({meaning}), from the {source}.",
+    ),
+    "posterior": (
+        "Which {names} the measurements allow",
+        "Posterior of {names} from {count} of {what} ({meaning}), by the {source}.",
+    ),
+    "predictions": (
+        "{What} measured and calibrated",
+        "{What} ({meaning}): measurements, and what the calibrated {source} says of each.",
+    ),
+    "experiment": (
+        "The next experiment",
+        "Where a further measurement of {what} would narrow the posterior of {names}.",
+    ),
+}
 
 
 def ask(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
@@ -32,52 +71,71 @@ def ask(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
     InputError
         See `sim.study.surrogate.Question.resolve`; for a name that is taken.
     """
-    for key, attribute in _KEYS.items():
-        asked: dict[str, Any] = {}
-        entries, data = dict(study.entries), list(study.data)
+    entries, names = dict(study.entries), {name.lower() for name in (*study.entries, *FIGURES)}
+    for key in KEYS:
+        asked = set[str]()
         for path, file in files:
             families = {one.name: one for _, one in file.entries}
             for index, entry in enumerate(getattr(file, key) or []):
                 place = Place(path, f"{key}[{index}]", families)
-                if entry.name.lower() in map(str.lower, asked):
+                if entry.name.lower() in asked:
                     raise place.error("name", entry.name, f"a name that no other {key} has")
-                question = asked[entry.name] = entry.resolve(study, place)
-                data += [question.path] if isinstance(question, CalibrateFile) else []
+                asked.add(entry.name.lower())
+                question = entry.resolve(study, place)
+                study = replace(study, questions=(*study.questions, question))
                 for picture in _pictures(question):
-                    if picture.name.lower() in (*map(str.lower, entries), *map(str.lower, FIGURES)):
+                    if picture.name.lower() in names:
                         allowed = f"a name with which no other figure is called {picture.name}"
                         raise place.error("name", entry.name, allowed)
+                    names.add(picture.name.lower())
                     entries[picture.name] = picture
-        answered: dict[str, Any] = {attribute: tuple(asked.values())}
-        study = replace(study, entries=entries, data=tuple(dict.fromkeys(data)), **answered)
-    return study
+    measured = [one.path for one in study.questions if isinstance(one, CalibrateFile)]
+    data = tuple(dict.fromkeys((*study.data, *measured)))
+    return replace(study, entries=entries, data=data)
 
 
-def _pictures(question: SurrogateFile | SensitivityFile | CalibrateFile) -> Iterator[FigureSpec]:
-    observable = numbers(question.of.system)[question.of.observable]
-    what = name_in_words(observable.name), observable.meaning
+def _pictures(question: Question) -> Iterator[FigureSpec]:
+    """Yield the pictures of an answer."""
+    of, design = question.of, getattr(question, "design", None)
     match question:
         case SurrogateFile():
-            return _of_surrogate(question, *what)
+            names = [axis.name for axis in of.axes if axis.is_number]
+            yield from (_picture(question, "section", x) for x in names)
+            yield from (_picture(question, "surface", *pair) for pair in combinations(names, 2))
+            yield _picture(question, "agreement")
+        case SensitivityFile() if question.is_screening:
+            yield _picture(question, "screening", source=f"series {of.series}")
         case SensitivityFile():
-            return _of_sensitivity(question, *what)
+            source = f"surrogate {of.name}" if design is None else f"series {of.series}"
+            yield _picture(question, "indices", source=source)
+            if design is None and len(of.axes) > 1:
+                yield _picture(question, "interactions", source=source)
         case CalibrateFile():
-            return _of_calibration(question, *what)
+            words = {
+                "names": ", ".join(map(name_in_words, question.parameters)),
+                "count": count_text(len(question.values), "measurement"),
+            }
+            yield _picture(question, "posterior", **words)
+            yield _picture(question, "predictions", **words)
+            if any(len(set(one)) > 1 for one in question.conditions.values()):
+                yield _picture(question, "experiment", **words)
 
 
-def _picture(
-    question: SurrogateFile | SensitivityFile | CalibrateFile,
-    kind: str,
-    title: str,
-    lead: str,
-    ending: str = "",
-    x: str = "",
-    y: str = "",
-) -> FigureSpec:
+def _picture(question: Question, kind: str, x: str = "", y: str = "", **words: str) -> FigureSpec:
+    """Return a picture of an answer, against parameters x and y where it has these."""
     of = question.of
+    observable = numbers(of.system)[of.observable]
+    what = name_in_words(observable.name)
+    words = {"source": f"surrogate {of.name}", "meaning": observable.meaning, **words}
+    words |= {"what": what, "What": what.capitalize()}
+    for key, name in (("x", x), ("y", y)):
+        if name:
+            words[key] = name_in_words(name)
+            words[f"{key}_phrase"] = parameter_phrase(of.system, name)
+    title, lead = (text.format_map(words) for text in PICTURES[kind])
     noun = "surrogate " if isinstance(question, SurrogateFile) else ""
     return FigureSpec(
-        name=f"{question.name}-{ending or kind}",
+        name="-".join((question.name, *filter(None, (x, y)))) if x else f"{question.name}-{kind}",
         kind=kind,
         paper="",
         system=of.system,
@@ -85,60 +143,6 @@ def _picture(
         lead=lead,
         series=(of.series,),
         answer=Answer(
-            question.file,
-            of.observable,
-            numbers(of.system)[of.observable].unit,
-            of.mean_regimes,
-            question.settings,
-            x,
-            y,
+            question.file, of.observable, observable.unit, of.mean_regimes, question.settings, x, y
         ),
     )
-
-
-def _of_surrogate(question: SurrogateFile, what: str, meaning: str) -> Iterator[FigureSpec]:
-    """Yield sections, maps, and predicted against run."""
-    numeric = [axis.name for axis in question.axes if axis.is_number]
-    phrases = {name: parameter_phrase(question.system, name) for name in numeric}
-    subject, source = f"{what.capitalize()} ({meaning})", f"the surrogate {question.name}"
-    for name in numeric:
-        title = f"{what.capitalize()} against {name_in_words(name)}"
-        lead = f"{subject} against {phrases[name]}, as {source} gives it with its 95 % band."
-        yield _picture(question, "section", title, lead, name, x=name)
-    for x, y in combinations(numeric, 2):
-        title = f"{what.capitalize()} over {name_in_words(x)} and {name_in_words(y)}"
-        lead = f"{subject} over {phrases[x]} and {phrases[y]}, as {source} gives it."
-        yield _picture(question, "surface", title, lead, f"{x}-{y}", x=x, y=y)
-    lead = f"{subject} of each run, against what {source} predicts from all the others."
-    yield _picture(question, "agreement", f"{what.capitalize()} predicted and run", lead)
-
-
-def _of_sensitivity(question: SensitivityFile, what: str, meaning: str) -> Iterator[FigureSpec]:
-    of, design = question.of, question.design
-    source = f"surrogate {of.name}" if design is None else f"series {of.series}"
-    if question.is_screening:
-        lead = f"Elementary effects of each parameter on {what} ({meaning}), from the runs of the "
-        title = f"Screening of what changes the {what}"
-        yield _picture(question, "screening", title, f"{lead}{source}.")
-        return
-    lead = f"Sobol' indices of {what} ({meaning}), from the {source}."
-    yield _picture(question, "indices", f"What the {what} depends on", lead)
-    if design is None and len(of.axes) > 1:
-        title = f"What acts together on the {what}"
-        yield _picture(question, "interactions", title, f"Second-order {lead}")
-
-
-def _of_calibration(question: CalibrateFile, what: str, meaning: str) -> Iterator[FigureSpec]:
-    source = f"surrogate {question.of.name}"
-    names = ", ".join(name_in_words(name) for name in question.parameters)
-    count = count_text(len(question.values), "measurement")
-    lead = f"Posterior of {names} from {count} of {what} ({meaning}), by the {source}."
-    yield _picture(question, "posterior", f"Which {names} the measurements allow", lead)
-    lead = (
-        f"{what.capitalize()} ({meaning}): measurements, and what the calibrated {source} says of "
-        "each."
-    )
-    yield _picture(question, "predictions", f"{what.capitalize()} measured and calibrated", lead)
-    if any(len(set(one)) > 1 for one in question.conditions.values()):
-        lead = f"Where a further measurement of {what} would narrow the posterior of {names}."
-        yield _picture(question, "experiment", "The next experiment", lead)

@@ -1,10 +1,11 @@
 """Entries under ``calibrate`` of a study file: which parameters measurements allow."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field
+from pydantic_core import PydanticCustomError
 
 from sim.base.additions import plain_name
 from sim.base.errors import InputError
@@ -36,11 +37,9 @@ class CalibrateFile(Question):
 
     folder: ClassVar[str] = "calibration"
 
-    #: What `resolve` adds: the surrogate and its series; values of its other parameters at each
-    #: measurement; the measurements and their standard errors, in the unit of the observable; and
-    #: the file of them.
+    #: What `resolve` adds: the surrogate; values of its other parameters at each measurement; the
+    #: measurements and their standard errors, in the unit of the observable; and their file.
     of: ClassVar[SurrogateFile]
-    series: ClassVar[str]
     conditions: ClassVar[Mapping[str, tuple[float, ...]]]
     values: ClassVar[tuple[float, ...]]
     errors: ClassVar[tuple[float, ...]]
@@ -73,15 +72,11 @@ class CalibrateFile(Question):
     )
     surrogate_error: Real = optional(ACCEPTED_ERROR, gt=0, le=10)
 
-    @model_validator(mode="after")
-    def _require_ranges(self) -> Self:
+    def rules(self) -> Iterator[PydanticCustomError]:
         for name, ends in self.parameters.items():
-            is_pair = isinstance(ends, list) and len(ends) == 2
-            if not is_pair or not all(type(end) in (int, float) for end in ends):
-                raise broken_rule(f"parameters.{name}", ends, TWO_NUMBERS)
-            if not ends[0] < ends[1]:
-                raise broken_rule(f"parameters.{name}", ends, TWO_NUMBERS)
-        return self
+            is_pair = isinstance(ends, list) and [type(end) in (int, float) for end in ends]
+            if is_pair != [True, True] or not ends[0] < ends[1]:
+                yield broken_rule(f"parameters.{name}", ends, TWO_NUMBERS)
 
     def resolve(self, study: Any, place: Place) -> Self:
         """Return the question with its surrogate and its measurements."""
@@ -108,12 +103,7 @@ class CalibrateFile(Question):
         }
         self._require_other_columns(table, surrogate, study, place)
         return self.with_values(
-            of=surrogate,
-            series=surrogate.series,
-            conditions=conditions,
-            values=values,
-            errors=errors,
-            path=table.path,
+            of=surrogate, conditions=conditions, values=values, errors=errors, path=table.path
         )
 
     @property
@@ -123,7 +113,6 @@ class CalibrateFile(Question):
 
     @property
     def settings(self) -> tuple[Any, ...]:
-        """What it depends on besides runs; rules rerun when this changes."""
         parts = tuple(self.ranges.items()), tuple(self.conditions.items())
         own = (self.name, *parts, self.values, self.errors, self.discrepancy)
         return (*own, self.surrogate_error, self.of.settings)

@@ -4,14 +4,16 @@ import operator
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from math import ceil, isfinite, log2, sqrt
 from statistics import median
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
-from pydantic import ConfigDict, Field, TypeAdapter, ValidationError, model_validator
+from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
+from pydantic_core import PydanticCustomError
 
 from sim.base.errors import InputError
 from sim.base.messages import allowed_values
@@ -67,7 +69,7 @@ class Comparison(NamedTuple):
         return np.asarray(_COMPARISONS[self.operator](left, right))
 
 
-def parse_comparison(text: str) -> Comparison | None:
+def _comparison(text: str) -> Comparison | None:
     """Return what a text such as ``friction < 0.5`` says, None where it is no comparison."""
     if not (match := _COMPARISON.fullmatch(text)):
         return None
@@ -157,116 +159,7 @@ def axis_of(name: str, values: Iterable[Any], is_integer: bool) -> Axis:
     return Axis(name, low, high, "log" if is_log else "linear", is_integer=is_integer)
 
 
-@dataclass(frozen=True)
-class Design:
-    """Points of a series that are spread over the ranges of its axes.
-
-    Its points are a sequence: of the kinds that grow, further ones follow those of the study.
-
-    Attributes
-    ----------
-    kind : str
-        ``sobol``, ``latin_hypercube``, ``random``, ``zip``, ``saltelli`` or ``morris``.
-    axes : tuple of Axis
-        The parameters that it varies, in the order of the reference.
-    size : int
-        Number of its points in the study. Equal ones count each.
-    seed : int
-        Seed of the sequence.
-    where : tuple of Comparison
-        Conditions that all points satisfy.
-    columns : mapping
-        Values of each parameter, of ``zip`` alone.
-    parameters_at : callable
-        Function: values by parameter → parameters of the point there, under the first reading.
-    place : tuple of two str
-        Study file and key of the design, for messages.
-    """
-
-    kind: str
-    axes: tuple[Axis, ...]
-    size: int
-    seed: int
-    where: tuple[Comparison, ...]
-    parameters_at: Callable[[Mapping[str, Any]], Parameters]
-    place: tuple[str, str]
-    columns: Mapping[str, Sequence[Any]] = field(default_factory=dict)
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the parameters, in order."""
-        return tuple(axis.name for axis in self.axes)
-
-    @property
-    def grows(self) -> bool:
-        """Whether further points follow those of the study, so that more points keep these."""
-        return self.kind in GROWING
-
-    def points(self, count: int, after: int = 0) -> list[Parameters]:
-        """Return the next points of the sequence, in order; equal ones stand there each time.
-
-        Parameters
-        ----------
-        count : int
-            Number of points. Fewer come back at the end of a design that does not grow.
-        after : int
-            Number of points before them; `size` for the first ones that the study does not have.
-
-        Raises
-        ------
-        InputError
-            If too few points satisfy ``where``, or a point is not valid.
-        """
-        return [self.parameters_at(row) for row in self.rows(after + count)[after:]]
-
-    def rows(self, count: int) -> list[dict[str, Any]]:
-        """Return the values by parameter of the first ``count`` points, as `points` does."""
-        return self._draw(count)[1]
-
-    def shares(self, count: int) -> np.ndarray:
-        """Return the first ``count`` points in the unit cube, shape (count, number of axes).
-
-        Each number is the share of the distribution below the value. With the bounds [0, 1], this
-        is the sample that SALib has made for ``saltelli`` (without second order) and ``morris``
-        (of four levels). It has no columns for ``zip``.
-        """
-        return self._draw(count)[0]
-
-    def _draw(self, count: int) -> tuple[np.ndarray, list[dict[str, Any]]]:
-        shares: list[np.ndarray] = []
-        rows: list[dict[str, Any]] = []
-        drawn = 0
-        for chunk, columns in self._chunks(count if self.grows else self.size):
-            conditions = [comparison.satisfied(columns) for comparison in self.where]
-            chosen = np.flatnonzero(np.all(conditions, axis=0)) if conditions else range(len(chunk))
-            shares.append(chunk[chosen])
-            rows += [{name: values[i] for name, values in columns.items()} for i in chosen]
-            drawn += len(chunk)
-            if len(rows) >= count or (drawn >= _MIN_DRAWN and len(rows) < _MIN_SHARE * drawn):
-                break
-        if not rows or (self.grows and len(rows) < count):
-            given = [str(comparison) for comparison in self.where]
-            allowed = "conditions that at least 1 in 1,000 points of the design satisfies"
-            source, key = self.place
-            raise InputError.of_value(source, f"{key}.where", given, allowed)
-        return np.concatenate(shares)[:count], rows[:count]
-
-    def _chunks(self, count: int) -> Iterator[tuple[np.ndarray, Mapping[str, list[Any]]]]:
-        if self.columns:
-            columns = {name: list(values) for name, values in self.columns.items()}
-            yield np.empty((len(next(iter(columns.values()))), 0)), columns
-            return
-        for shares in _sequence(self.kind, len(self.axes), count, self.seed):
-            yield (
-                shares,
-                {
-                    axis.name: axis.values(column)
-                    for axis, column in zip(self.axes, shares.T, strict=True)
-                },
-            )
-
-
-def _sequence(kind: str, dimensions: int, count: int, seed: int) -> Iterator[np.ndarray]:
+def unit_points(kind: str, dimensions: int, count: int, seed: int) -> Iterator[np.ndarray]:
     """Yield points of the unit cube in order, at least ``count``; more of kinds with `where`."""
     if kind in ("sobol", "random"):
         # Sobol's first points are balanced if their number is a power of two.
@@ -318,10 +211,7 @@ class Distribution(Strict):
     """How the values of a parameter are spread: between two numbers, or over choices."""
 
     between: list[Real] = optional(
-        "lowest and highest value",
-        {"allowed": TWO_NUMBERS},
-        min_length=2,
-        max_length=2,
+        "lowest and highest value", {"allowed": TWO_NUMBERS}, min_length=2, max_length=2
     )
     scale: Literal["linear", "log"] = Field(
         "linear", description="whether values or their logarithms are evenly spread between"
@@ -334,8 +224,7 @@ class Distribution(Strict):
         min_length=2,
     )
 
-    @model_validator(mode="after")
-    def _require_one_kind(self) -> Self:
+    def rules(self) -> Iterator[PydanticCustomError]:
         given = self.model_dump(exclude_unset=True)
         if given.keys() not in (
             {"between"},
@@ -343,33 +232,33 @@ class Distribution(Strict):
             {"between", "mean", "deviation"},
             {"choices"},
         ):
-            raise broken_rule("", given, _ALLOWED_VALUES)
-        return self
-
-    @model_validator(mode="after")
-    def _require_valid_range(self) -> Self:
-        if not self.between:
-            return self
-        low, high = self.between
-        if not low < high:
-            raise broken_rule("between", self.between, TWO_NUMBERS)
-        if self.scale == "log" and low <= 0:
-            raise broken_rule("between", self.between, "two numbers > 0 where the scale is log")
-        if self.mean is not None and not low <= self.mean <= high:
-            raise broken_rule("mean", self.mean, f"a number in [{low:g}, {high:g}], as of between")
-        if self.deviation is not None and self.deviation > MOST_RANGES * (high - low):
-            allowed = f"a number <= {MOST_RANGES:g} times the range; what is wider is even"
-            raise broken_rule("deviation", self.deviation, allowed)
-        return self
-
-    @model_validator(mode="after")
-    def _require_different_choices(self) -> Self:
+            yield broken_rule("", given, _ALLOWED_VALUES)
+        if self.between:
+            low, high = self.between
+            if not low < high:
+                yield broken_rule("between", self.between, TWO_NUMBERS)
+            if self.scale == "log" and low <= 0:
+                yield broken_rule("between", self.between, "two numbers > 0 where the scale is log")
+            if self.mean is not None and not low <= self.mean <= high:
+                allowed = f"a number in [{low:g}, {high:g}], as of between"
+                yield broken_rule("mean", self.mean, allowed)
+            if self.deviation is not None and self.deviation > MOST_RANGES * (high - low):
+                allowed = f"a number <= {MOST_RANGES:g} times the range; what is wider is even"
+                yield broken_rule("deviation", self.deviation, allowed)
         choices = self.choices or []
         if not all(isinstance(value, bool | int | float | str) for value in choices) or len(
             {str(canonical_number(value)) for value in choices}
         ) < len(choices):
-            raise broken_rule("choices", choices, "a list of two different values or more")
-        return self
+            yield broken_rule("choices", choices, "a list of two different values or more")
+
+    def axis(self, name: str, is_integer: bool) -> Axis:
+        """Return the axis of a parameter that is spread like this."""
+        if self.choices:
+            axis = axis_of(name, self.choices, is_integer)
+            return replace(axis, choices=tuple(self.choices))
+        normal = None if self.mean is None else (self.mean, self.deviation)
+        low, high = self.between
+        return Axis(name, low, high, self.scale, normal=normal, is_integer=is_integer)
 
 
 def read_values(value: Any) -> Any:
@@ -395,6 +284,11 @@ class Over(Lists):
 class DesignFile(Strict):
     """Points that are spread over ranges of parameters, in place of a grid."""
 
+    #: What `expand` adds. Function: values by parameter → parameters of the point there, under the
+    #: first reading; study file and key of the design, for messages.
+    parameters_at: ClassVar[Any]
+    place: ClassVar[tuple[str, str]]
+
     kind: Literal["sobol", "latin_hypercube", "random", "zip", "saltelli", "morris"] = Field(
         description="how points are spread: `sobol` evenly, `latin_hypercube` evenly along each "
         "parameter, `random`; `zip` pairs lists; `saltelli` and `morris` for sensitivity"
@@ -410,28 +304,37 @@ class DesignFile(Strict):
         min_length=1,
     )
 
-    @model_validator(mode="after")
-    def _require_values(self) -> Self:
+    def rules(self) -> Iterator[PydanticCustomError]:
+        yield from self._wrong_values()
+        yield from self._wrong_number()
+        if self.where and self.kind not in ("sobol", "random", "zip"):
+            allowed = f"none with {self.kind}, whose points belong together"
+            yield broken_rule("where", self.where, allowed)
+        numeric = {axis.name for axis in self.axes if axis.is_number}
+        for index, text in enumerate(self.where or []):
+            comparison = _comparison(text)
+            if not comparison or not comparison.names or not numeric.issuperset(comparison.names):
+                yield broken_rule(f"where[{index}]", text, _ALLOWED_COMPARISON)
+
+    def _wrong_values(self) -> Iterator[PydanticCustomError]:
         values = self._values
         first = next(iter(values))
         for name, given in values.items():
             if self.kind != "zip":
                 spread = self._distribution(name)
-                self._require_allowed(name, spread.choices or spread.between)
+                yield from self._not_allowed(name, spread.choices or spread.between)
             elif not isinstance(given, list):
-                raise broken_rule(
+                yield broken_rule(
                     f"over.{name}",
                     given.model_dump(exclude_unset=True),
                     "a list of values, as kind is zip",
                 )
             elif len(given) != (wanted := len(values[first])):
-                raise broken_rule(f"over.{name}", given, f"{wanted} values, as {first} has")
+                yield broken_rule(f"over.{name}", given, f"{wanted} values, as {first} has")
             else:
-                self._require_allowed(name, given)
-        return self
+                yield from self._not_allowed(name, given)
 
-    def _require_allowed(self, name: str, values: Iterable[Any]) -> None:
-        """Raise where one of some values is none that the parameter may have."""
+    def _not_allowed(self, name: str, values: Iterable[Any]) -> Iterator[PydanticCustomError]:
         field = self._field(name)
         kind: Any = Annotated[(field.annotation, *field.metadata, None)]
         adapter = TypeAdapter(kind, config=ConfigDict(strict=True, allow_inf_nan=False))
@@ -441,16 +344,16 @@ class DesignFile(Strict):
             try:
                 adapter.validate_python(value)
             except ValidationError:
-                raise broken_rule(f"over.{name}", value, allowed_values(field)) from None
+                yield broken_rule(f"over.{name}", value, allowed_values(field))
 
-    @model_validator(mode="after")
-    def _require_number(self) -> Self:
+    def _wrong_number(self) -> Iterator[PydanticCustomError]:
         if self.kind == "zip":
             if self.points is not None:
-                raise broken_rule("points", self.points, "none, as the lists of zip say how many")
-            return self
+                yield broken_rule("points", self.points, "none, as the lists of zip say how many")
+            return
         if self.points is None:
-            raise broken_rule("points", None, "an integer >= 1")
+            yield broken_rule("points", None, "an integer >= 1")
+            return
         block = block_size(self.kind, len(self._values))
         blocks = max(2, self.points // block)
         match self.kind:
@@ -460,23 +363,10 @@ class DesignFile(Strict):
             case "morris":
                 fitting, factor = (blocks * block, (blocks + 1) * block), "two or more"
             case _:
-                return self
+                return
         if self.points not in fitting:
             allowed = f"{fitting[0]:,} or {fitting[1]:,}, as {block} times {factor}"
-            raise broken_rule("points", self.points, allowed)
-        return self
-
-    @model_validator(mode="after")
-    def _require_comparisons(self) -> Self:
-        if self.where and self.kind not in ("sobol", "random", "zip"):
-            allowed = f"none with {self.kind}, whose points belong together"
-            raise broken_rule("where", self.where, allowed)
-        numeric = {axis.name for axis in self.axes if axis.is_number}
-        for index, text in enumerate(self.where or []):
-            comparison = parse_comparison(text)
-            if not comparison or not comparison.names or not numeric.issuperset(comparison.names):
-                raise broken_rule(f"where[{index}]", text, _ALLOWED_COMPARISON)
-        return self
+            yield broken_rule("points", self.points, allowed)
 
     @property
     def _values(self) -> dict[str, Any]:
@@ -491,56 +381,101 @@ class DesignFile(Strict):
         except ValidationError:
             raise broken_rule(f"over.{name}", values, _ALLOWED_VALUES) from None
 
-    def _axis(self, name: str) -> Axis:
-        spread = self._distribution(name)
-        if spread.choices:
-            axis = axis_of(name, spread.choices, self._is_integer(name))
-            return replace(axis, choices=tuple(spread.choices))
-        low, high = spread.between
-        return Axis(
-            name,
-            low,
-            high,
-            spread.scale,
-            normal=None if spread.mean is None else (spread.mean, spread.deviation),
-            is_integer=self._is_integer(name),
-        )
-
     def _field(self, name: str) -> FieldInfo:
         return (self.over.parameters.model_fields | self.over.in_place)[name]
 
     def _is_integer(self, name: str) -> bool:
         return self._field(name).annotation is int
 
-    @property
+    @cached_property
     def axes(self) -> tuple[Axis, ...]:
-        """The parameters that it varies."""
-        if self.kind == "zip":
-            return tuple(
-                axis_of(name, values, self._is_integer(name))
-                for name, values in self._values.items()
-            )
-        return tuple(self._axis(name) for name in self._values)
+        """The parameters that it varies, in the order of the reference."""
+        return tuple(
+            axis_of(name, values, self._is_integer(name))
+            if self.kind == "zip"
+            else self._distribution(name).axis(name, self._is_integer(name))
+            for name, values in self._values.items()
+        )
 
     @property
     def max_points(self) -> int:
         """Number of points, those of zip that do not satisfy ``where`` included."""
         return self.points or len(next(iter(self._values.values())))
 
-    def design(
-        self, parameters_at: Callable[[Mapping[str, Any]], Parameters], place: tuple[str, str]
-    ) -> Design:
-        """Return the design; see its attributes for the arguments."""
-        comparisons = (parse_comparison(text) for text in self.where or [])
-        design = Design(
-            kind=self.kind,
-            axes=self.axes,
-            size=self.max_points,
-            seed=self.seed,
-            where=tuple(filter(None, comparisons)),
-            parameters_at=parameters_at,
-            place=place,
-            columns=self._values if self.kind == "zip" else {},
-        )
-        # Conditions leave out pairs of lists.
-        return replace(design, size=len(design.rows(design.size))) if design.columns else design
+    @cached_property
+    def size(self) -> int:
+        """Number of its points in the study. Equal ones count each."""
+        return self.points or len(self.rows(self.max_points))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters, in order."""
+        return tuple(axis.name for axis in self.axes)
+
+    @property
+    def grows(self) -> bool:
+        """Whether further points follow those of the study, so that more points keep these."""
+        return self.kind in GROWING
+
+    def sequence(self, count: int, after: int = 0) -> list[Parameters]:
+        """Return the next points of the sequence, in order; equal ones stand there each time.
+
+        Parameters
+        ----------
+        count : int
+            Number of points. Fewer come back at the end of a design that does not grow.
+        after : int
+            Number of points before them; `size` for the first ones that the study does not have.
+
+        Raises
+        ------
+        InputError
+            If too few points satisfy ``where``, or a point is not valid.
+        """
+        return [self.parameters_at(row) for row in self.rows(after + count)[after:]]
+
+    def rows(self, count: int) -> list[dict[str, Any]]:
+        """Return the values by parameter of the first ``count`` points, as `sequence` does."""
+        return self._draw(count)[1]
+
+    def shares(self, count: int) -> np.ndarray:
+        """Return the first ``count`` points in the unit cube, shape (count, number of axes).
+
+        Each number is the share of the distribution below the value. With the bounds [0, 1], this
+        is the sample that SALib has made for ``saltelli`` (without second order) and ``morris``
+        (of four levels). It has no columns for ``zip``.
+        """
+        return self._draw(count)[0]
+
+    def _draw(self, count: int) -> tuple[np.ndarray, list[dict[str, Any]]]:
+        shares: list[np.ndarray] = []
+        rows: list[dict[str, Any]] = []
+        drawn = 0
+        comparisons = [_comparison(text) for text in self.where or []]
+        for chunk, columns in self._chunks(count if self.grows else self.max_points):
+            conditions = [one.satisfied(columns) for one in comparisons if one]
+            chosen = np.flatnonzero(np.all(conditions, axis=0)) if conditions else range(len(chunk))
+            shares.append(chunk[chosen])
+            rows += [{name: values[i] for name, values in columns.items()} for i in chosen]
+            drawn += len(chunk)
+            if len(rows) >= count or (drawn >= _MIN_DRAWN and len(rows) < _MIN_SHARE * drawn):
+                break
+        if not rows or (self.grows and len(rows) < count):
+            given = [str(one) for one in comparisons]
+            allowed = "conditions that at least 1 in 1,000 points of the design satisfies"
+            source, key = self.place
+            raise InputError.of_value(source, f"{key}.where", given, allowed)
+        return np.concatenate(shares)[:count], rows[:count]
+
+    def _chunks(self, count: int) -> Iterator[tuple[np.ndarray, Mapping[str, list[Any]]]]:
+        if self.kind == "zip":
+            yield np.empty((self.max_points, 0)), self._values
+            return
+        for shares in unit_points(self.kind, len(self.axes), count, self.seed):
+            yield (
+                shares,
+                {
+                    axis.name: axis.values(column)
+                    for axis, column in zip(self.axes, shares.T, strict=True)
+                },
+            )

@@ -1,12 +1,14 @@
 """Keys of a study file, whatever their system: parameters, lists and ranges, overrides, names."""
 
 import re
+from collections.abc import Iterator
 from math import floor
 from typing import Annotated, Any, ClassVar, Self
 from unicodedata import category
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 from pydantic.fields import FieldInfo
+from pydantic_core import PydanticCustomError
 
 from sim.parameters import Parameters, canonical_number, hint_on_key
 from sim.parameters.common import Real, broken_rule
@@ -41,6 +43,16 @@ ALLOWED_NAME: dict[str, Any] = {
 
 class Strict(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+    @model_validator(mode="after")
+    def _require_rules(self) -> Self:
+        for error in self.rules():
+            raise error
+        return self
+
+    def rules(self) -> Iterator[PydanticCustomError]:
+        """Yield the errors of values that do not go together; a model adds its own."""
+        yield from ()
 
 
 def optional(
@@ -92,11 +104,9 @@ class Lists(Some):
 
     model_config = ConfigDict(json_schema_extra={"minProperties": 1})
 
-    @model_validator(mode="after")
-    def _require_one_parameter(self) -> Self:
+    def rules(self) -> Iterator[PydanticCustomError]:
         if not self.model_fields_set:
-            raise broken_rule("", {}, "at least one parameter with a list of values")
-        return self
+            yield broken_rule("", {}, "at least one parameter with a list of values")
 
 
 class Readings(Lists):
@@ -135,8 +145,10 @@ RANGE_SCHEMA: dict[str, Any] = {
 }
 
 
-def expand_range(value: Any) -> Any:
+def expand_range(value: Any, are_whole: bool = False) -> Any:
     """Return the values of a range; return any other value unchanged, for later validation.
+
+    ``are_whole`` makes whole numbers integers.
 
     >>> expand_range({"start": 0.3, "stop": 0.6, "step": 0.1})
     [0.3, 0.4, 0.5, 0.6]
@@ -164,15 +176,8 @@ def expand_range(value: Any) -> Any:
                 "step", step, f"a step from start to stop, of {MAX_VALUES} values at most"
             )
         count = floor(steps * (1 + _SLACK) + _SLACK) + 1
-    return [canonical_number(start + number * step) for number in range(count)]
-
-
-def expand_integer_range(value: Any) -> Any:
-    """Return the values of a range as `expand_range` does, whole numbers as ``int``."""
-    numbers = expand_range(value)
-    if numbers is value:
-        return value
-    return [int(number) if float(number).is_integer() else number for number in numbers]
+    numbers = [canonical_number(start + number * step) for number in range(count)]
+    return [int(one) if are_whole and float(one).is_integer() else one for one in numbers]
 
 
 def allow_range_in_schema(schema: dict[str, Any]) -> None:
@@ -206,8 +211,6 @@ class DecideFile(Strict):
         8, description="most times as long as the study has it that a run may become", ge=1, le=1000
     )
 
-    @model_validator(mode="after")
-    def _require_goal(self) -> Self:
+    def rules(self) -> Iterator[PydanticCustomError]:
         if self.claims is None and self.precision is None:
-            raise broken_rule("claims", None, "claims, precision, or both")
-        return self
+            yield broken_rule("claims", None, "claims, precision, or both")

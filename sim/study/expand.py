@@ -21,7 +21,7 @@ from sim.parameters import (
 )
 from sim.parameters.density import DENSITY
 from sim.study.catalogue import FIGURES
-from sim.study.design import Axis, Design
+from sim.study.design import Axis, DesignFile
 from sim.study.file import MAX_POINTS, BoundaryFile, SeriesFile, StudyFile
 from sim.study.model import Boundary, Point, Study
 from sim.study.refine import divide_range
@@ -45,7 +45,7 @@ def expand(files: Sequence[tuple[Path, StudyFile]]) -> Study:
     series: dict[str, tuple[str, ...]] = {}
     boundaries: list[Boundary] = []
     axes: dict[str, tuple[Axis, ...]] = {}
-    designs: dict[str, Design] = {}
+    designs: dict[str, DesignFile] = {}
     for path, file in files:
         for key, entry in file.entries:
             family = _Family(file, entry, key, str(path))
@@ -130,12 +130,13 @@ class _Family:
         return tuple(ids)
 
     @cached_property
-    def design(self) -> Design | None:
+    def design(self) -> DesignFile | None:
         """The design of a series, if it has one; its points are those under the first reading."""
         if not isinstance(self.entry, SeriesFile) or not self.entry.design:
             return None
         place = self.source, f"{self.key}.design"
-        return self.entry.design.design(self._parameters_in_design, place)
+        added = {"parameters_at": self._parameters_in_design, "place": place}
+        return self.entry.design.model_copy(update=added)
 
     def boundaries(self) -> Iterator[Boundary]:
         """Yield the boundaries, after validating both ends of their ranges; none of a series."""

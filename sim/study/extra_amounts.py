@@ -8,7 +8,7 @@ from typing import Any
 from sim.base.additions import plain_name, plugin_options
 from sim.base.files import atomic_write
 from sim.base.seals import checked_read, parse_sealed_json, to_sealed_json
-from sim.parameters import AMOUNTS, Parameters, with_larger_amounts
+from sim.parameters import Parameters, with_larger_amounts
 from sim.parameters.laws import ENGINE
 from sim.study.model import Point, Study
 
@@ -49,20 +49,10 @@ def read_extra_amounts(folder: Path) -> ExtraAmounts:
         return ExtraAmounts()
     with checked_read(path, "list of what was bought", replaceable=True):
         document = parse_sealed_json(path.read_text(encoding="utf-8"))
-        amounts = {
-            point: {name: _checked_amount(name, value) for name, value in wanted_amounts.items()}
-            for point, wanted_amounts in document["amounts"].items()
-        }
+        amounts = document["amounts"]
         # Files from before rounds were counted name none: there was one at least.
         rounds = dict.fromkeys(amounts, 1) | document.get("rounds", {})
         return ExtraAmounts(amounts, float(document["before"]), rounds)
-
-
-def _checked_amount(name: str, value: float) -> float:
-    maximum = 1000 if name == "replicates" else 1e12
-    if name not in AMOUNTS or not 0 < float(value) <= maximum:
-        raise ValueError(f"{name}: {value} is no amount of a run")
-    return float(value)
 
 
 def write_extra_amounts(folder: Path, extra: ExtraAmounts) -> None:
@@ -83,27 +73,19 @@ def with_extra_amounts(
     new_points = {
         name: replace(
             point,
-            parameters=_with_larger_amounts(point.parameters, extra.amounts.get(name, {})),
+            parameters=with_larger_amounts(point.parameters, extra.amounts.get(name, {})),
             looks=1 + extra.rounds.get(name, 0) if judged else 0,
         )
         for name, point in points.items()
     }
     for point in list(new_points.values()):
-        name, wanted_amounts = (
-            point.parameters.start_from,
-            {"replicates": point.parameters.replicates},
-        )
+        name, wanted = point.parameters.start_from, {"replicates": point.parameters.replicates}
         while name in new_points:
             source = new_points[name]
-            new_points[name] = replace(
-                source, parameters=with_larger_amounts(source.parameters, wanted_amounts)
-            )
+            larger = with_larger_amounts(source.parameters, wanted)
+            new_points[name] = replace(source, parameters=larger)
             name = source.parameters.start_from
     return new_points
-
-
-def _with_larger_amounts(parameters: Parameters, wanted_amounts: Mapping[str, float]) -> Parameters:
-    return with_larger_amounts(parameters, wanted_amounts) if wanted_amounts else parameters
 
 
 #: The engine of this program; a second opinion compares it with another one.

@@ -4,9 +4,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import chain
 from math import prod
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args
+from typing import Annotated, Any, get_args
 
-from pydantic import ConfigDict, Field, model_validator
+from pydantic import ConfigDict, Field
+from pydantic_core import PydanticCustomError
 
 from sim.base.additions import additions
 from sim.base.plugins import ALLOWED, PATTERN
@@ -14,6 +15,7 @@ from sim.parameters import AMOUNTS, SYSTEMS, Parameters
 from sim.parameters.common import TWO_NUMBERS, Real, broken_rule, sphere_volume
 from sim.parameters.density import DENSITY
 from sim.study.calibration import CalibrateFile
+from sim.study.catalogue import FIGURES
 from sim.study.design import Axis, DesignFile, axis_of
 from sim.study.entries import (
     ALLOWED_NAME,
@@ -29,13 +31,15 @@ from sim.study.entries import (
 )
 from sim.study.papers import papers
 from sim.study.plot_file import PlotFile
-from sim.study.read import PART_NAME
 from sim.study.refine import MAX_ROUNDS, PARTS, further_rounds
 from sim.study.sensitivity import SensitivityFile
 from sim.study.surrogate import SurrogateFile
 
 #: Maximum number of points of a study.
 MAX_POINTS = 100_000
+
+#: Pattern of the name of a part. A lone hyphen would be standard input.
+PART_NAME = r"^([^/\\-]|[^/\\]{2,})$"
 
 #: Names that no study may have: folders of results that hold published studies.
 _RESERVED_NAMES = ("published",)
@@ -44,14 +48,12 @@ _RESERVED_NAMES = ("published",)
 class _Family(Strict):
     """Points or boundaries of one system that share most of their parameters."""
 
-    system_of_figures: ClassVar[dict[str, str]] = {}
-
     @classmethod
     def hint(cls, key: str, value: Any) -> str:
         """Return a hint at the intended value or key, empty if there is none."""
-        if key == "figures" and isinstance(value, str) and value in cls.system_of_figures:
+        if key == "figures" and isinstance(value, str) and value in FIGURES:
             (system,) = get_args(cls.model_fields["system"].annotation)
-            return f"a figure of the {system}; {value} is one of the {cls.system_of_figures[value]}"
+            return f"a figure of the {system}; {value} is one of the {FIGURES[value].system}"
         if any(key in model.model_fields for model in SYSTEMS.values()):
             return "parameters belong under base, grid or cases"
         return ""
@@ -65,29 +67,19 @@ class _Family(Strict):
     system: str = Field(description="which of the systems")
     base: Some = optional("parameters shared by all points")
     grid: Lists = optional("one point (boundary) for every combination of the values listed")
+    overrides: list[Override] = Field([], description="changes at certain values")
 
-    if TYPE_CHECKING:
-        # The subclasses declare it, so that it follows their own keys in the reference.
-        overrides: list[Override]
-
-    @model_validator(mode="after")
-    def _require_overrides_outside_grid(self) -> Self:
+    def rules(self) -> Iterator[PydanticCustomError]:
         for key, section in self.varied.items():
             for index, override in enumerate(self.overrides):
                 for name in sorted(section.model_fields_set & override.set.model_fields_set):
                     value = getattr(override.set, name)
                     allowed = f"parameters other than {key}.{name} of the series"
-                    raise broken_rule(f"overrides[{index}].set.{name}", value, allowed)
-        return self
-
-    @model_validator(mode="after")
-    def _require_one_amount_in_grid(self) -> Self:
-        for name in sorted(self.grid.model_fields_set & AMOUNTS if self.grid else ()):
-            values = getattr(self.grid, name)
-            if len(values) > 1:
+                    yield broken_rule(f"overrides[{index}].set.{name}", value, allowed)
+        for name in sorted(AMOUNTS & self.grid_lists.keys()):
+            if len(values := self.grid_lists[name]) > 1:
                 allowed = "one value, as it makes no other point"
-                raise broken_rule(f"grid.{name}", values, allowed)
-        return self
+                yield broken_rule(f"grid.{name}", values, allowed)
 
     @property
     def varied(self) -> dict[str, Lists]:
@@ -105,17 +97,15 @@ class SeriesFile(_Family):
 
     cases: list[Some] = optional("further points, each with the parameters given", min_length=1)
     design: DesignFile = optional("points spread over ranges, in place of grid and cases")
-    overrides: list[Override] = Field([], description="changes at certain values")
     figures: list[str] = Field([], description="figures that the series feeds")
     profiles: bool = Field(True, description="whether the dataset has the profiles of its points")
 
-    @model_validator(mode="after")
-    def _require_design_alone(self) -> Self:
+    def rules(self) -> Iterator[PydanticCustomError]:
+        yield from super().rules()
         for key in ("grid", "cases"):
             if self.design and getattr(self, key):
                 allowed = f"no {key} beside it; a series has a design or a grid or cases"
-                raise broken_rule("design", "a design", allowed)
-        return self
+                yield broken_rule("design", "a design", allowed)
 
     @property
     def varied(self) -> dict[str, Lists]:
@@ -178,21 +168,16 @@ class BoundaryFile(_Family):
         json_schema_extra={"allowed": TWO_NUMBERS},
     )
     tolerance: Real = Field(description="width of the interval to find the boundary in", gt=0)
-    overrides: list[Override] = Field([], description="changes at certain values")
     figures: list[str] = Field([], description="figures that are fed")
 
-    @model_validator(mode="after")
-    def _require_valid_range(self) -> Self:
+    def rules(self) -> Iterator[PydanticCustomError]:
+        yield from super().rules()
         low, high = self.range
         if not low < high:
-            raise broken_rule("range", self.range, TWO_NUMBERS)
+            yield broken_rule("range", self.range, TWO_NUMBERS)
         if further_rounds(low, high, self.tolerance) > MAX_ROUNDS:
             finest = (high - low) / PARTS ** (MAX_ROUNDS + 1)
-            raise broken_rule("tolerance", self.tolerance, f"a number >= {1.01 * finest:.3g}")
-        return self
-
-    @model_validator(mode="after")
-    def _require_along_unset(self) -> Self:
+            yield broken_rule("tolerance", self.tolerance, f"a number >= {1.01 * finest:.3g}")
         sections = {"base": self.base, "grid": self.grid}
         sections |= {
             f"overrides[{i}].set": override.set for i, override in enumerate(self.overrides)
@@ -201,8 +186,7 @@ class BoundaryFile(_Family):
             if section and self.along in section.model_fields_set:
                 value = getattr(section, self.along)
                 allowed = f"parameters other than {self.along}, which the boundary is along"
-                raise broken_rule(f"{path}.{self.along}", value, allowed)
-        return self
+                yield broken_rule(f"{path}.{self.along}", value, allowed)
 
     @property
     def max_points(self) -> int:
@@ -279,54 +263,38 @@ class StudyFile(Strict):
         min_length=1,
     )
 
-    @model_validator(mode="after")
-    def _require_unreserved_name(self) -> Self:
+    def rules(self) -> Iterator[PydanticCustomError]:
         if self.study in _RESERVED_NAMES:
             allowed = f"a name other than {', '.join(_RESERVED_NAMES)}, where published studies lie"
-            raise broken_rule("study", self.study, allowed)
+            yield broken_rule("study", self.study, allowed)
         require_printable(self.title)
-        return self
-
-    @model_validator(mode="after")
-    def _require_points(self) -> Self:
         if not self.series and not self.boundaries and not self.parts:
-            raise broken_rule("series", None, "at least one series, boundaries, or parts")
-        return self
-
-    @model_validator(mode="after")
-    def _require_known_claims(self) -> Self:
-        claims = (self.decide and self.decide.claims) or []
-        if set(claims) <= {"all"}:
-            return self
-        ids = [[claim["id"] for claim in paper.claims] for paper in papers().values()]
-        names = {"all", *chain(*ids), *additions(JUDGE)}
-        for index, name in enumerate(claims):
-            if name not in names:
-                ranges = ", ".join(f"{one[0]} to {one[-1]}" for one in ids if one)
-                allowed = f"{ranges}, all, or the name of a judge of a plug-in"
-                raise broken_rule(f"decide.claims[{index}]", name, allowed)
-        return self
-
-    @model_validator(mode="after")
-    def _require_distinct_names(self) -> Self:
-        names: set[str] = set()
+            yield broken_rule("series", None, "at least one series, boundaries, or parts")
+        yield from self._unknown_claims()
+        names, total = set[str](), 0
         for key, entry in self.entries:
             if entry.name in names:
-                raise broken_rule(f"{key}.name", entry.name, "a name that no other series has")
+                yield broken_rule(f"{key}.name", entry.name, "a name that no other series has")
             names.add(entry.name)
-        return self
-
-    @model_validator(mode="after")
-    def _require_feasible_number(self) -> Self:
-        total = 0
         for key, entry in self.entries:
             lists = self.reading_lists(entry.system) if isinstance(entry, SeriesFile) else {}
             total += prod(map(len, lists.values())) * entry.max_points
             if total > MAX_POINTS:
                 allowed = f"at most {MAX_POINTS:,} points in the study"
                 section = "design" if getattr(entry, "design", None) else "grid"
-                raise broken_rule(f"{key}.{section}", f"{total:,} points", allowed)
-        return self
+                yield broken_rule(f"{key}.{section}", f"{total:,} points", allowed)
+
+    def _unknown_claims(self) -> Iterator[PydanticCustomError]:
+        claims = (self.decide and self.decide.claims) or []
+        if set(claims) <= {"all"}:
+            return
+        ids = [[claim["id"] for claim in paper.claims] for paper in papers().values()]
+        names = {"all", *chain(*ids), *additions(JUDGE)}
+        for index, name in enumerate(claims):
+            if name not in names:
+                ranges = ", ".join(f"{one[0]} to {one[-1]}" for one in ids if one)
+                allowed = f"{ranges}, all, or the name of a judge of a plug-in"
+                yield broken_rule(f"decide.claims[{index}]", name, allowed)
 
     @property
     def entries(self) -> Iterator[tuple[str, SeriesFile | BoundaryFile]]:

@@ -1,13 +1,17 @@
 """Load a study: read, validate, expand, feed and ask its file; and its points as a table."""
 
+import re
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from sim.base.errors import InputError
 from sim.base.files import require_writable
+from sim.base.plugins import PATTERN as PLUGIN_NAME
+from sim.base.plugins import load
+from sim.base.yaml import read_yaml
 from sim.parameters import complete_values
 from sim.parameters.density import doubts_of
 from sim.study.ask import ask
@@ -15,9 +19,9 @@ from sim.study.cost import estimate
 from sim.study.expand import expand
 from sim.study.extra_amounts import read_extra_amounts, with_extra_amounts
 from sim.study.feed import feed
+from sim.study.file import PART_NAME
 from sim.study.model import Boundary, Point, Study
 from sim.study.paper_values import paper_values
-from sim.study.read import Document, read, with_parts
 from sim.study.validate import validate
 
 if TYPE_CHECKING:
@@ -29,9 +33,7 @@ __all__ = ["Boundary", "Point", "Study", "load_study", "parse_study", "points"]
 DEFAULT_STUDY = Path("config/quick.yaml")
 
 
-def load_study(
-    path: str | Path, results: str | Path | None = "results", plugins: bool = True
-) -> Study:
+def load_study(path: str | Path, results: str | Path | None = "results") -> Study:
     """Return the study that a study file describes.
 
     Parameters
@@ -41,46 +43,56 @@ def load_study(
     results : str, Path or None
         Folder of the study's own folder of results, which must be writable. ``None`` if nothing
         will be written.
-    plugins : bool
-        Whether to load the plug-ins that the study names, which runs their code. It should be false
-        if the path of the study comes from a folder of results.
 
     Raises
     ------
     InputError
         For any mistake that prevents the study from being run as written.
     """
-    documents = read(path, plugins)
-    return _study(documents, results)
+    return parse_study(read_yaml(path), path, results)
 
 
-def parse_study(
-    mapping: Any, path: str | Path, results: str | Path | None = "results", plugins: bool = True
-) -> Study:
+def parse_study(mapping: Any, path: str | Path, results: str | Path | None = "results") -> Study:
     """Return the study that ``mapping``, read from ``path``, describes.
 
     See `load_study`.
     """
-    documents = with_parts(mapping, Path(path), plugins)
-    return _study(documents, results)
-
-
-def _study(documents: list[Document], results: str | Path | None) -> Study:
+    documents = [(Path(path), mapping), *_parts(mapping, Path(path))]
+    loaded = [
+        plugin
+        for place, contents in documents
+        for plugin in load(
+            _names(contents, "plugins", PLUGIN_NAME), place.parent, f"{place}: plugins"
+        )
+    ]
     files = validate(documents)
-    study = expand(files)
-    study = ask(feed(study, files), files)
+    study = ask(feed(expand(files), files), files)
     if results is not None:
         folder = Path(results) / study.name
         require_writable(folder, f"{study.path}: study")
         if study.decide:
-            points = with_extra_amounts(
-                study.points,
-                read_extra_amounts(folder),
-                judged=study.decide.claims is not None,
-            )
-            study = replace(study, points=points)
-    plugins = dict.fromkeys(plugin for document in documents for plugin in document.plugins)
-    return replace(study, plugins=tuple(plugins))
+            extra, judged = read_extra_amounts(folder), study.decide.claims is not None
+            study = replace(study, points=with_extra_amounts(study.points, extra, judged))
+    return replace(study, plugins=tuple(dict.fromkeys(loaded)))
+
+
+def _parts(contents: Any, path: Path) -> Iterator[tuple[Path, Any]]:
+    """Yield path and contents of each part that a study file names."""
+    for index, name in enumerate(_names(contents, "parts", PART_NAME)):
+        try:
+            yield path.parent / name, read_yaml(path.parent / name)
+        except InputError as error:
+            raise InputError(f"{path}: parts[{index}]: {error}") from None
+
+
+def _names(contents: Any, key: str, pattern: str) -> list[str]:
+    """Return the names under a key, none if one is malformed, which `validate` refuses then."""
+    names = contents.get(key) if isinstance(contents, dict) else None
+    if isinstance(names, list) and all(
+        isinstance(name, str) and re.match(pattern, name) for name in names
+    ):
+        return names
+    return []
 
 
 def points(study: str | Path | Mapping[str, Any]) -> "pd.DataFrame":

@@ -9,13 +9,11 @@ from typing import Any, NamedTuple
 
 from sim.base.additions import Plugin
 from sim.parameters import Parameters
-from sim.study.calibration import CalibrateFile
-from sim.study.design import Axis, Design
+from sim.study.design import Axis, DesignFile
 from sim.study.entries import DecideFile
 from sim.study.plot_kinds import FigureSpec, Shown
 from sim.study.refine import further_rounds
-from sim.study.sensitivity import SensitivityFile
-from sim.study.surrogate import MOST_ROUNDS, SurrogateFile
+from sim.study.surrogate import MOST_ROUNDS, Question, SurrogateFile
 
 
 class Need(NamedTuple):
@@ -112,12 +110,8 @@ class Study:
         The plug-ins that it and its parts name.
     data : tuple of Path
         CSV files of data from elsewhere that it names.
-    surrogates : tuple of SurrogateFile
-        Its surrogates.
-    sensitivities : tuple of SensitivityFile
-        What it asks on how much parameters matter.
-    calibrations : tuple of CalibrateFile
-        What it asks on which parameters measurements allow.
+    questions : tuple of Question
+        What is answered from the dataset: surrogates, sensitivities, calibrations.
     """
 
     name: str
@@ -127,15 +121,13 @@ class Study:
     series: dict[str, tuple[str, ...]]
     boundaries: tuple[Boundary, ...]
     axes: Mapping[str, tuple[Axis, ...]] = field(default_factory=dict)
-    designs: Mapping[str, Design] = field(default_factory=dict)
+    designs: Mapping[str, DesignFile] = field(default_factory=dict)
     entries: dict[str, FigureSpec] = field(default_factory=dict)
     readings: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
     decide: DecideFile | None = None
     plugins: tuple[Plugin, ...] = ()
     data: tuple[Path, ...] = ()
-    surrogates: tuple[SurrogateFile, ...] = ()
-    sensitivities: tuple[SensitivityFile, ...] = ()
-    calibrations: tuple[CalibrateFile, ...] = ()
+    questions: tuple[Question, ...] = ()
 
     @cached_property
     def figures(self) -> dict[str, tuple[str, ...]]:
@@ -166,9 +158,9 @@ class Study:
         return self.files[0]
 
     @property
-    def questions(self) -> tuple[SurrogateFile | SensitivityFile | CalibrateFile, ...]:
-        """What is answered from the dataset, in this order."""
-        return *self.surrogates, *self.sensitivities, *self.calibrations
+    def surrogates(self) -> tuple[SurrogateFile, ...]:
+        """Its surrogates."""
+        return tuple(one for one in self.questions if isinstance(one, SurrogateFile))
 
     @property
     def rounds(self) -> int:

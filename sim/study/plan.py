@@ -1,5 +1,6 @@
 """The plan of a workflow: which points of a study it runs, in which jobs, and at which cost."""
 
+import hashlib
 import json
 import os
 from collections import defaultdict
@@ -7,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from operator import attrgetter
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from filelock import FileLock, Timeout
 
@@ -16,32 +17,7 @@ from sim.base.files import age, atomic_write, lock_of, read_regular
 from sim.parameters import RUN_FILE, Parameters, canonical_json
 from sim.parameters.laws import engine_of
 from sim.study.cost import Estimate, estimate, plan_batches
-from sim.study.load import load_study
 from sim.study.model import Need, Study
-
-
-class RunFiles(Protocol):
-    """Functions that say how much run files hold: the module `sim.engine.stored_run`."""
-
-    def has_enough(self, path: Path, parameters: Parameters, need: Need | None) -> bool: ...
-    def needs_growth(self, path: Path, parameters: Parameters, need: Need | None) -> bool: ...
-    def is_reduced(self, path: Path, parameters: Parameters) -> bool: ...
-    def planned_amounts(
-        self, path: Path, parameters: Parameters, need: Need | None
-    ) -> dict[str, float]: ...
-    def starts_to_run(
-        self, runs: Path, points: Mapping[str, Parameters], need: Callable[[str], Need]
-    ) -> set[str]: ...
-
-
-class SharedRuns(Protocol):
-    """Functions that take runs of other studies: the module `sim.engine.shared_runs`."""
-
-    def find_runs(
-        self, runs: Path, points: Mapping[str, Parameters], need: Callable[[str], Need | None]
-    ) -> dict[str, Any]: ...
-    def take_runs(self, runs: Path, shared: Mapping[str, Any]) -> set[str]: ...
-    def describe(self, shared: Iterable[Any]) -> str: ...
 
 
 class Plan:
@@ -53,13 +29,13 @@ class Plan:
         The study.
     folder : Path
         Its results.
-    run_files : RunFiles
-        How much run files hold.
+    run_files : module
+        What says how much run files hold: `sim.engine.stored_run`.
     read_round : callable
         Function: file of a round of refinement → points that it adds, by id.
-    shared_runs : SharedRuns, optional
-        Runs of other studies, which are taken where points lack a large enough run file here. They
-        count as run files of this study, also before `take_shared` is called.
+    shared_runs : module, optional
+        What takes runs of other studies, `sim.engine.shared_runs`, where points lack a large enough
+        run file here. They count as run files of this study, also before `take_shared` is called.
 
     Raises
     ------
@@ -71,9 +47,9 @@ class Plan:
         self,
         study: Study,
         folder: Path,
-        run_files: RunFiles,
+        run_files: Any,
         read_round: Callable[[Path], Mapping[str, Parameters]],
-        shared_runs: SharedRuns | None = None,
+        shared_runs: Any = None,
     ):
         self.study, self.folder = study, folder
         self._run_files, self._read_round = run_files, read_round
@@ -92,7 +68,8 @@ class Plan:
         #: Points of each round by its file and when that was written.
         self._rounds: dict[tuple[Path, int], Mapping[str, Parameters]] = {}
         self._owner, self._batches = folder / ".study", folder / "runs" / ".batches"
-        self._own_path = os.fsencode(study.path.resolve())
+        points_code = hashlib.sha256(" ".join(sorted(study.points)).encode()).hexdigest()
+        self._own_note = os.fsencode(study.path.resolve()) + b"\n" + points_code.encode()
 
     def parameters(self, point: str) -> Parameters:
         """Return the parameters of a point, from the study or any round of refinement."""
@@ -250,7 +227,7 @@ class Plan:
             raise InputError(f"{self.folder}: cannot be locked: its workflow is running") from None
         except OSError:
             pass  # no locks on this file system
-        notes = {self._owner: self._own_path, self._batches: json.dumps(batches).encode()}
+        notes = {self._owner: self._own_note, self._batches: json.dumps(batches).encode()}
         for path, content in notes.items():
             with atomic_write(path) as temporary:
                 temporary.write_bytes(content)
@@ -315,7 +292,7 @@ class Plan:
     def questions(self) -> list[tuple[Any, ...]]:
         """Settings of the questions of the study; rules rerun when they change."""
         return [
-            (one.settings, self.points_json(self.study.series[one.series][:1]))
+            (one.settings, self.points_json(self.study.series[one.of.series][:1]))
             for one in self.study.questions
         ]
 
@@ -336,14 +313,13 @@ class Plan:
         points and keep all others; the rest of the folder follows the study file that was run last.
         """
         # A damaged note names no study; the workflow rewrites it.
-        with suppress(OSError, InputError, ValueError):
-            path = read_regular(self._owner)
-            if path == self._own_path:
-                return ""
-            other = load_study(os.fsdecode(path), plugins=False)
-            if other.name == self.study.name and set(other.points) != set(self.study.points):
+        with suppress(OSError, ValueError):
+            notes = read_regular(self._owner), self._own_note
+            (path, points), (own_path, own_points) = (one.rsplit(b"\n", 1) for one in notes)
+            other = Path(os.fsdecode(path))
+            if path != own_path and points != own_points and other.is_file():
                 return (
                     f"warning: {self.study.path}: study: {self.study.name} is also the name of "
-                    f"{other.path}; dataset, figures and report will be those of the former"
+                    f"{other}; dataset, figures and report will be those of the former"
                 )
         return ""

@@ -31,7 +31,7 @@ def schema() -> dict[str, Any]:
 
     A file with ``system`` at its top level is a point; any other file is a study.
     """
-    models: tuple[type[BaseModel], ...] = (file_models().study, *SYSTEMS.values())
+    models: tuple[type[BaseModel], ...] = (file_models()[0], *SYSTEMS.values())
     _, definitions = models_json_schema([(model, "validation") for model in models])
     references: list[dict[str, Any]] = [{"$ref": f"#/$defs/{model.__name__}"} for model in models]
     study, point, *others = references
@@ -57,10 +57,10 @@ def schema_text() -> str:
 def reference_text() -> str:
     """Return the reference of all keys and parameters as Markdown."""
     # The entries have the same keys in every system, so the first one stands for all.
-    file = file_models()
-    entries = next(iter(file.systems.values()))
+    study, systems = file_models()
+    entries = next(iter(systems.values()))
     models: dict[str, type[BaseModel]] = {
-        "a study": file.study,
+        "a study": study,
         "a series": entries.series,
         "a design": DesignFile,
         "the values of a parameter in a design": Distribution,

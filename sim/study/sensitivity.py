@@ -1,12 +1,13 @@
 """Entries under ``sensitivity`` of a study file: what matters."""
 
+from collections.abc import Iterator
 from typing import Any, ClassVar, Self
 
-from pydantic import model_validator
+from pydantic_core import PydanticCustomError
 
 from sim.parameters.common import Real, broken_rule
 from sim.parameters.density import DENSITY
-from sim.study.design import Design, block_size
+from sim.study.design import DesignFile, block_size
 from sim.study.entries import optional
 from sim.study.plottable import find_observable
 from sim.study.surrogate import (
@@ -33,7 +34,7 @@ class SensitivityFile(Question):
     #: What `resolve` adds: the surrogate, or what one of the series would be; and the design of the
     #: series whose runs are analysed.
     of: ClassVar[SurrogateFile]
-    design: ClassVar[Design | None] = None
+    design: ClassVar[DesignFile | None] = None
 
     name: str = name_field("answer", "among sensitivities")
     surrogate: str = optional("surrogate whose observable is explained")
@@ -48,23 +49,21 @@ class SensitivityFile(Question):
     )
     surrogate_error: Real = optional(f"of a surrogate: {ACCEPTED_ERROR}", gt=0, le=10)
 
-    @model_validator(mode="after")
-    def _require_one_source(self) -> Self:
+    def rules(self) -> Iterator[PydanticCustomError]:
         if self.surrogate is None and self.series is None:
-            raise broken_rule("surrogate", None, "the name of a surrogate, or series: a series")
+            yield broken_rule("surrogate", None, "the name of a surrogate, or series: a series")
         for key in ("series", "observable", "regimes") if self.surrogate is not None else ():
             if (value := getattr(self, key)) is not None:
-                raise broken_rule(key, value, "none with surrogate, which has its own")
+                yield broken_rule(key, value, "none with surrogate, which has its own")
         if self.surrogate is None and (value := self.surrogate_error) is not None:
             rule = "none with series, whose runs need no surrogate"
-            raise broken_rule("surrogate_error", value, rule)
-        return self
+            yield broken_rule("surrogate_error", value, rule)
 
     def resolve(self, study: Any, place: Place) -> Self:
         """Return the question with its surrogate, or with the design of its series."""
         if self.surrogate is not None:
             of = surrogate_named(self.surrogate, study, place)
-            return self.with_values(of=of, series=of.series)
+            return self.with_values(of=of)
         name = self.series
         design = study.designs.get(name)
         if design is None or design.kind not in ("saltelli", "morris"):
@@ -92,6 +91,5 @@ class SensitivityFile(Question):
 
     @property
     def settings(self) -> tuple[Any, ...]:
-        """What it depends on besides runs; rules rerun when this changes."""
         own = (self.design.kind, self.design.size, self.design.seed) if self.design else ()
         return (self.name, *own, self.surrogate_error, self.of.settings)

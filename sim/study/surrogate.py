@@ -6,14 +6,15 @@ from itertools import islice, takewhile
 from pathlib import Path
 from typing import Any, ClassVar, Literal, NamedTuple, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field
+from pydantic_core import PydanticCustomError
 
 from sim.base.errors import Allowed, InputError
 from sim.base.messages import did_you_mean
 from sim.parameters import NUMERICAL, Parameters, point_id
 from sim.parameters.common import Real, broken_rule
 from sim.parameters.forms import require_observables
-from sim.study.design import Axis, Design
+from sim.study.design import Axis, DesignFile
 from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional
 from sim.study.plottable import find_observable, numbers, require_stored
 
@@ -76,15 +77,21 @@ class Question(Strict):
         Its name, and that of the file of its answer.
     of : SurrogateFile
         The surrogate that it is asked of, or what one of its series would be.
-    series : str
-        Series whose runs answer it.
     """
 
     name: str
 
+    #: What `resolve` adds.
+    of: ClassVar[Any]
+
     #: Folder of its answer in the results of a study, and ending of the file.
     folder: ClassVar[str]
     ending: ClassVar[str] = ".nc"
+
+    @property
+    def settings(self) -> tuple[Any, ...]:
+        """What it depends on besides runs; rules rerun when this changes."""
+        raise NotImplementedError
 
     def resolve(self, study: Any, place: Place) -> Self:
         """Return the question with what it is about in a `sim.study.model.Study`.
@@ -126,7 +133,7 @@ class SurrogateFile(Question):
     #: whose further points are those of rounds; and the figures of papers that these feed.
     system: ClassVar[str]
     axes: ClassVar[tuple[Axis, ...]]
-    design: ClassVar[Design | None]
+    design: ClassVar[DesignFile | None]
     figures: ClassVar[tuple[str, ...]]
 
     name: str = name_field("surrogate", "in the study")
@@ -147,18 +154,16 @@ class SurrogateFile(Question):
     budget: Real = optional("core hours that rounds may add, of processor time", gt=0, le=1e6)
     batch: int = Field(4, description="points that a round adds", ge=1, le=1000)
 
-    @model_validator(mode="after")
-    def _require_error_and_budget(self) -> Self:
+    def rules(self) -> Iterator[PydanticCustomError]:
         for key, other in (("error", "budget"), ("budget", "error")):
             if getattr(self, key) is None and getattr(self, other) is not None:
-                raise broken_rule(key, None, f"a number, as {other} is given: rounds need both")
-        return self
+                yield broken_rule(key, None, f"a number, as {other} is given: rounds need both")
 
     def about(
         self,
         system: str,
         axes: tuple[Axis, ...],
-        design: Design | None = None,
+        design: DesignFile | None = None,
         figures: tuple[str, ...] = (),
     ) -> Self:
         """Return the surrogate of points of a system that vary some parameters."""
@@ -224,7 +229,7 @@ class SurrogateFile(Question):
         """Yield the points of the design beyond those of the study file, in order, with ids."""
         assert self.design, "only a design goes on"
         for start in range(0, MOST_POINTS, _CHUNK):
-            for point in self.design.points(_CHUNK, after=self.design.size + start):
+            for point in self.design.sequence(_CHUNK, after=self.design.size + start):
                 yield point_id(point), point
 
     def added_points(self, so_far: Container[str]) -> dict[str, Parameters]:

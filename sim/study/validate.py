@@ -1,7 +1,7 @@
 """Second step of a study: validate what was read by the models of its systems and figures."""
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
-from functools import cache, reduce
+from collections.abc import Collection, Sequence
+from functools import cache, partial, reduce
 from operator import or_
 from pathlib import Path
 from types import GenericAlias
@@ -22,12 +22,10 @@ from sim.study.entries import (
     Some,
     Strict,
     allow_range_in_schema,
-    expand_integer_range,
     expand_range,
     optional,
 )
 from sim.study.file import BoundaryFile, SeriesFile, StudyFile
-from sim.study.read import Document
 
 #: Description of the key ``of`` in the first system, whose models the reference shows.
 _OF_DESCRIPTION = (
@@ -58,8 +56,7 @@ def _system_models(system: str) -> SystemModels:
         for name, field in model.model_fields.items()
         if field.annotation is float and name not in excluded
     ]
-    system_of_figures = {name: spec.system for name, spec in FIGURES.items()}
-    figures = [name for name in FIGURES if system_of_figures[name] == system]
+    figures = [name for name, spec in FIGURES.items() if spec.system == system]
     values, lists = _with_parameters(Some, system), _with_parameters(Lists, system)
     readings = _with_parameters(Readings, system, roles.reading_parameters(model))
     override = _with_field_types(
@@ -95,7 +92,6 @@ def _system_models(system: str) -> SystemModels:
         shared | {"of": Literal[model.boundaries], "along": Literal[tuple(numbers)]},
         **({"of": Field(description=_OF_DESCRIPTION)} if system == first else {}),
     )
-    series.system_of_figures = boundary.system_of_figures = system_of_figures
     return SystemModels(values, readings, override, series, boundary)
 
 
@@ -117,7 +113,7 @@ def _with_parameters(base: type[Some], system: str, names: Collection[str] | Non
             if issubclass(base, Over):
                 value = Annotated[list[Any] | Distribution, BeforeValidator(read_values)]
             elif parameter.annotation in (int, float):
-                expand = expand_integer_range if parameter.annotation is int else expand_range
+                expand = partial(expand_range, are_whole=parameter.annotation is int)
                 value = Annotated[value, BeforeValidator(expand)]
                 field = Field(
                     None, description=parameter.description, json_schema_extra=allow_range_in_schema
@@ -148,79 +144,51 @@ def _list_type(kind: Any) -> Any:
     return GenericAlias(list, (kind,))
 
 
-def _union_type(kinds: Iterable[type[BaseModel]]) -> Any:
-    return Annotated[reduce(or_, kinds), Field(discriminator="system")]
-
-
-def _system_fields(
-    systems: Mapping[str, SystemModels], kind: str, description: str
-) -> dict[str, Any]:
-    """Return an optional field for each system, whose type is one of its `SystemModels`.
-
-    ``kind`` names that model; ``description`` has a placeholder for the system.
-    """
-    return {
-        system: (getattr(models, kind), optional(description.format(system)))
-        for system, models in systems.items()
-    }
-
-
-class FileModels(NamedTuple):
-    """Models of study files: of each system, of the keys that all systems share, of the whole."""
-
-    systems: dict[str, SystemModels]
-    defaults: type[Strict]
-    readings: type[Strict]
-    study: type[StudyFile]
-
-
-def file_models() -> FileModels:
-    """Return the models of study files, with what plug-ins have added so far."""
+def file_models() -> tuple[type[StudyFile], dict[str, SystemModels]]:
+    """Return the models of study files and of their parts, with what plug-ins have added so far."""
     return _build_file_models(tuple(SYSTEMS.values()), tuple(FIGURES))
 
 
 @cache
 def _build_file_models(
     parameters: tuple[type[Parameters], ...], figures: tuple[str, ...]
-) -> FileModels:
+) -> tuple[type[StudyFile], dict[str, SystemModels]]:
     """Return the models for the present `SYSTEMS` and `FIGURES`: the key of the cache."""
     systems = {system: _system_models(system) for system in SYSTEMS}
-    defaults = create_model(
-        "Defaults",
-        __base__=Strict,
-        __doc__="Parameters shared by all series of a system.",
-        **_system_fields(systems, "parameters", "shared by all series of the {}"),
-    )
-    readings = create_model(
-        "SharedReadings",
-        __base__=Strict,
-        __doc__="Readings of the papers under which all series of a system are run.",
-        **_system_fields(
-            systems,
-            "readings",
-            "of the {}: every combination; figures and boundaries take the first",
-        ),
-    )
-    fields = StudyFile.model_fields
+
+    def of_systems(name: str, key: str, kind: str, doc: str, description: str) -> Any:
+        """Return the declaration of a key with a part for each system, all optional."""
+        parts: dict[str, Any] = {
+            system: (getattr(models, kind), optional(description.format(system)))
+            for system, models in systems.items()
+        }
+        model = create_model(name, __base__=Strict, __doc__=doc, **parts)
+        return model, Field(model(), description=StudyFile.model_fields[key].description)
+
+    def list_of(kind: str) -> Any:
+        models = reduce(or_, (getattr(one, kind) for one in systems.values()))
+        return _list_type(Annotated[models, Field(discriminator="system")])
+
+    fields, shared = StudyFile.model_fields, "shared by all series of the {}"
     types: dict[str, Any] = {
         "figures": (_list_type(Literal[figures]), fields["figures"]),
-        "defaults": (defaults, Field(defaults(), description=fields["defaults"].description)),
-        "readings": (readings, Field(readings(), description=fields["readings"].description)),
-        "series": (
-            _list_type(_union_type(models.series for models in systems.values())),
-            fields["series"],
+        "defaults": of_systems(
+            *("Defaults", "defaults", "parameters"),
+            *("Parameters shared by all series of a system.", shared),
         ),
-        "boundaries": (
-            _list_type(_union_type(models.boundary for models in systems.values())),
-            fields["boundaries"],
+        "readings": of_systems(
+            *("SharedReadings", "readings", "readings"),
+            "Readings of the papers under which all series of a system are run.",
+            "of the {}: every combination; figures and boundaries take the first",
         ),
+        "series": (list_of("series"), fields["series"]),
+        "boundaries": (list_of("boundary"), fields["boundaries"]),
     }
     doc = "A study: series of points, boundaries to be found, and the figures they feed."
-    study = create_model("StudyFile", __base__=StudyFile, __doc__=doc, **types)
-    return FileModels(systems, defaults, readings, study)
+    return create_model("StudyFile", __base__=StudyFile, __doc__=doc, **types), systems
 
 
-def validate(documents: Sequence[Document]) -> list[tuple[Path, StudyFile]]:
+def validate(documents: Sequence[tuple[Path, Any]]) -> list[tuple[Path, StudyFile]]:
     """Return the path and the model of each file of a study.
 
     Raises
@@ -229,12 +197,12 @@ def validate(documents: Sequence[Document]) -> list[tuple[Path, StudyFile]]:
         With the file, the key, its value and the allowed values. Also if two files have a series
         of the same name, or a part has parts of its own.
     """
-    source, parts = documents[0].path, documents[1:]
-    for index, part in enumerate(parts):
-        if isinstance(part.contents, dict) and "parts" in part.contents:
+    (source, _), *parts = documents
+    for index, (path, contents) in enumerate(parts):
+        if isinstance(contents, dict) and "parts" in contents:
             allowed = "a study without parts of its own"
-            raise InputError.of_value(source, f"parts[{index}]", part.path.name, allowed)
-    files = [(document.path, _validate_file(document)) for document in documents]
+            raise InputError.of_value(source, f"parts[{index}]", path.name, allowed)
+    files = [(path, _validate_file(path, contents)) for path, contents in documents]
     names: set[str] = set()
     for number, (path, file) in enumerate(files):
         for _, entry in file.entries:
@@ -246,9 +214,9 @@ def validate(documents: Sequence[Document]) -> list[tuple[Path, StudyFile]]:
     return files
 
 
-def _validate_file(document: Document) -> StudyFile:
-    model = file_models().study
+def _validate_file(path: Path, contents: Any) -> StudyFile:
+    model, _ = file_models()
     try:
-        return model.model_validate(document.contents)
+        return model.model_validate(contents)
     except ValidationError as error:
-        raise input_error(error, model, str(document.path)) from None
+        raise input_error(error, model, str(path)) from None

@@ -6,14 +6,19 @@ line of the terminal, a picture with caption and data, the head of a report, the
 """
 
 import csv
-from collections.abc import Mapping, Sequence
+import hashlib
+import io
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sim.base.errors import count_text, percent, printable
-from sim.base.seals import read_summary
+from sim.base.errors import InputError, count_text, percent
+from sim.base.files import atomic_write, read_regular
+from sim.base.seals import append_summary, checked_read, is_damaged, read_summary, seal
+from sim.study.model import Study
 from sim.study.surrogate import LARGE_ERROR, SLOWING
 
 if TYPE_CHECKING:
@@ -21,14 +26,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from sim.study.design import Axis
-import hashlib
-import io
-from typing import TYPE_CHECKING
-
-from sim.base.errors import InputError
-from sim.base.files import atomic_write, read_regular
-from sim.base.seals import append_summary, checked_read, is_damaged, seal
-from sim.study.model import Study
 
 #: Key of the caveats in the summary of a file, and heading of their column in a table.
 KEY = "caveats"
@@ -54,9 +51,6 @@ EVEN = 0.5
 #: Shares of ranges or posterior without such a flow, and of the variance of runs that is noise,
 #: from which on they are told.
 _MUCH_ABSENT, _MUCH_NOISE = 0.01, 0.05
-
-#: Most letters of the caveats in a file: one from elsewhere may have a million.
-_LONGEST = 4000
 
 
 def caveats_of_mean(
@@ -236,15 +230,10 @@ def caveats_in(path: Path) -> tuple[str, ...]:
     """
     if not path.is_file():
         return ()
-    if path.suffix == ".csv":
-        with path.open(encoding="utf-8", errors="replace", newline="") as file:
-            row = next(csv.DictReader(file), {})
-        stored = [row.get(KEY) or ""]
-    else:
-        stored = (read_summary(path) or {}).get(KEY) or []
-    if not (isinstance(stored, list) and all(isinstance(text, str) for text in stored)):
-        return ()
-    return parted(printable(joined(stored))[:_LONGEST])
+    if path.suffix != ".csv":
+        return tuple((read_summary(path) or {}).get(KEY, ()))
+    with path.open(encoding="utf-8", errors="replace", newline="") as file:
+        return parted(next(csv.DictReader(file), {}).get(KEY) or "")
 
 
 def summary_lines(study: Study, folder: Path) -> list[str]:
@@ -266,9 +255,6 @@ def _summary_line(path: Path) -> str:
 
 #: Most parameters that a line names.
 _MOST_NAMED = 3
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 
 def save_table(table: "pd.DataFrame", path: Path) -> None:
@@ -295,19 +281,11 @@ def read_table(path: Path) -> bytes | None:
 
 
 def load_table(path: Path) -> "pd.DataFrame":
-    """Read a table; one of an earlier version has no checksum.
-
-    Raises
-    ------
-    InputError
-        When there is no such file, or it is damaged. In the results of a study it is then set
-        aside, so that the study makes it again.
-    """
+    """Read a table; see `stored_answer`. One of an earlier version has no checksum."""
     # Imported here, as most commands need none of it.
     import pandas as pd
 
-    is_of_study = (path.parent.parent / "runs").is_dir()
-    with checked_read(path, "sensitivity", replaceable=is_of_study):
+    with stored_answer(path, "sensitivity"):
         content = read_table(path)
         if content is None:
             raise ValueError("its checksum is wrong")
@@ -349,9 +327,6 @@ def _checksum(content: bytes) -> str:
 #: Key of the reason, and heading of its column in a table.
 _KEY = "refusal"
 
-#: Most letters of a reason: a file from elsewhere may have a million.
-_LONGEST_REASON = 2000
-
 
 class Refusal(InputError):
     """The runs cannot answer a question; the message says why, and what may help."""
@@ -364,14 +339,39 @@ def save_refusal(refusal: Refusal, path: Path) -> None:
     import xarray as xr
 
     text = str(refusal)
-    path.parent.mkdir(parents=True, exist_ok=True)
     if path.suffix == ".csv":
         save_table(pd.DataFrame({_KEY: [text]}), path)
         return
-    with atomic_write(path) as temporary:
+    with sealed_file(path, {"line": text, _KEY: text}) as temporary:
         xr.Dataset(attrs={_KEY: text}).to_netcdf(temporary, engine="netcdf4")
-        append_summary(temporary, {"line": text, _KEY: text})
+
+
+@contextmanager
+def sealed_file(path: Path, summary: Mapping[str, Any]) -> Iterator[Path]:
+    """Let a netCDF file be written: it appears with summary and checksum, or not at all."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with atomic_write(path) as temporary:
+        yield temporary
+        append_summary(temporary, summary)
         seal(temporary)
+
+
+@contextmanager
+def stored_answer(path: Path, kind: str) -> Iterator[None]:
+    """Let the file of an answer be read.
+
+    Raises
+    ------
+    InputError
+        When there is no such file, or it is damaged. In the results of a study it is then set
+        aside, so that the study makes it again.
+    Refusal
+        When the runs do not give the answer.
+    """
+    is_of_study = (path.parent.parent / "runs").is_dir()
+    with checked_read(path, kind, replaceable=is_of_study, sealed=path.suffix != ".csv"):
+        require_answer(path)
+        yield
 
 
 def refusal_in(path: Path) -> str:
@@ -383,12 +383,9 @@ def refusal_in(path: Path) -> str:
         return ""
     if path.suffix != ".csv":
         text = (read_summary(path) or {}).get(_KEY, "")
-        text = text if isinstance(text, str) and not (text and is_damaged(path)) else ""
-    else:
-        start = (read_table(path) or b"")[: 4 * _LONGEST_REASON].decode("utf-8", "replace")
-        heading, *rows = csv.reader(start.splitlines() or [""])
-        text = " ".join(row[0] for row in rows if row) if heading == [_KEY] else ""
-    return str(Refusal(text))[:_LONGEST_REASON]
+        return "" if text and is_damaged(path) else text
+    rows = list(csv.reader((read_table(path) or b"").decode("utf-8", "replace").splitlines()))
+    return rows[1][0] if rows[:1] == [[_KEY]] else ""
 
 
 def require_answer(path: Path) -> None:

@@ -24,7 +24,7 @@ from sim.base.errors import percent
 from sim.base.statistics import MANY, student
 from sim.study.sensitivity import FEWEST_BLOCKS
 from sim.surrogates.answers import EVEN, Refusal
-from sim.surrogates.predictor import Predictor, counted_probability, scaled
+from sim.surrogates.predictor import counted_probability, scaled
 from sim.surrogates.process import LENGTHS
 from sim.surrogates.surrogate import Surrogate
 
@@ -82,11 +82,11 @@ def with_doubts(table: pd.DataFrame) -> pd.DataFrame:
     return table.assign(doubt=table["doubt"].mask(is_outside, _OUTSIDE))
 
 
-def require_spread(values: np.ndarray, source: str) -> None:
+def require_spread(values: np.ndarray) -> None:
     """Raise `Refusal` where values do not vary by more than rounding."""
     if np.ptp(values) <= _LEAST_SPREAD * np.abs(values).max():
         raise Refusal(
-            f"{source}: no indices, as the observable does not vary: it is {values.max():.6g} "
+            f"no indices, as the observable does not vary: it is {values.max():.6g} "
             "everywhere, so nothing can matter"
         )
 
@@ -113,15 +113,13 @@ _MOST_UNEXPLAINED = 0.5
 _SEED = 1
 
 
-def indices_of_surrogate(surrogate: Surrogate, source: str, blocks: int = BLOCKS) -> pd.DataFrame:
+def indices_of_surrogate(surrogate: Surrogate, blocks: int = BLOCKS) -> pd.DataFrame:
     """Return the indices of a surrogate as `sobol_indices`, with all that is weak about them.
 
     Parameters
     ----------
     surrogate : Surrogate
         The surrogate.
-    source : str
-        What the answer is called, for messages.
     blocks : int
         See `sobol_indices`.
 
@@ -133,18 +131,18 @@ def indices_of_surrogate(surrogate: Surrogate, source: str, blocks: int = BLOCKS
     absent = _absent_share(surrogate)
     if absent > _MOST_ABSENT:
         raise Refusal(
-            f"{source}: no indices, as surrogate {surrogate.name} is of flows that are "
+            f"no indices, as surrogate {surrogate.name} is of flows that are "
             f"{' or '.join(surrogate.mean_regimes)}, and in {percent(absent)} of the ranges no "
             "such flow is likely, or no run is near; ask narrower ranges, or name other regimes "
             "with the surrogate"
         )
     if surrogate.unexplained > _MOST_UNEXPLAINED:
         raise Refusal(
-            f"{source}: no indices, as the points of surrogate {surrogate.name} do not tell "
+            f"no indices, as the points of surrogate {surrogate.name} do not tell "
             f"{percent(min(1.0, surrogate.unexplained))} of the variance of each other; more "
             "points lessen it"
         )
-    require_spread(surrogate.sample["mean"].values[surrogate.in_mean], source)
+    require_spread(surrogate.sample["mean"].values[surrogate.in_mean])
     table = sobol_indices(surrogate, blocks).assign(error=surrogate.error, absent=absent)
     return with_doubts(table)
 
@@ -162,8 +160,8 @@ def _absent_share(surrogate: Surrogate) -> float:
     return float((surrogate.is_far(places) | (counted < EVEN)).mean())
 
 
-def sobol_indices(predictor: Predictor, blocks: int = BLOCKS) -> pd.DataFrame:
-    """Return first-order and total indices and interactions of a predictor, as a table.
+def sobol_indices(surrogate: Surrogate, blocks: int = BLOCKS) -> pd.DataFrame:
+    """Return first-order and total indices and interactions of a surrogate, as a table.
 
     They are means over `_SCRAMBLINGS` independent samples of so many ``blocks``. The interval has
     two parts, added in quadrature. The sample's own is from the scatter between these. That of the
@@ -172,13 +170,13 @@ def sobol_indices(predictor: Predictor, blocks: int = BLOCKS) -> pd.DataFrame:
     """
     from SALib.sample import sobol
 
-    names, rng = list(predictor.parameters), np.random.default_rng(_SEED)
+    names, rng = list(surrogate.parameters), np.random.default_rng(_SEED)
     # The unit cube, as SALib describes it.
     problem = {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
     estimates, deviations = [], []
     for seed in range(1, _SCRAMBLINGS + 1):
         shares = sobol.sample(problem, blocks, calc_second_order=True, seed=seed)
-        mean, error = predictor.predict(scaled(shares, predictor.bounds, predictor.scales))
+        mean, error = surrogate.predict(scaled(shares, surrogate.bounds, surrogate.scales))
         estimates.append(_sobol(problem, mean))
         for _ in range(_REALISATIONS if error.any() else 0):
             values = mean + error * _smooth_field(shares, rng)
@@ -243,15 +241,12 @@ class DesignRuns:
         point has one.
     points : numpy.ndarray
         Numbers (n,), the same for rows that are one point.
-    source : str
-        What the answer is called, for messages.
     """
 
     names: tuple[str, ...]
     values: np.ndarray
     variances: np.ndarray
     points: np.ndarray
-    source: str
 
     @property
     def noise(self) -> np.ndarray:
@@ -275,15 +270,15 @@ class DesignRuns:
         whole = rows[np.isfinite(self.values[rows]).all(axis=1)]
         if len(whole) < FEWEST_BLOCKS:
             raise Refusal(
-                f"{self.source}: no indices, as {len(whole)} of {len(rows)} blocks of {size} "
+                f"no indices, as {len(whole)} of {len(rows)} blocks of {size} "
                 f"points have a value at each and {FEWEST_BLOCKS} are needed; more "
                 "blocks, other ranges or the key regimes may give others"
             )
-        require_spread(self.values[whole], self.source)
+        require_spread(self.values[whole])
         share = float(self.noise[whole].mean() / self.values[whole].var())
         if share > _MOST_NOISE:
             raise Refusal(
-                f"{self.source}: no indices, as the noise of the runs is {percent(share)} of "
+                f"no indices, as the noise of the runs is {percent(share)} of "
                 f"the variance between them, beyond {percent(_MOST_NOISE)}; more replicates or "
                 "longer runs make it smaller"
             )
@@ -386,7 +381,7 @@ def morris_indices_of_runs(
         start, end, step = (array[chosen][new] for array in (one, other, steps))
         if not len(new):
             raise Refusal(
-                f"{runs.source}: no effects, as {name} has the same value on both sides of each "
+                f"no effects, as {name} has the same value on both sides of each "
                 "step; a wider range has more values"
             )
         effects = (runs.values[end] - runs.values[start]) / step

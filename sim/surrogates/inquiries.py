@@ -12,14 +12,15 @@ from sim.dataset.replicates import replicate_values
 from sim.dataset.results import Results, load_results
 from sim.parameters import point_id
 from sim.study.calibration import CalibrateFile
-from sim.study.design import Design
+from sim.study.design import DesignFile
 from sim.study.load import load_study
 from sim.study.plottable import numbers
 from sim.study.sensitivity import SensitivityFile
-from sim.study.surrogate import LARGE_ERROR, SurrogateFile
+from sim.study.surrogate import LARGE_ERROR, Question, SurrogateFile
 from sim.surrogates import answers, storage
 from sim.surrogates.answers import (
     Refusal,
+    answer_name,
     caveats_of_indices,
     caveats_of_points,
     save_refusal,
@@ -59,25 +60,23 @@ def build(study_path: str | Path, results: str | Path = "results") -> list[str]:
     InputError
         When the dataset is missing or damaged.
     """
-
     study = load_study(study_path, results)
     folder = Path(results) / study.name
     dataset = load_results(folder / "dataset.nc")
     for question in study.questions:
+        path = folder / question.file
         try:
             answer(question, dataset, folder)
         except Refusal as refusal:
-            save_refusal(refusal, folder / question.file)
+            save_refusal(Refusal(f"{answer_name(path)}: {refusal}"), path)
         except (ValueError, ArithmeticError) as error:
             # A fit that fails takes no other answer with it.
             reason = f"{question.file}: no answer, as its values cannot be fitted: {error}"
-            save_refusal(Refusal(reason), folder / question.file)
+            save_refusal(Refusal(reason), path)
     return summary_lines(study, folder)
 
 
-def answer(
-    spec: SurrogateFile | SensitivityFile | CalibrateFile, dataset: Results, folder: Path
-) -> None:
+def answer(spec: Question, dataset: Results, folder: Path) -> None:
     """Write the answer to a question into a folder of results.
 
     Surrogates come first, as the other questions are asked of them.
@@ -108,9 +107,8 @@ def _surrogate_of(spec: SensitivityFile | CalibrateFile, lack: str, folder: Path
 
 def _answer_sensitivity(spec: SensitivityFile, dataset: Results, folder: Path) -> None:
     if spec.design is None:
-        source = f"sensitivity {spec.name}"
-        surrogate = _surrogate_of(spec, f"{source}: no indices", folder)
-        table, caveats = indices_of_surrogate(surrogate, source), surrogate.caveats
+        surrogate = _surrogate_of(spec, "no indices", folder)
+        table, caveats = indices_of_surrogate(surrogate), surrogate.caveats
     else:
         sample = sample_points(dataset, spec.of)
         is_used = points_of_mean(sample, spec.of.mean_regimes)
@@ -130,7 +128,7 @@ def _indices_of_runs(
     design = spec.design
     means = pd.Series(np.where(is_used, sample["mean"].values, np.nan), sample["point"].values)
     # Points of a design that are equal are one point of the study.
-    ids = [point_id(point) for point in design.points(design.size)]
+    ids = [point_id(point) for point in design.sequence(design.size)]
     observable = numbers(spec.of.system)[spec.of.observable]
     beds = replicate_values(dataset, observable, list(means.index))
     scatter = [row.var(ddof=1) / row.size if row.size > 1 else np.nan for row in beds]
@@ -139,7 +137,6 @@ def _indices_of_runs(
         values=means.reindex(ids).to_numpy(),
         variances=pd.Series(scatter, means.index).reindex(ids).to_numpy(),
         points=pd.factorize(np.array(ids))[0],
-        source=f"sensitivity {spec.name}",
     )
     if spec.is_screening:
         is_number = [axis.is_number for axis in design.axes]
@@ -149,7 +146,7 @@ def _indices_of_runs(
     return sobol_indices_of_runs(runs)
 
 
-def places_of(design: Design) -> np.ndarray:
+def places_of(design: DesignFile) -> np.ndarray:
     """Return the values that a design runs as shares of the ranges of its axes, (n, k).
 
     These are not the shares that it asks for: values are rounded, those of integers to integers.
@@ -164,8 +161,7 @@ def places_of(design: Design) -> np.ndarray:
 
 
 def _answer_calibration(spec: CalibrateFile, folder: Path) -> None:
-    lack = f"calibration {spec.name}: no posterior"
-    surrogate = _surrogate_of(spec, lack, folder)
+    surrogate = _surrogate_of(spec, "no posterior", folder)
     question = Calibration(
         predictor=surrogate,
         ranges=spec.ranges,

@@ -22,7 +22,8 @@ from typing import Any
 import numpy as np
 
 from sim.base.statistics import MANY, student
-from sim.surrogates.predictor import Predictor, counted_probability, scaled, unscaled
+from sim.surrogates.predictor import counted_probability, scaled, unscaled
+from sim.surrogates.surrogate import Surrogate
 
 #: The regime of a bed at rest.
 ARRESTED = "arrested"
@@ -66,7 +67,7 @@ class Calibration:
 
     Attributes
     ----------
-    predictor : Predictor
+    predictor : Surrogate
         The surrogate.
     ranges : mapping
         Lowest and highest value of each parameter looked for.
@@ -82,7 +83,7 @@ class Calibration:
         Seed of the walkers.
     """
 
-    predictor: Predictor
+    predictor: Surrogate
     ranges: Mapping[str, tuple[float, float]]
     conditions: Mapping[str, np.ndarray]
     values: np.ndarray

@@ -64,7 +64,7 @@ def sample_points(results: Results, spec: SurrogateFile) -> xr.Dataset:
     largest = max((float(np.abs(row).max()) for row in values if row.size), default=0.0)
     if largest and not _SIZES[0] <= largest <= _SIZES[1]:
         raise Refusal(
-            f"surrogate {spec.name}: no mean, as {spec.observable} is {largest:.3g} at most; "
+            f"no mean, as {spec.observable} is {largest:.3g} at most; "
             f"allowed: between {_SIZES[0]:g} and {_SIZES[1]:g}, in the unit of its declaration"
         )
     own = np.zeros(len(points))

@@ -11,18 +11,17 @@ import numpy as np
 import xarray as xr
 
 from sim.base.errors import InputError, percent
-from sim.base.files import atomic_write
-from sim.base.seals import append_summary, checked_read, seal
 from sim.parameters.forms import forms
 from sim.study.design import Axis
-from sim.surrogates.answers import KEY, Refusal, caveats_of_posterior, refusal_in, require_answer
-from sim.surrogates.posterior import (
-    LEAST_PROBABILITY,
-    MOST_UNCOUNTED,
-    at_ends,
-    ridges,
-    summarize,
+from sim.surrogates.answers import (
+    KEY,
+    Refusal,
+    caveats_of_posterior,
+    refusal_in,
+    sealed_file,
+    stored_answer,
 )
+from sim.surrogates.posterior import LEAST_PROBABILITY, MOST_UNCOUNTED, at_ends, ridges, summarize
 from sim.surrogates.predictor import Frame
 from sim.surrogates.process import Process
 from sim.surrogates.regimes import Regimes, has_known_regime
@@ -55,8 +54,7 @@ def save_surrogate(surrogate: Surrogate, path: Path) -> None:
         "form": process.frame.form.name if process.frame else "",
     }
     file = surrogate.sample.assign(
-        theta=("number", process.theta),
-        regime_theta=(("process", "regime_number"), regimes.theta),
+        theta=("number", process.theta), regime_theta=(("process", "regime_number"), regimes.theta)
     )
     file.attrs = {
         "format": FORMAT,
@@ -64,34 +62,18 @@ def save_surrogate(surrogate: Surrogate, path: Path) -> None:
         "error": surrogate.error,
         "coverage": surrogate.coverage,
     }
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with atomic_write(path) as temporary:
+    with sealed_file(path, _summary(surrogate)) as temporary:
         file.to_netcdf(temporary, engine="netcdf4")
-        append_summary(temporary, _summary(surrogate))
-        seal(temporary)
 
 
 def load_surrogate(path: Path) -> Surrogate:
-    """Read a surrogate.
-
-    Raises
-    ------
-    InputError
-        When there is no such file, or it is damaged or no surrogate. In the results of a study it
-        is then set aside, so that the study makes it again.
-    Refusal
-        When the runs do not give one.
-    """
-    is_of_study = (path.parent.parent / "runs").is_dir()
-    with checked_read(path, "surrogate", replaceable=is_of_study, sealed=True):
-        require_answer(path)
+    """Read a surrogate; see `sim.surrogates.answers.stored_answer`."""
+    with stored_answer(path, "surrogate"):
         with xr.open_dataset(path, engine="netcdf4") as file:
             stored = file.load()
         if stored.attrs.get("format") != FORMAT:
             raise ValueError(f"its format is not {FORMAT}")
-        surrogate = _surrogate(stored, json.loads(stored.attrs["about"]))
-        _require_numbers(surrogate)
-        return surrogate
+        return _surrogate(stored, json.loads(stored.attrs["about"]))
 
 
 def _surrogate(stored: xr.Dataset, about: dict[str, Any]) -> Surrogate:
@@ -146,15 +128,6 @@ def _frame(about: dict[str, Any], axes: tuple[Axis, ...]) -> Frame | None:
     return Frame(known[name], axes, about["fixed"])
 
 
-def _require_numbers(surrogate: Surrogate) -> None:
-    """Raise an error of a library, or ``ValueError``, where a surrogate cannot predict."""
-    place = surrogate.process.x[:1]
-    answers = *surrogate.process.predict(place), surrogate.regimes.predict(place)
-    about = surrogate.error, surrogate.hours, surrogate.coverage, *surrogate.bounds.ravel()
-    if not all(np.isfinite(one).all() for one in (*answers, about)):
-        raise ValueError("its numbers give no prediction")
-
-
 def _summary(surrogate: Surrogate) -> dict[str, Any]:
     points, omissions = len(surrogate.process.y), surrogate.omissions
     line = (
@@ -176,38 +149,20 @@ def save_posterior(
     """
     caveats = [*caveats_of_posterior(groups["observed_data"].attrs, at_ends(groups)), *caveats]
     line = f"calibration {name}: {' '.join(outcome_sentences(groups))}"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with atomic_write(path) as temporary:
+    with sealed_file(path, {"line": line, KEY: caveats}) as temporary:
         for number, (key, group) in enumerate(groups.items()):
             group.to_netcdf(temporary, mode="a" if number else "w", group=key, engine="netcdf4")
-        append_summary(temporary, {"line": line, KEY: caveats})
-        seal(temporary)
 
 
 def load_posterior(path: Path) -> dict[str, xr.Dataset]:
-    """Read the groups of a calibration.
-
-    Raises
-    ------
-    InputError
-        When there is no such file, or it is damaged. In the results of a study it is then set
-        aside, so that the study makes it again.
-    Refusal
-        When its surrogate was refused.
-    """
-    is_of_study = (path.parent.parent / "runs").is_dir()
-    with checked_read(path, "calibration", replaceable=is_of_study, sealed=True):
-        require_answer(path)
+    """Read the groups of a calibration; see `sim.surrogates.answers.stored_answer`."""
+    with stored_answer(path, "calibration"):
         with netCDF4.Dataset(path) as file:
             names = list(file.groups)
         groups = {}
         for name in names:
             with xr.open_dataset(path, group=name, engine="netcdf4") as group:
                 groups[name] = group.load()
-        # A file from elsewhere may lack what these read.
-        outcome_sentences(groups)
-        if "posterior" in groups and not np.isfinite(summarize(groups).iloc[:, 1:5]).all(axis=None):
-            raise ValueError("its numbers give no answer")
         return groups
 
 

@@ -90,7 +90,7 @@ class Surrogate:
             counts = left_out(sample, spec.mean_regimes).items()
             others = ", ".join(f"{count} {name}" for name, count in counts) or "none"
             raise Refusal(
-                f"surrogate {spec.name}: no mean, as {chosen.sum()} of {len(chosen)} points of "
+                f"no mean, as {chosen.sum()} of {len(chosen)} points of "
                 f"series {spec.series} count ({' or '.join(spec.mean_regimes)}) and {fewest} are "
                 f"needed; left out are {others}; more points, other ranges or the key regimes may "
                 "give others"

@@ -127,12 +127,6 @@ def test_installed_packages_add_by_their_entry_points(tmp_path, monkeypatch):
         load(["answers"], Path(), "here")
 
 
-def test_results_that_name_a_study_run_none_of_its_code(tmp_path):
-    path = write_study(tmp_path)
-    load_study(path, None, plugins=False)
-    assert not plugins.places()
-
-
 def test_commands_load_what_the_environment_names(tmp_path):
     write_study(tmp_path)
     command = [sys.executable, "-m", "sim", "schema"]

@@ -5,8 +5,7 @@ own runs, surrogate, material and measurements. Posteriors are worked out on a g
 twentieth of the time of chains; the last rows have chains.
 """
 
-import argparse
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -27,6 +26,7 @@ from sim.surrogates.posterior import (
 from sim.surrogates.predictor import on_one_thread, scaled
 from sim.surrogates.sample import standard_errors
 from sim.surrogates.surrogate import Surrogate
+from tests.coverage.rows import print_table
 from tests.made.surrogates import asked, made_sample
 
 #: Designs of a row, and of one with chains.
@@ -39,11 +39,7 @@ STEPS, SIZES, DRAWS = {1: 120, 2: 28}, 6, 400
 LOST = 1e-5
 
 #: What is varied: two parameters of a material, and a condition.
-AXES = (
-    Axis("friction", 0.2, 0.8),
-    Axis("restitution", 0.6, 0.98),
-    Axis("angle", 15.0, 35.0),
-)
+AXES = (Axis("friction", 0.2, 0.8), Axis("restitution", 0.6, 0.98), Axis("angle", 15.0, 35.0))
 
 #: Angles between which measurements are.
 ANGLES = (17.0, 34.0)
@@ -68,22 +64,9 @@ def everything(friction: np.ndarray, restitution: np.ndarray, angle: np.ndarray)
 class Case:
     """Measurements of materials, and a surrogate.
 
-    Attributes
-    ----------
-    name : str
-        What it is, for the table.
-    points, replicates, noise : int, int, float
-        Runs of the surrogate, and their scatter relative to the value.
-    measurements : int
-        Measurements of a material, at as many angles.
-    error, said : float
-        Their relative errors, and those that the file says.
-    looked_for : tuple of str
-        Parameters; the others are known.
-    counts : callable
-        Which beds flow; materials are those that flow at every angle.
-    has_discrepancy, has_chains : bool
-        Whether the model may lack something; whether emcee gives the posterior.
+    ``noise`` of its runs and ``error`` of measurements are relative; ``said`` is what the file says
+    of the latter. ``looked_for`` names parameters, the others are known. Materials are those for
+    which ``counts`` says that beds flow at every angle.
     """
 
     name: str
@@ -247,16 +230,9 @@ def intervals_of_chains(calibration: Calibration) -> dict[str, np.ndarray] | Non
 
 @dataclass(frozen=True)
 class Row:
-    """What the designs of a case give.
+    """What the designs of a case give; ``held`` counts intervals that hold the truth, by parameter.
 
-    Attributes
-    ----------
-    designs, answers : int
-        Designs, and those with an answer.
-    held : mapping
-        How many intervals hold the truth, by parameter.
-    length : float
-        Mean length of an interval over that of the range.
+    ``length`` is the mean of an interval over that of its range.
     """
 
     case: Case
@@ -270,13 +246,14 @@ class Row:
         """Share of the intervals that hold the truth."""
         return sum(self.held.values()) / max(1, self.answers * len(self.held))
 
-    def __str__(self) -> str:
-        counts = [str(self.held.get(name, "")) for name in ("friction", "restitution")]
-        cells = (
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """The row in the table."""
+        return (
             *(self.case.name, str(self.case.measurements), f"{self.answers} of {self.designs}"),
-            *(*counts, f"{100 * self.share:.1f}", f"{self.length:.2f}"),
+            *(str(self.held.get(axis.name, "")) for axis in AXES[:2]),
+            *(f"{100 * self.share:.1f}", f"{self.length:.2f}"),
         )
-        return f"| {' | '.join(cells)} |"
 
 
 def row_of(case: Case, designs: int | None = None) -> Row:
@@ -299,25 +276,10 @@ def row_of(case: Case, designs: int | None = None) -> Row:
     return Row(case, count, answers, held, float(np.mean(lengths)) if lengths else np.nan)
 
 
-def table(cases: Iterator[Case], designs: int | None = None) -> Iterator[str]:
-    """Yield the lines of a table, in Markdown."""
-    yield (
-        "| case | measurements | answers | friction held | restitution held | held (%) | "
-        "length over that of the range |"
-    )
-    yield "| --- | --- | --- | --- | --- | --- | --- |"
-    yield from (str(row_of(case, designs)) for case in cases)
-
-
-def main() -> None:
-    """Print the table of the cases whose name has a text."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--only", default="")
-    parser.add_argument("--designs", type=int)
-    options = parser.parse_args()
-    for line in table((case for case in CASES if options.only in case.name), options.designs):
-        print(line, flush=True)
-
+HEADINGS = (
+    *("case", "measurements", "answers", "friction held", "restitution held", "held (%)"),
+    "length over that of the range",
+)
 
 if __name__ == "__main__":
-    main()
+    print_table(__doc__, HEADINGS, CASES, lambda case, designs: row_of(case, designs).cells)

@@ -4,7 +4,6 @@
 as a study would: a surrogate is fitted to values of replicates, or these are analysed as they are.
 """
 
-import argparse
 from collections.abc import Callable, Iterator
 from functools import lru_cache, partial
 
@@ -20,12 +19,12 @@ from sim.surrogates.indices import (
     sobol_indices_of_runs,
 )
 from sim.surrogates.inquiries import require_small_error
-from sim.surrogates.predictor import scaled
 from sim.surrogates.sample import standard_errors
 from sim.surrogates.surrogate import Surrogate
+from tests.coverage.rows import print_table
 from tests.made.indices import Function, made_runs
 from tests.made.surrogates import asked, design, made_sample, smooth
-from tests.surrogates.predictors import ISHIGAMI, MadePredictor, g_function
+from tests.surrogates.predictors import MadePredictor, g_function, ishigami, product
 
 #: Designs of a case; blocks of a surrogate, and of a truth.
 DESIGNS, BLOCKS, TRUE_BLOCKS = 40, 2**7, 2**12
@@ -43,16 +42,8 @@ def eight(x):
     return 1 + x[:, 0] + x[:, 1] ** 2 + 0.5 * np.sin(3 * x[:, 2]) * x[:, 3] + x[:, 4:].sum(axis=1)
 
 
-def ishigami(x):
-    return ISHIGAMI.predict(scaled(x, ISHIGAMI.bounds, ISHIGAMI.scales))[0]
-
-
 def step(height: float, x: np.ndarray) -> np.ndarray:
     return smooth(x) * (1 + height * (x[:, 0] + 0.5 * x[:, 1] > 0.7))
-
-
-def g(x):
-    return g_function(*x.T)
 
 
 #: Function, parameters, points, noise of a replicate, and share of the first range without a flow.
@@ -62,7 +53,7 @@ SURROGATES = {
     "smooth, 8 parameters, 64 points": (eight, 8, 64, 0.05, 0.0),
     "Ishigami, 64 points": (ishigami, 3, 64, 0.0, 0.0),
     "Ishigami, 128 points": (ishigami, 3, 128, 0.0, 0.0),
-    "Sobol' G, 64 points": (g, 4, 64, 0.0, 0.0),
+    "Sobol' G, 64 points": (product, 4, 64, 0.0, 0.0),
     "noise 1 %, 32 points": (smooth, 3, 32, 0.01, 0.0),
     "noise 20 %, 32 points": (smooth, 3, 32, 0.2, 0.0),
     "noise 30 %, 32 points": (smooth, 3, 32, 0.3, 0.0),
@@ -111,7 +102,7 @@ def of_surrogate(case: tuple, seed: int) -> pd.DataFrame:
     sample = made_sample(x, beds.mean(axis=1), axes, errors, regime)
     surrogate = Surrogate.fit(spec, sample)
     require_small_error(surrogate, None, "made")
-    return indices_of_surrogate(surrogate, "made", blocks=BLOCKS)
+    return indices_of_surrogate(surrogate, blocks=BLOCKS)
 
 
 def of_runs(function: Function, case: tuple, seed: int) -> pd.DataFrame:
@@ -158,25 +149,17 @@ def coverage(name: str, designs: int = DESIGNS) -> tuple[int, int, list[float]]:
     return number, len(held), held
 
 
-def row(name: str, designs: int = DESIGNS) -> str:
-    """Return a row of the table of docs/validation.md."""
-    number, answered, held = coverage(name, designs)
+HEADINGS = ("case", "designs with an answer", "truths held, %", "worst design, %")
+
+
+def cells(name: str, designs: int | None = None) -> tuple[str, ...]:
+    """Return the row of a case in the table."""
+    number, answered, held = coverage(name, designs or DESIGNS)
     if not held:
-        return f"| {name} | 0 of {number} | no answer | |"
+        return name, f"0 of {number}", "no answer", ""
     share, worst = 100 * np.mean(held), 100 * min(held)
-    return f"| {name} | {answered} of {number} | {share:.1f} | {worst:.0f} |"
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("cases", nargs="*", metavar="CASE", help="those to work out (all)")
-    parser.add_argument("--designs", type=int, default=DESIGNS)
-    chosen = parser.parse_args()
-    print("| case | designs with an answer | truths held, % | worst design, % |")
-    print("| --- | --- | --- | --- |")
-    for name in chosen.cases or [*SURROGATES, *RUNS]:
-        print(row(name, chosen.designs), flush=True)
+    return name, f"{answered} of {number}", f"{share:.1f}", f"{worst:.0f}"
 
 
 if __name__ == "__main__":
-    main()
+    print_table(__doc__, HEADINGS, (*SURROGATES, *RUNS), cells)

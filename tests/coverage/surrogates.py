@@ -4,8 +4,7 @@
 as a study would be, from the values of replicates to the surrogate.
 """
 
-import argparse
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,8 +15,9 @@ from sim.study.design import Axis
 from sim.surrogates.answers import Refusal
 from sim.surrogates.sample import standard_errors
 from sim.surrogates.surrogate import Surrogate
+from tests.coverage.rows import print_table
 from tests.made.surrogates import asked, kinked, made_sample, smooth
-from tests.surrogates.predictors import ISHIGAMI, g_function
+from tests.surrogates.predictors import ishigami, product
 
 #: Designs of a row, and places at which each is compared with the truth.
 DESIGNS, PLACES = 40, 400
@@ -31,22 +31,9 @@ def _everywhere(x: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Case:
-    """A function of the unit cube with runs of it.
+    """A function of the unit cube, with runs whose ``noise`` is relative to its value.
 
-    Attributes
-    ----------
-    name : str
-        What it is, for the table.
-    function : callable
-        Values (n,) at points (n, d).
-    dimensions, points, replicates : int
-        Parameters, points of a design, runs of a point.
-    noise : float or callable
-        Scatter of a run relative to its value, at points (n, d).
-    counts : callable
-        Which points the mean is of, (n,); it is judged where it is of them.
-    designs : int
-        Scrambles of the design.
+    ``counts`` says which points the mean is of; it is judged where it is of them.
     """
 
     name: str
@@ -67,17 +54,6 @@ def eight(x: np.ndarray) -> np.ndarray:
 def oscillating(x: np.ndarray) -> np.ndarray:
     """Return two periods of a sine."""
     return 1 + 0.3 * np.sin(4 * np.pi * x[:, 0])
-
-
-def ishigami(x: np.ndarray) -> np.ndarray:
-    """Return Ishigami's function."""
-    low, high = ISHIGAMI.bounds.T
-    return ISHIGAMI.function(*(low + (high - low) * x).T)
-
-
-def product(x: np.ndarray) -> np.ndarray:
-    """Return Sobol's g-function, with a kink in the middle of each parameter."""
-    return g_function(*x.T)
 
 
 def step(height: float) -> Function:
@@ -126,11 +102,8 @@ CASES = (
 class Row:
     """What the designs of a case give, (designs,); none without answer.
 
-    Attributes
-    ----------
-    held, noisy, said, true : numpy.ndarray
-        Share of truths within the 95 % interval, the same in the third of greatest noise, the error
-        that the surrogate gives itself, and the true one, relative to the mean size.
+    ``held`` is the share of truths within the 95 % interval, ``noisy`` the same in the third of
+    greatest noise, ``said`` the error that the surrogate gives itself, ``true`` the true one.
     """
 
     case: Case
@@ -179,32 +152,21 @@ def _noise(case: Case, x: np.ndarray) -> np.ndarray:
     return case.noise(x) if callable(case.noise) else np.full(len(x), case.noise)
 
 
-def table(rows: Iterator[Row]) -> Iterator[str]:
-    """Yield the lines of a table, in Markdown."""
-    yield "| case | points | designs | held (worst) | noisiest third | error said | true |"
-    yield "| --- | --- | --- | --- | --- | --- | --- |"
-    for row in rows:
-        case, count = row.case, len(row.held)
-        start = f"| {case.name} | {case.points} | {count} of {case.designs} | "
-        if not count:
-            yield start + "no answer | | | |"
-            continue
-        held = f"{100 * row.held.mean():.1f} ({100 * row.held.min():.0f})"
-        noisy = f"{100 * row.noisy.mean():.1f}" if callable(case.noise) else ""
-        said, true = (f"{100 * np.median(one):.2g}" for one in (row.said, row.true))
-        yield f"{start}{held} | {noisy} | {said} | {true} |"
+HEADINGS = ("case", "points", "designs", "held (worst)", "noisiest third", "error said", "true")
 
 
-def main() -> None:
-    """Print the table of the cases whose name has a text."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--only", default="")
-    parser.add_argument("--designs", type=int)
-    options = parser.parse_args()
-    chosen = (case for case in CASES if options.only in case.name)
-    for line in table(row_of(case, options.designs) for case in chosen):
-        print(line, flush=True)
+def cells(case: Case, designs: int | None = None) -> tuple[str, ...]:
+    """Return the row of a case in the table."""
+    row = row_of(case, designs)
+    start = (case.name, str(case.points), f"{len(row.held)} of {case.designs}")
+    if not row.held.size:
+        return (*start, "no answer", "", "", "")
+    return (
+        *(*start, f"{100 * row.held.mean():.1f} ({100 * row.held.min():.0f})"),
+        f"{100 * row.noisy.mean():.1f}" if callable(case.noise) else "",
+        *(f"{100 * np.median(one):.2g}" for one in (row.said, row.true)),
+    )
 
 
 if __name__ == "__main__":
-    main()
+    print_table(__doc__, HEADINGS, CASES, cells)

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from sim.study.design import Axis, Design, block_size
+from sim.study.design import block_size, unit_points
 from sim.surrogates.indices import DesignRuns
 
 Function = Callable[[np.ndarray], np.ndarray]
@@ -26,12 +26,11 @@ def made_runs(
     """
     size = blocks * block_size(kind, dimensions)
     names = tuple("xyzuvwst"[:dimensions])
-    axes = tuple(Axis(name, 0.0, 1.0) for name in names)
-    shares = Design(kind, axes, size, seed, (), lambda row: row, ("", "")).shares(size)
+    shares = next(unit_points(kind, dimensions, size, seed))[:size]
     run = places(shares)
     points, number = np.unique(run, axis=0, return_inverse=True)
     values = function(points)[:, None] * np.ones(replicates)
     values *= 1 + noise * np.random.default_rng(seed).normal(size=values.shape)
     variances = values.var(axis=1, ddof=1) / replicates if replicates > 1 else np.nan * values[:, 0]
     means, number = values.mean(axis=1), number.ravel()
-    return DesignRuns(names, means[number], variances[number], number, "s"), shares, run
+    return DesignRuns(names, means[number], variances[number], number), shares, run

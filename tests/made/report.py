@@ -159,7 +159,7 @@ def make_page(folder: Path) -> tuple[Path, Path]:
             study,
             boundaries=bounds.boundaries,
             entries=study.entries | {name: FIGURES[name]},
-            surrogates=(asked(),),
+            questions=(asked(),),
         )
         save_surrogate(made_surrogate(), made / study.surrogates[0].file)
         page = render(

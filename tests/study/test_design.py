@@ -5,14 +5,12 @@ from math import log
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
-from SALib.analyze import morris as morris_analysis
-from SALib.analyze import sobol as sobol_analysis
 
 from sim.parameters import point_id
 from sim.report.points import as_table
-from sim.study.design import Axis, Design, axis_of, block_size, parse_comparison
+from sim.study.design import Axis, axis_of
 from sim.study.load import Study, parse_study
 
 OVER = {
@@ -105,9 +103,9 @@ def test_more_points_keep_the_first_ones(kind, few, more, where):
     assert len(ids(after)) > len(ids(before))
     design = before.designs["wide"]
     assert design.grows
-    following = design.points(more - few, after=few)
-    assert [*map(point_id, design.points(few)), *map(point_id, following)] == [
-        point_id(point) for point in after.designs["wide"].points(more)
+    following = design.sequence(more - few, after=few)
+    assert [*map(point_id, design.sequence(few)), *map(point_id, following)] == [
+        point_id(point) for point in after.designs["wide"].sequence(more)
     ]
 
 
@@ -118,7 +116,7 @@ def test_a_latin_hypercube_spreads_evenly_along_each_parameter_and_does_not_grow
     assert sorted(int(point.angle - 10) for point in points) == list(range(20))
     design = study.designs["wide"]
     assert not design.grows
-    assert len(design.points(30)) == 20
+    assert len(design.sequence(30)) == 20
     assert "more points later replace these" in as_table(study)
 
 
@@ -132,38 +130,15 @@ def test_zip_pairs_lists():
     assert "zip, 3 points over depth, friction, law, of which 2 differ" in as_table(study)
     some = study_of("zip", over, where=["friction > 0.35"])
     assert [point.parameters.friction for point in some.points.values()] == [0.4]
-    assert len(some.designs["wide"].points(3)) == some.designs["wide"].size == 1
+    assert len(some.designs["wide"].sequence(3)) == some.designs["wide"].size == 1
 
 
 def test_equal_points_count_once_and_are_told():
     study = study_of(points=32, over={"steps_per_collision": [20, 23]})
     assert len(study.points) == 4
-    assert len(study.designs["wide"].points(32)) == 32
+    assert len(study.designs["wide"].sequence(32)) == 32
     line = "design wide: sobol, 32 points over steps_per_collision, of which 4 differ and are run"
     assert line in as_table(study)
-
-
-@pytest.mark.parametrize(
-    ("kind", "points"), [("saltelli", 256 * 5), ("morris", 400)], ids=["saltelli", "morris"]
-)
-def test_salib_analyses_the_points_in_their_order(kind, points):
-    """V = friction + 3 (restitution - 0.5), whose variances are 1 : 9, without interactions."""
-    over = {"friction": [0, 1], "restitution": [0.5, 1.0], "depth": [1, 2]}
-    study = study_of(kind, over, points=points)
-    design = study.designs["wide"]
-    values = np.array([p.friction + 3 * (p.restitution - 0.5) for p in design.points(design.size)])
-    problem = {"num_vars": 3, "names": design.names, "bounds": [[0, 1]] * 3}
-    if kind == "saltelli":
-        indices = sobol_analysis.analyze(problem, values, calc_second_order=False, seed=1)
-        expected = {"depth": 0, "friction": 1 / 3.25, "restitution": 2.25 / 3.25}
-        got = dict(zip(design.names, indices["S1"], strict=True))
-        assert got == pytest.approx(expected, abs=0.02)
-    else:
-        shares = design.shares(design.size)
-        assert shares.shape == (points, 3)
-        effects = morris_analysis.analyze(problem, shares, values, seed=1)
-        got = dict(zip(design.names, effects["mu_star"], strict=True))
-        assert got == pytest.approx({"depth": 0, "friction": 1, "restitution": 1.5}, abs=1e-4)
 
 
 def test_readings_share_a_design():
@@ -181,54 +156,7 @@ def test_readings_share_a_design():
     frequencies = [point.frequency for point in points]
     assert frequencies[:4] == frequencies[4:]
     assert [point.damping_mass for point in points] == ["own"] * 4 + ["reduced"] * 4
-    assert study.designs["wide"].points(4) == points[:4]
-
-
-def test_overrides_see_the_values_of_a_design():
-    series = {"overrides": [{"when": {"law": ["hertz"]}, "set": {"cell": 6}}]}
-    study = study_of(points=8, series=series)
-    points = [point.parameters for point in study.points.values()]
-    assert {(point.law, point.cell) for point in points} == {("hertz", 6), ("walton_braun", 10)}
-
-
-AXES = {
-    "grid": (
-        {"grid": {"stiffness": [100, 1000, 10000], "friction": [0.4, 0.5, 0.6], "depth": [2]}},
-        (
-            Axis("friction", 0.4, 0.6),
-            Axis("stiffness", 100, 10000, "log"),
-        ),
-    ),
-    "cases": (
-        {"cases": [{"law": "hertz", "replicates": 3}, {"steps_per_collision": 60}, {}]},
-        (
-            Axis("law", 0, 1, choices=("hertz", "walton_braun")),
-            Axis("steps_per_collision", 40, 60, is_integer=True),
-        ),
-    ),
-    "single": ({}, ()),
-}
-
-
-@pytest.mark.parametrize(("series", "axes"), AXES.values(), ids=AXES)
-def test_axes_of_other_series(series, axes):
-    contents = {"study": "s", "series": [{"name": "wide", "system": "chute"} | series]}
-    study = parse_study(contents, "s.yaml", None)
-    assert sorted(study.axes["wide"], key=lambda axis: axis.name) == list(axes)
-    assert not study.designs
-
-
-def test_axes_of_a_design():
-    study = study_of(points=4, where=["friction < restitution"])
-    design = study.designs["wide"]
-    assert design.names == ("friction", "restitution", "stiffness", "law", "steps_per_collision")
-    assert study.axes["wide"] == design.axes
-    by_name = {axis.name: axis for axis in design.axes}
-    assert by_name["friction"] == Axis("friction", 0.35, 0.8)
-    assert by_name["stiffness"] == Axis("stiffness", 100, 10000, "log")
-    assert by_name["restitution"].normal == (0.85, 0.03)
-    assert by_name["law"].choices == ("walton_braun", "hertz")
-    assert [axis.is_number for axis in design.axes] == [True, True, True, False, True]
+    assert study.designs["wide"].sequence(4) == points[:4]
 
 
 @given(
@@ -249,29 +177,26 @@ def test_values_lie_in_their_range(low, width, scale, share):
     assert value == pytest.approx(exact, rel=2e-5)
 
 
-@settings(deadline=None)
-@given(
-    seed=st.integers(0, 2**32 - 1),
-    kind=st.sampled_from(["sobol", "random"]),
-    sizes=st.tuples(st.integers(1, 50), st.integers(1, 50)),
-)
-def test_every_seed_gives_a_sequence(seed, kind, sizes):
-    axes = (Axis("friction", 0, 1), Axis("restitution", 0.1, 1))
-    design = Design(
-        kind, axes, 1, seed, (parse_comparison("friction<restitution"),), lambda row: row, ("", "")
-    )
-    first, second = sorted(sizes)
-    rows = design.rows(second)
-    assert len(rows) == second
-    assert rows[:first] == design.rows(first)
-    assert all(row["friction"] < row["restitution"] for row in rows)
-
-
-def test_the_scale_of_given_values_is_that_in_which_they_are_even():
-    assert axis_of("depth", [1, 2, 3, 4], False).scale == "linear"
+def test_axes_have_the_ranges_and_scales_of_a_design_or_those_in_which_values_are_even():
+    friction, restitution, stiffness, law, steps = study_of(points=4).designs["wide"].axes
+    assert friction == Axis("friction", 0.35, 0.8) and restitution.normal == (0.85, 0.03)
+    assert stiffness == Axis("stiffness", 100, 10000, "log")
+    assert law.choices == ("walton_braun", "hertz") and steps.is_integer and not law.is_number
+    grid = {"stiffness": [100, 1000, 10000], "friction": [0.4, 0.5, 0.6], "depth": [2]}
+    cases = [{"law": "hertz", "replicates": 3}, {"steps_per_collision": 60}, {}]
+    for series, axes in (
+        ({"grid": grid}, {Axis("friction", 0.4, 0.6), Axis("stiffness", 100, 10000, "log")}),
+        (
+            {"cases": cases},
+            {
+                Axis("law", 0, 1, choices=("hertz", "walton_braun")),
+                Axis("steps_per_collision", 40, 60, is_integer=True),
+            },
+        ),
+        ({}, set()),
+    ):
+        contents = {"study": "s", "series": [{"name": "wide", "system": "chute"} | series]}
+        study = parse_study(contents, "s.yaml", None)
+        assert set(study.axes["wide"]) == axes and not study.designs
     assert axis_of("depth", [1, 2, 4, 8, 16], False).scale == "log"
     assert axis_of("depth", [0, 1, 10, 100], False).scale == "linear"
-
-
-def test_blocks():
-    assert [block_size(kind, 3) for kind in ("sobol", "saltelli", "morris")] == [1, 5, 4]

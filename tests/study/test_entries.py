@@ -8,7 +8,6 @@ from sim.base.errors import InputError
 from sim.base.yaml import read_yaml
 from sim.study.entries import expand_range
 from sim.study.load import load_study, parse_study
-from sim.study.read import read
 
 SERIES = "series: [{{name: {}, system: chute, base: {{depth: {}}}}}]\n"
 
@@ -23,10 +22,13 @@ def study_path(tmp_path) -> Path:
 
 
 def test_the_study_file_comes_first_and_its_parts_in_their_order(study_path):
-    documents = read(study_path)
-    assert [one.path.name for one in documents] == ["study.yaml", "two.yaml", "one.yaml"]
-    assert [one.contents["study"] for one in documents] == ["s", "two", "one"]
-    assert [one.plugins for one in documents] == [(), (), ()]
+    study = load_study(study_path, None)
+    assert [one.name for one in study.files] == ["study.yaml", "two.yaml", "one.yaml"]
+    assert list(study.series) == ["c", "b", "a"] and study.plugins == ()
+    # A point of two of them is one.
+    study_path.write_text("study: s\nparts: [two.yaml]\n" + SERIES.format("c", 3))
+    (point,) = load_study(study_path, None).points.values()
+    assert point.series == ("c", "b")
 
 
 def test_a_part_is_validated_before_a_point_is_expanded(study_path):

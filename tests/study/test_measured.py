@@ -57,29 +57,3 @@ def test_a_file_is_no_link_to_elsewhere_and_has_no_endless_name(tmp_path):
     link.unlink()
     link.symlink_to("exp.csv")
     assert read_measured(link).texts == read_measured(tmp_path / "exp.csv").texts
-
-
-def test_a_file_must_be_there_and_be_a_file(tmp_path):
-    for path in (tmp_path / "none.csv", tmp_path):
-        with pytest.raises(InputError, match="no such file"):
-            read_measured(path)
-
-
-def test_units_that_are_unknown_contradict_or_are_of_another_kind_are_refused(read):
-    table = read(TABLE)
-    for column, to, unit, message in [
-        ("V", "m", "", "unit of column V: got 'mm/s'; allowed: a unit such as m"),
-        ("V", "1", "", "unit of column V: got 'mm/s'; allowed: no unit, as it is a pure number"),
-        ("s", "m s-1", "mph", "unit of column s: got 'mph'; allowed: a unit such as m s-1"),
-        ("V", "m s-1", "m/s", "unit of column V: got 'm/s'; allowed: mm/s, as in its heading"),
-    ]:
-        with pytest.raises(InputError) as caught:
-            numbers(table, column, to, unit=unit)
-        assert message in str(caught.value)
-
-
-def test_a_missing_column_is_named_with_those_there_are(read):
-    with pytest.raises(InputError) as caught:
-        read(TABLE).require_column("angel", "a condition")
-    message = "column angel: got nothing; did you mean angle? allowed: a column angel, a condition"
-    assert message in str(caught.value) and "the file has angle, V, s" in str(caught.value)

@@ -1,6 +1,5 @@
 """The schema and the reference agree with the models, and the guide's examples work."""
 
-import copy
 import json
 import re
 from pathlib import Path
@@ -10,17 +9,12 @@ import pytest
 import yaml
 
 from sim.__main__ import main
-from sim.base.additions import (
-    TALUS,
-    AdditionError,
-    attribute_additions_to,
-    shipped,
-)
+from sim.base.additions import TALUS, AdditionError, attribute_additions_to, shipped
 from sim.base.errors import InputError
 from sim.base.plugins import load_plugins
 from sim.parameters import SYSTEMS, BeltParameters, canonical_values, parse_point
 from sim.parameters.choices import extended
-from sim.parameters.laws import MOTION, law, motion
+from sim.parameters.laws import MOTION, law
 from sim.study.catalogue import FIGURES
 from sim.study.load import load_study, parse_study
 from sim.study.reference import BEGIN, END, insert_reference, reference_text, schema, schema_text
@@ -52,78 +46,50 @@ def test_reference_names_every_parameter_and_figure():
     names = {name for model in SYSTEMS.values() for name in model.model_fields} - {"system"}
     for name in names | set(FIGURES):
         assert f"| `{name}` |" in text
+    for table in re.findall(r"(?:^\|.*\n)+", text, flags=re.MULTILINE):
+        assert len({len(re.findall(r"(?<!\\)\|", line)) for line in table.splitlines()}) == 1
 
 
-def test_tables_have_as_many_cells_as_headings():
-    for table in re.findall(r"(?:^\|.*\n)+", reference_text(), flags=re.MULTILINE):
-        cells = {len(re.findall(r"(?<!\\)\|", line)) for line in table.splitlines()}
-        assert len(cells) == 1
+def test_shipped_studies_and_points_satisfy_the_schema(validator):
+    for path in CONFIG.glob("*.yaml"):
+        validator.validate(yaml.safe_load(path.read_text()))
+    for system in SYSTEMS:
+        validator.validate({"system": system})
+        validator.validate(canonical_values(parse_point({"system": system}, "point")))
 
 
-@pytest.mark.parametrize("name", ["quick", "paper", "regimes"])
-def test_shipped_studies_satisfy_the_schema(name, validator):
-    validator.validate(yaml.safe_load((CONFIG / f"{name}.yaml").read_text()))
-
-
-@pytest.mark.parametrize("system", SYSTEMS)
-def test_points_satisfy_the_schema(system, validator):
-    validator.validate({"system": system})
-    validator.validate(canonical_values(parse_point({"system": system}, "point")))
-
-
-STUDY = {
+GRID = {"study": "s", "series": [{"name": "a", "system": "chute", "grid": {"friction": [0.3]}}]}
+EDGE = {
     "study": "s",
-    "series": [{"name": "a", "system": "chute", "grid": {"restitution": [0.85, 0.9]}}],
+    "boundaries": [
+        {"name": "a", "system": "chute", "of": "flow", "along": "angle", "range": [10, 20]}
+        | {"tolerance": 1}
+    ],
 }
 
 
 @pytest.mark.parametrize(
-    "invalid_grid",
+    ("study", "change"),
     [
-        {"restitution": [0.85, 1.5]},
-        {"restitution": [0]},
-        {"restitution": []},
-        {"restitution": 0.85},
-        {"restitution": ["high"]},
-        {"restitution": [None]},
-        {"restituton": [0.85]},
-        {"frequency": [20]},
-        {"angle": [90]},
-        {},
-        None,
+        *(
+            (GRID, {"grid": grid})
+            for grid in (
+                *({"restitution": one} for one in ([0.85, 1.5], [0], [], 0.85, ["high"], [None])),
+                *({"restituton": [0.85]}, {"frequency": [20]}, {"angle": [90]}, {}, None),
+            )
+        ),
+        *((EDGE, {"of": "transport"}), (EDGE, {"along": "seed"}), (EDGE, {"range": [1]})),
+        *((EDGE, {"range": None}), (EDGE, {"name": "a b"})),
     ],
 )
-def test_the_schema_refuses_what_the_models_refuse(invalid_grid, validator, tmp_path):
-    study = copy.deepcopy(STUDY)
+def test_the_schema_refuses_what_the_models_refuse(study, change, validator, tmp_path):
     validator.validate(study)
     parse_study(study, "study", tmp_path)
-    study["series"][0]["grid"] = invalid_grid
-    assert not validator.is_valid(study)
+    ((key, (entry,)),) = ((key, value) for key, value in study.items() if key != "study")
+    changed = study | {key: [entry | change]}
+    assert not validator.is_valid(changed) and not validator.is_valid({"study": "s"})
     with pytest.raises(InputError):
-        parse_study(study, "study", tmp_path)
-
-
-@pytest.mark.parametrize(
-    "change",
-    [{"of": "transport"}, {"along": "seed"}, {"range": [1]}, {"range": None}, {"name": "a b"}],
-)
-def test_the_schema_knows_boundaries(change, validator, tmp_path):
-    valid_boundary = {
-        "name": "a",
-        "system": "chute",
-        "of": "flow",
-        "along": "angle",
-        "tolerance": 1,
-    }
-    valid_boundary["range"] = [10, 20]
-    study = {"study": "s", "boundaries": [valid_boundary]}
-    validator.validate(study)
-    parse_study(study, "study", tmp_path)
-    study = {"study": "s", "boundaries": [valid_boundary | change]}
-    assert not validator.is_valid(study)
-    with pytest.raises(InputError):
-        parse_study(study, "study", tmp_path)
-    assert not validator.is_valid({"study": "s"})
+        parse_study(changed, "study", tmp_path)
 
 
 def test_examples_of_the_guide_work(tmp_path):
@@ -158,14 +124,12 @@ def test_schema_is_printed_and_written(tmp_path, capsys):
     assert (tmp_path / "schema.json").read_text(encoding="utf-8") == schema_text()
     guide = (tmp_path / "README.md").read_text(encoding="utf-8")
     assert guide == f"before\n{BEGIN}\n\n{reference_text()}\n{END}\nafter\n"
-
-
-def test_a_guide_without_markers_is_left_alone(tmp_path, capsys):
+    # A guide without markers is left alone.
     (tmp_path / "README.md").write_text("by hand\n")
-    assert main(["schema", "--write", str(tmp_path)]) == 2
+    for folder in (tmp_path, tmp_path / "nowhere"):
+        assert main(["schema", "--write", str(folder)]) == 2
     assert "markers" in capsys.readouterr().err
     assert (tmp_path / "README.md").read_text() == "by hand\n"
-    assert main(["schema", "--write", str(tmp_path / "nowhere")]) == 2
 
 
 def test_the_row_of_the_laws_is_what_each_says_of_itself():
@@ -174,6 +138,11 @@ def test_the_row_of_the_laws_is_what_each_says_of_itself():
     assert len(texts) > 3 and all(text in row for text in texts)
     said = schema()["$defs"]["ChuteParameters"]["properties"]["law"]["description"]
     assert said in row and said.startswith("contact law: walton_braun (")
+    with (
+        pytest.raises(AdditionError, match="one: description: got ''; allowed: text, not empty"),
+        attribute_additions_to(TALUS),
+    ):
+        law("one", **dict.fromkeys(("make", "force", "energy", "collision_time"), print))
 
 
 def test_the_motions_are_what_each_says_of_itself(tmp_path):
@@ -188,15 +157,3 @@ def test_the_motions_are_what_each_says_of_itself(tmp_path):
         said = extended(BeltParameters, MOTION).model_fields["motion"].description
     usual = shipped("motion")["harmonic"].description
     assert said == f"motion of the base: harmonic ({usual}), slow (a slow one), fast"
-
-
-@pytest.mark.parametrize(
-    ("declare", "functions"),
-    [(law, ("make", "force", "energy", "collision_time")), (motion, ("make", "state"))],
-)
-def test_what_ships_says_what_it_is(declare, functions):
-    with (
-        pytest.raises(AdditionError, match="one: description: got ''; allowed: text, not empty"),
-        attribute_additions_to(TALUS),
-    ):
-        declare("one", **dict.fromkeys(functions, print))

@@ -16,10 +16,7 @@ WIDE = {
         "over": {"friction": [0.2, 0.8], "restitution": [0.6, 0.98], "angle": [14, 20]},
     },
 }
-SCREENED = WIDE | {
-    "name": "many",
-    "design": WIDE["design"] | {"kind": "morris", "points": 40},
-}
+SCREENED = WIDE | {"name": "many", "design": WIDE["design"] | {"kind": "morris", "points": 40}}
 SPEED = {"name": "speed", "series": "wide"}
 CALIBRATE = {
     "name": "beads",
@@ -53,7 +50,7 @@ def message(parse, *arguments, **keys) -> str:
 def test_a_sensitivity_of_a_surrogate_has_its_pictures(parse):
     entry = {"name": "matters", "surrogate": "speed"}
     study = parse(sensitivity=[entry, entry | {"name": "all-the-same", "surrogate_error": 0.3}])
-    one, other = study.sensitivities
+    one, other = study.questions[1:]
     assert (one.surrogate_error, other.surrogate_error) == (None, 0.3)
     assert one.file == "sensitivity/matters.csv" and one.of.name == "speed" and not one.design
     assert {"matters-indices", "matters-interactions"} <= set(study.plots)
@@ -64,36 +61,30 @@ def test_a_sensitivity_of_a_surrogate_has_its_pictures(parse):
 
 def test_a_sensitivity_of_a_design_takes_its_runs(parse):
     study = parse(sensitivity=[{"name": "screen", "series": "many", "observable": "velocity"}])
-    (one,) = study.sensitivities
+    (one,) = study.questions[1:]
     assert one.is_screening and one.of.mean_regimes == COUNTED and one.series == "many"
     assert "screen-screening" in study.plots and "screen-indices" not in study.plots
 
 
 def test_measurements_come_in_the_units_of_talus(parse, tmp_path):
     study = parse(calibrate=[CALIBRATE])
-    (one,) = study.calibrations
+    (one,) = study.questions[1:]
     assert one.values == pytest.approx((0.2, 0.3)) and one.errors == pytest.approx((0.005, 0.006))
     assert one.conditions == {"angle": (15, 17)} and one.ranges["restitution"] == (0.6, 0.9)
     assert study.data == (tmp_path / "exp.csv",)
     assert {"beads-posterior", "beads-predictions", "beads-experiment"} <= set(study.plots)
-    edited = parse(TABLE.replace("300", "310"), calibrate=[CALIBRATE]).calibrations[0]
-    assert edited.settings != one.settings
-
-
-def test_what_the_model_and_the_surrogate_may_lack_can_be_chosen(parse):
-    (usual,) = parse(calibrate=[CALIBRATE]).calibrations
-    assert usual.discrepancy and usual.surrogate_error is None
-    entry = CALIBRATE | {"discrepancy": False, "surrogate_error": 0.5}
-    (one,) = parse(calibrate=[entry]).calibrations
-    assert not one.discrepancy and one.surrogate_error == 0.5
-    assert usual.settings != one.settings
-
-
-def test_columns_and_units_can_be_named_in_the_study(parse):
     table = "angle,V,s\n15,20,1\n17,30,2\n"
-    entry = CALIBRATE | {"observable": "V", "error": "s", "units": {"V": "cm/s", "angle": "deg"}}
-    (one,) = parse(table, calibrate=[entry]).calibrations
-    assert one.values == pytest.approx((0.2, 0.3)) and one.errors == pytest.approx((0.01, 0.02))
+    named = {"observable": "V", "error": "s", "units": {"V": "cm/s", "angle": "deg"}}
+    (_, other) = parse(table, calibrate=[CALIBRATE | named]).questions
+    assert other.values == pytest.approx(one.values)
+    assert other.errors == pytest.approx((0.01, 0.02))
+    for edited, keys in (
+        (TABLE.replace("300", "310"), {}),
+        (TABLE, {"discrepancy": False}),
+        (TABLE, {"surrogate_error": 0.5}),
+    ):
+        (_, other) = parse(edited, calibrate=[CALIBRATE | keys]).questions
+        assert other.settings != one.settings
 
 
 def test_columns_of_parameters_may_say_what_was_run(parse):

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from sim.surrogates.predictor import scaled
+
 
 @dataclass
 class MadePredictor:
@@ -40,6 +42,12 @@ ISHIGAMI = MadePredictor(
     lambda x, y, z: np.sin(x) + 7 * np.sin(y) ** 2 + 0.1 * z**4 * np.sin(x), [[-np.pi, np.pi]] * 3
 )
 
+
+def ishigami(shares):
+    """Return Ishigami's function at points (n, 3) of the unit cube."""
+    return ISHIGAMI.predict(scaled(shares, ISHIGAMI.bounds, ISHIGAMI.scales))[0]
+
+
 #: Exact indices: first order, total, and the one interaction.
 ISHIGAMI_FIRST, ISHIGAMI_TOTAL, ISHIGAMI_X_Z = (
     (0.3139, 0.4424, 0.0),
@@ -55,6 +63,11 @@ def g_function(*x):
     return np.prod(
         [(np.abs(4 * one - 2) + a) / (1 + a) for one, a in zip(x, G, strict=True)], axis=0
     )
+
+
+def product(shares):
+    """Return the g-function, with a kink in the middle of each parameter, at points (n, 4)."""
+    return g_function(*shares.T)
 
 
 def g_indices():

@@ -1,13 +1,10 @@
 """Gaussian processes hold what they promise on functions that are known."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from scipy.special import ndtr
 from sklearn.base import clone
 
-from sim.surrogates.process import Process, deviations
+from sim.surrogates.process import Process
 from tests.made.surrogates import design, kinked, smooth
 
 
@@ -117,10 +114,3 @@ def test_errors_are_wider_the_fewer_points_lengths_are_fitted_to():
         for x in (design(8, 2), design(64, 2))
     )
     assert few.widening > 1.2 * many.widening and many.widening >= 1
-
-
-def test_deviations_of_normal_noise_are_normal():
-    x, y, size, _ = noisy(smooth, 64, 2, 6, 0.1)
-    process = replace(Process(x, y, np.full(64, size**2), False, False).fit_lengths())
-    z = deviations(process.left_out, y)
-    assert np.mean(2 * ndtr(z) - 1) == pytest.approx(0.5, abs=0.12)

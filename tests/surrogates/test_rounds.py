@@ -111,14 +111,10 @@ def test_dataset_and_status_know_the_points_of_rounds(ended):
     assert as_text(status).endswith(lines[0])
 
 
-def test_a_round_that_is_repeated_adds_the_same_points(ended):
-    path, results, *_ = ended
-    first = (results / "made" / "rounds" / "1.json").read_bytes()
-    assert write_round(path, 1, results).read_bytes() == first
-
-
 def test_a_smaller_error_goes_on_and_a_larger_one_leaves_orphans(ended, tmp_path):
     path, results, number, _ = ended
+    first = (results / "made" / "rounds" / "1.json").read_bytes()
+    assert write_round(path, 1, results).read_bytes() == first
     finer = write_study(tmp_path, error=0.0001)
     assert len(read_round(write_round(finer, number, results))) == 4
     study = load_study(finer, results)
@@ -141,6 +137,22 @@ def test_a_budget_ends_rounds(tmp_path):
     number = go_on(path, results)
     added = len(points_of_rounds(load_study(path, results), results / "made")) - 8
     assert 4 <= added <= 7 and number <= 3
+
+
+def test_rounds_buy_what_a_mean_lacks(tmp_path):
+    path, results = write_study(tmp_path, error=0.5), tmp_path / "results"
+    path.write_text(path.read_text().replace("points: 8", "points: 2"))
+    points = [point.parameters for point in load_study(path, results).points.values()]
+    run_points(points, results / "made" / "runs")
+    build(path, results)
+    (line,) = inquiries.build(path, results)
+    assert line.startswith("surrogate speed: no mean, as 2 of 2 points of series wide count")
+    assert go_on(path, results) > 1
+    build(path, results)
+    assert ": no " not in inquiries.build(path, results)[0]
+    path.write_text(path.read_text().replace(", error: 0.5, budget: 100000.0", ""))
+    with pytest.raises(InputError, match="allowed: a series of 6 to 3,000 points"):
+        load_study(path, results)
 
 
 def test_runs_of_earlier_rounds_are_needed(tmp_path):

@@ -41,7 +41,17 @@ def test_a_call_gives_mean_half_width_and_probabilities(surrogate):
     assert abs(float(answer["mean"]) - exact) < float(answer["half_width"])
     assert answer["probability"].sel(regime="steady") == 1
     assert answer["mean"].attrs["units"] == "m s-1" and not answer["mean"].dims
-    assert answer.attrs["error"] == surrogate.error < 0.05 and not answer.attrs["caveats"]
+    rough = made_surrogate(lambda x: 2 + np.sin(40 * x[:, 0]) * np.cos(37 * x[:, 1]))
+    assert answer.attrs["error"] == surrogate.error < 0.02 < 0.2 < rough.error
+    assert not answer.attrs["caveats"]
+    mean, error = surrogate.predict(np.array([[0.5, 6.0], [0.6, 3.0]]))
+    assert (surrogate.parameters, surrogate.scales) == (("friction", "depth"), ("linear", "linear"))
+    assert surrogate.bounds.tolist() == [[0.2, 0.8], [2.0, 10.0]]
+    assert float(answer["mean"]) == pytest.approx(mean[0], rel=1e-8)
+    assert float(answer["half_width"]) == pytest.approx(1.96 * error[0], rel=1e-3)
+    # Parameters of all points may be given.
+    same = surrogate(friction=0.5, depth=6.0, restitution=0.85, law="walton_braun")
+    assert same["mean"] == answer["mean"]
 
 
 def test_arrays_are_labelled_dimensions(surrogate):
@@ -56,15 +66,6 @@ def test_arrays_are_labelled_dimensions(surrogate):
     assert float(paired["mean"][1]) == pytest.approx(
         float(answer["mean"].sel(friction=0.5, depth=6))
     )
-
-
-def test_the_mean_is_what_predict_gives(surrogate):
-    mean, error = surrogate.predict(np.array([[0.42, 5.0], [0.6, 3.0]]))
-    answer = surrogate(friction=0.42, depth=5.0)
-    assert (surrogate.parameters, surrogate.scales) == (("friction", "depth"), ("linear", "linear"))
-    assert surrogate.bounds.tolist() == [[0.2, 0.8], [2.0, 10.0]]
-    assert float(answer["mean"]) == pytest.approx(mean[0], rel=1e-8)
-    assert float(answer["half_width"]) == pytest.approx(1.96 * error[0], rel=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -93,10 +94,6 @@ def test_what_it_cannot_predict_is_refused(surrogate, values, message):
     with pytest.raises(InputError) as error:
         surrogate(**values)
     assert message in str(error.value)
-
-
-def test_parameters_of_all_points_may_be_given(surrogate):
-    assert surrogate(friction=0.5, depth=5.0, restitution=0.85, law="walton_braun")["mean"] > 0
 
 
 def test_extrapolation_says_how_far(surrogate):
@@ -138,19 +135,6 @@ def test_words_are_chosen(mixed):
         mixed(friction=0.6, depth=5.0)
     with pytest.raises(InputError, match="law: got 'hooke'; allowed: one of walton_braun, hertz"):
         mixed.at(law="hooke")
-
-
-def test_the_error_is_that_of_points_left_out(surrogate):
-    rough = made_surrogate(lambda x: 2 + np.sin(40 * x[:, 0]) * np.cos(37 * x[:, 1]))
-    assert surrogate.error < 0.02 < 0.2 < rough.error
-
-
-def test_too_few_points_are_refused():
-    x = design(16, 2)
-    words = ["arrested"] * 14 + ["steady"] * 2
-    spec = asked()
-    with pytest.raises(InputError, match=r"as 2 of 16 .* 6 are needed; left out are 14 a"):
-        Surrogate.fit(spec, made_sample(x, smooth(x), regime=words))
 
 
 @pytest.mark.parametrize(("parameters", "fewest"), [(1, 4), (2, 6), (3, 9), (8, 24)])
@@ -228,9 +212,7 @@ def test_the_observable_of_a_form_is_one_of_its_system(tmp_path, wrong):
     message = rf"plug-in kink.py \(\w+\): form kinked: observable is one of .*: got '{wrong}'"
     with restore_plugins(), pytest.raises(InputError, match=message):
         load_study(path, None)
-
-
-def test_the_observable_of_a_form_may_be_declared_after_it(tmp_path):
+    # It may be declared after the form.
     jump = 'sim.observable("jump", system="chute", unit="m s-1", meaning="of the velocity")(len)\n'
     with restore_plugins():
         path = form_study(tmp_path, FORM.replace('"velocity"', '"jump"') + jump)
