@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.collections import EllipseCollection, LineCollection
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from matplotlib.ticker import MultipleLocator
@@ -17,7 +17,8 @@ from matplotlib.ticker import MultipleLocator
 from sim.base.errors import InputError
 from sim.figures.caption import first_clause, velocity_text
 from sim.figures.data import Drawing, FigureData
-from sim.figures.style import DOTTED, place_legend
+from sim.figures.spheres import across_sides, draw_particles
+from sim.figures.style import DOTTED, legend_above
 from sim.parameters import NUMERICAL, BeltParameters, field_info
 from sim.study.plot_contents import in_words
 
@@ -156,7 +157,7 @@ def draw_paths(data: FigureData) -> Figure:
         tell_beyond(axes, path[..., 1].min(axis=0))
         draw_surroundings(axes, point)
     if panels:
-        place_legend(figure, panels[0])
+        legend_above(figure, *panels[0].get_legend_handles_labels())
     return figure
 
 
@@ -200,7 +201,7 @@ def draw_snapshots(data: FigureData) -> Figure:
             height = sign * point.row["amplitude"]
             axes.axhline(height, color="black", linewidth=1.3, linestyle=DOTTED, label=label)
     if panels:
-        place_legend(figure, panels[0])
+        legend_above(figure, *panels[0].get_legend_handles_labels())
     return figure
 
 
@@ -250,29 +251,16 @@ def _mean_square_speed(beads: pd.DataFrame) -> float:
 def _draw_beads(axes: Axes, width: float, beads: pd.DataFrame, speed: float) -> None:
     """Draw circles and velocities of all beads, and of their images that reach into the cell."""
     places = beads[["x [⟨d⟩]", "z [⟨d⟩]"]].to_numpy()
-    ends = places + beads[["v_x [m s-1]", "v_z [m s-1]"]].to_numpy() / speed
+    steps = beads[["v_x [m s-1]", "v_z [m s-1]"]].to_numpy() / speed
     diameters = beads["diameter [⟨d⟩]"].to_numpy()
-    for shift in (-width, 0.0, width):
-        left = np.minimum(places[:, 0] - diameters / 2, ends[:, 0]) + shift
-        right = np.maximum(places[:, 0] + diameters / 2, ends[:, 0]) + shift
-        seen = (right > 0) & (left < width)
-        if not seen.any():
-            continue
-        axes.add_collection(
-            EllipseCollection(
-                diameters[seen],
-                diameters[seen],
-                np.zeros(seen.sum()),
-                units="xy",
-                offsets=places[seen] + (shift, 0),
-                offset_transform=axes.transData,
-                facecolor="#f0f0f0",
-                edgecolor="#666666",
-                linewidth=0.6,
-            )
-        )
-        sticks = np.stack([places, ends], axis=1)[seen] + (shift, 0)
-        axes.add_collection(LineCollection(sticks, color="#0072b2", linewidth=1.0))
+    # Velocities, too, are seen at both sides of the cell.
+    index, x = across_sides(places[:, 0], diameters + 2 * np.abs(steps[:, 0]), width)
+    seen = np.column_stack([x, places[index, 1]])
+    edge: dict[str, Any] = {"edgecolors": "#666666", "linewidths": 0.6}
+    grey = np.full((len(index), 4), 0.94)
+    draw_particles(axes, seen, diameters[index], grey, **edge)
+    sticks = np.stack([seen, seen + steps[index]], axis=1)
+    axes.add_collection(LineCollection(list(sticks), color="#0072b2", linewidth=1.0))
 
 
 def _draw_scale(axes: Axes, speed: float) -> None:

@@ -15,8 +15,8 @@ from sim.base.statistics import student_half_width
 from sim.dataset.replicates import OUTCOME, SCALARS, outcomes
 from sim.dataset.results import Results
 from sim.parameters import NUMERICAL, SYSTEMS, field_info
+from sim.study.figure_spec import FigureSpec
 from sim.study.plot_contents import name_in_words, parameter_phrase
-from sim.study.plot_kinds import FigureSpec
 
 #: Parameters that every table of velocities has in addition to those of its figure.
 _PROTOCOL = ("protocol", "target", "limit")
@@ -156,19 +156,26 @@ def parameter_columns(
     rows: pd.DataFrame, system: str, names: Iterable[str]
 ) -> dict[str, pd.Series]:
     """Return the ids of points and some of their parameters, units in the headings."""
-    declared = field_info(SYSTEMS[system])
-    columns = {"point": rows["point"]}
-    for name in names:
-        row = declared[name]
-        unit = row.scale or row.unit
-        columns[f"{name} [{unit}]" if unit else name] = rows[name]
-    return columns
+    columns = {parameter_heading(system, name): rows[name] for name in names}
+    return {"point": rows["point"]} | columns
+
+
+def parameter_unit(system: str, name: str) -> str:
+    """Return the unit of a parameter in study files, as in headings; empty for a choice."""
+    row = field_info(SYSTEMS[system])[name]
+    return row.scale or row.unit or ""
+
+
+def parameter_heading(system: str, name: str) -> str:
+    """Return the heading of a column with a parameter."""
+    unit = parameter_unit(system, name)
+    return f"{name} [{unit}]" if unit else name
 
 
 def velocity_table(data: FigureData) -> pd.DataFrame:
     """Return parameters and outcome of points, one row each, units in the headings."""
     rows, spec = data.rows, data.spec
-    names = dict.fromkeys([*spec.axes, *spec.curves, *spec.named, *_PROTOCOL])
+    names = dict.fromkeys([*spec.axes, *spec.groups, *spec.named, *_PROTOCOL])
     return pd.DataFrame(
         parameter_columns(rows, spec.system, names)
         | {
@@ -292,10 +299,10 @@ def replicate_means(
 
 
 def quantities(data: FigureData) -> list[Quantity]:
-    """Return the measures that the option ``quantities`` of a figure names, or the velocity."""
+    """Return the measures that the key ``quantities`` of a figure names, or the velocity."""
     return [
-        measure_quantity(data, option["name"], option["label"], option.get("over", ""))
-        for option in data.spec.quantities
+        measure_quantity(data, measure.name, measure.label, measure.over)
+        for measure in data.spec.quantities
     ] or [velocity(data.rows)]
 
 

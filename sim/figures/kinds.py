@@ -4,31 +4,16 @@ What draws has the functions ``draw``, ``table`` and ``notes`` of the data of a 
 ``select``. It is imported when one of them is first called: study files are checked without it.
 """
 
-from functools import partial
-from pkgutil import resolve_name
 from typing import Any
 
-from sim.base.additions import TALUS, attribute_additions_to
-from sim.study.plot_kinds import REGIME, Keys, Shown, plot_kind
+from sim.base.additions import TALUS, add, attribute_additions_to
+from sim.study.plot_kinds import PLOT, REGIME, Keys, PlotKind, Shown
 from sim.study.plottable import numbers, profiles, series
-
-#: What draws each kind, by its name.
-DRAWINGS: dict[str, str] = {}
-
-
-def _call(name: str, role: str, data: Any) -> Any:
-    """Call the function for a role of what draws a kind; without one to select, all is drawn."""
-    drawing = resolve_name(DRAWINGS[name])
-    return data if role == "select" and not hasattr(drawing, role) else getattr(drawing, role)(data)
 
 
 def _declare(name: str, drawing: str, **keys: Any) -> None:
-    """Declare a kind of plot by the call that a plug-in makes."""
-    DRAWINGS[name] = f"sim.figures.{drawing}"
-    roles: dict[str, Any] = {
-        role: partial(_call, name, role) for role in ("table", "notes", "select")
-    }
-    plot_kind(name, keys=Keys(**keys), **roles)(partial(_call, name, "draw"))
+    """Declare a kind of plot that a module of `sim.figures`, or an object in one, draws."""
+    add(PLOT, name, PlotKind(Keys(**keys), f"sim.figures.{drawing}"))
 
 
 with attribute_additions_to(TALUS):
@@ -41,10 +26,8 @@ with attribute_additions_to(TALUS):
         second="x",
         log=("x", "y"),
         others=("curves", "panels", "beside", "fit"),
-        of_papers=(
-            *("x", "y", "curves", "panels", "log", "units", "fit", "labels"),
-            *("levels", "level", "quantities", "styles", "entry", "relative", "alike", "widest"),
-        ),
+        of_papers="x y curves panels log units fit labels levels level quantities styles entry "
+        "relative alike widest",
         systems=("chute", "belt"),
     )
     _declare(
@@ -56,7 +39,7 @@ with attribute_additions_to(TALUS):
         shows=numbers,
         log=("x", "y", "colour"),
         others=("panels", "beside"),
-        of_papers=("x", "y", "curves", "log", "labels", "theory", "creep", "point"),
+        of_papers="x y curves log labels theory creep point",
         systems=("chute", "belt"),
         over="over {}",
     )
@@ -68,10 +51,7 @@ with attribute_additions_to(TALUS):
         second="y",
         log=("x",),
         others=("curves", "panels", "between", "beside"),
-        of_papers=(
-            *("x", "y", "curves", "panels", "between", "log", "units", "vary", "labels"),
-            *("quantities", "styles", "entry", "flat"),
-        ),
+        of_papers="x y curves panels between log units vary labels quantities styles entry flat",
         over="over the height",
     )
     _declare(
@@ -129,7 +109,7 @@ with attribute_additions_to(TALUS):
     _declare(
         "animation",
         "animation",
-        of_papers=("point",),
+        of_papers="point",
         systems=("chute", "belt"),
         particles=Shown.PATH,
         animated=True,

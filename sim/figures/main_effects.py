@@ -6,22 +6,20 @@ from matplotlib.figure import Figure
 
 from sim.figures.axes import limit_axis
 from sim.figures.caption import not_drawn
-from sim.figures.data import FigureData
-from sim.figures.plot import (
-    MOST_COLUMNS,
-    PANEL_SIZE,
-    write_no_data,
-)
+from sim.figures.data import FigureData, parameter_unit
+from sim.figures.plot import MOST_COLUMNS, PANEL_SIZE, write_no_data
 from sim.figures.scatter import GROUPS, averaged, binned_means
 from sim.figures.style import COLOURS
-from sim.figures.variables import Variable, known_rows, observable, parameters
-from sim.parameters import SYSTEMS, field_info
+from sim.figures.variables import Variable, known_rows, observable, parameter
 
 
 def draw(data: FigureData) -> Figure:
     """Draw a panel per parameter, all with the same vertical axis."""
-    y, _ = observable(data, "show", "y")
-    variables, rows = parameters(data), averaged(known_rows(data, [y]))
+    y = observable(data, "show", "y")
+    variables, rows = (
+        [parameter(data, name) for name in data.spec.axes],
+        averaged(known_rows(data, [y])),
+    )
     down = -(-len(variables) // MOST_COLUMNS)
     across = -(-len(variables) // down)
     size = (PANEL_SIZE[0] * across * 0.85 + 0.8, PANEL_SIZE[1] * down + 0.3)
@@ -60,21 +58,21 @@ def _draw_effect(axes: Axes, x: Variable, y: Variable, rows: pd.DataFrame) -> No
 
 def table(data: FigureData) -> pd.DataFrame:
     """Return the means, one row per parameter and group, units in the headings."""
-    y, quantity = observable(data, "show", "y")
-    unit = quantity.label[quantity.label.index("[") :]
+    y = observable(data, "show", "y")
+    heading = y.quantity.label if y.quantity else ""
+    unit = heading[heading.index("[") :]
     rows, parts = averaged(known_rows(data, [y])), []
-    for x in parameters(data):
+    for x in [parameter(data, name) for name in data.spec.axes]:
         means = binned_means(x.values[rows.index], y.values[rows.index], log=y.log)
         if x.choices:
             for column in ("from", "to", "x"):
                 means[column] = [x.text(value) for value in means[column]]
-        declared = field_info(SYSTEMS[data.spec.system])[x.name]
-        means.insert(0, "unit of the parameter", declared.scale or declared.unit or "")
+        means.insert(0, "unit of the parameter", parameter_unit(data.spec.system, x.name))
         means.insert(0, "parameter", x.name)
         parts.append(means)
     headings = {
         "x": "mean of the parameter",
-        "mean": quantity.label,
+        "mean": heading,
         "low": f"lower end of 95 % interval {unit}",
         "high": f"upper end of 95 % interval {unit}",
     }
@@ -83,7 +81,7 @@ def table(data: FigureData) -> pd.DataFrame:
 
 def notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on means and points."""
-    y, _ = observable(data, "show", "y")
+    y = observable(data, "show", "y")
     rows = known_rows(data, [y])
     missing = int((data.rows["completed"] > 0).sum()) - len(rows)
     kind = "mean of the logarithm" if y.log else "mean"

@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Polygon, Rectangle
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, MaxNLocator
-from matplotlib.tri import LinearTriInterpolator, Triangulation, UniformTriRefiner
+from matplotlib.tri import Triangulation
 from scipy.spatial import Delaunay, QhullError
 
 from sim.figures.axes import set_log
@@ -31,8 +31,6 @@ from sim.figures.data import (
     velocity_table,
 )
 from sim.figures.plot import (
-    PANEL_SIZE,
-    SINGLE_SIZE,
     Panels,
     append_foreign_data,
     draw_foreign_data,
@@ -236,35 +234,21 @@ def draw_boundaries(
     boundaries : pandas.DataFrame
         Boundaries, as `sim.dataset.boundaries.tabulate` returns them.
     plane : sequence of str
-        Parameters on the horizontal and on the vertical axis. Boundaries along the second are
-        vertical bars, those along the first horizontal ones. Boundaries along another parameter, or
-        without an interval, are left out.
+        Parameters on the horizontal and on the vertical axis. Bars lie along that of the boundary;
+        boundaries along another one, or without an interval, are left out.
     aside : float
-        Shift of the bars from their position, in points of print. Several bars at one position
-        stand side by side.
+        Shift of the bars, in points of print. Several bars at one position stand side by side.
     """
     counts: Counter[tuple[str, str, float]] = Counter()
     for label, look, bars in _kinds(boundaries, plane):
-        style: dict[str, Any] = {
-            "color": look.colour,
-            "marker": look.marker,
-            "markerfacecolor": "white",
-        }
+        style: dict[str, Any] = {"color": look.colour, "marker": look.marker}
+        style |= {"markerfacecolor": "white", "zorder": 4}
         for bar in bars.to_dict("records"):
             upright = bar["along"] == plane[1]
             place = bar[plane[0] if upright else plane[1]]
             middle, half = (bar["low"] + bar["high"]) / 2, (bar["high"] - bar["low"]) / 2
-            x, y, lengths = (place, middle, "yerr") if upright else (middle, place, "xerr")
-            drawn = axes.errorbar(
-                x,
-                y,
-                **{lengths: half},
-                **style,
-                elinewidth=2.2,
-                capsize=3.5,
-                capthick=1.4,
-                zorder=4,
-            )
+            at = (place, middle, half) if upright else (middle, place, None, half)
+            drawn = axes.errorbar(*at, **style, elinewidth=2.2, capsize=3.5, capthick=1.4)
             key = (bar["of"], bar["along"], place)
             # Flat bars need no more room than a marker.
             shift = (aside if upright else min(aside, 1.5 * BAR_PITCH)) + BAR_PITCH * counts[key]
@@ -328,12 +312,11 @@ def boundary_sentences(boundaries: pd.DataFrame, plane: Sequence[str]) -> list[s
 def _missing_names(rows: pd.DataFrame, boundaries: pd.DataFrame) -> list[str]:
     """Return names of the boundaries without an interval, with the parameters that differ."""
     varied = varying_parameters(boundaries, _parameter_names(boundaries))
-    names = [
-        BOUNDARIES[row["of"]][0]
-        + _settings_suffix(row["system"], {key: row[key] for key in varied if key != row["along"]})
-        for row in rows[rows["low"].isna()].to_dict("records")
-    ]
-    return list(dict.fromkeys(names))
+    names: dict[str, None] = {}
+    for row in rows[rows["low"].isna()].to_dict("records"):
+        others = {key: row[key] for key in varied if key != row["along"]}
+        names[BOUNDARIES[row["of"]][0] + _settings_suffix(row["system"], others)] = None
+    return list(names)
 
 
 # A map of an observable: cells of a grid, or contours between scattered points.
@@ -351,20 +334,18 @@ MOST_WRITTEN, _LINES = 36, 7
 _LINE: dict[str, Any] = {"colors": "black", "linewidths": 0.6}
 _ALONE, _BETWEEN = 60.0, 16.0
 
-#: How often triangles are halved where an axis is logarithmic.
-_DIVISIONS = 3
-
 #: Hatches of flows that are not steady, and of runs too short to tell, with their entries.
 _DENSE, _WIDE = "////", "/"
 _HATCHES = {_DENSE: OPEN_MEANS, _WIDE: PALE_MEANS}
 
-#: Digits of the largest value in a cell, most decimals of all, and width of a character, inches.
-_DIGITS, _DECIMALS, _CHARACTER = 3, 5, 0.075
+#: Digits of the largest value in a cell, and most decimals of all; characters for which there is
+#: room along a single panel, and along one of several.
+_DIGITS, _DECIMALS, _ROOM = 3, 5, (54, 30)
 
 
 def draw_values(data: FigureData, figure: Figure, shown: Panels) -> None:
     """Draw cells, contours or markers in all panels, and a colour bar."""
-    shade, _ = observable(data, "show", "colour")
+    shade = observable(data, "show", "colour")
     x, y = data.spec.axes
     for axes, rows in shown:
         axes.grid(visible=False)
@@ -409,7 +390,7 @@ def is_grid(rows: pd.DataFrame, plane: tuple[str, ...]) -> bool:
 
 def _others(data: FigureData) -> list[str]:
     """Return the parameters that vary besides those of axes and panels."""
-    shown = {*data.spec.axes, *data.spec.curves}
+    shown = {*data.spec.axes, *data.spec.groups}
     names = [name for name in SYSTEMS[data.spec.system].model_fields if name not in shown]
     return varying_parameters(data.rows, names)
 
@@ -438,65 +419,41 @@ def _draw_cells(axes: Axes, data: FigureData, rows: pd.DataFrame, shade: Variabl
     """Draw a cell per point, with its value where there are few, else with contour lines."""
     norm = Colours(shade).norm
     (x, y), log = data.spec.axes, data.spec.log
-    table = rows.assign(value=shade.values, mark=_hatches(rows)).pivot(
+    both = rows.assign(value=shade.values, mark=_hatches(rows)).pivot(
         index=y, columns=x, values=["value", "mark"]
     )
-    values = table["value"].to_numpy(float)
-    columns, lines = (np.array(sorted(set(rows[name])), float) for name in (x, y))
+    table, marks = both["value"], both["mark"].to_numpy()
+    values, columns, lines = (one.to_numpy(float) for one in (table, table.columns, table.index))
     edges = _edges(columns, log="x" in log), _edges(lines, log="y" in log)
     axes.pcolormesh(*edges, values, cmap=SHADES, norm=norm, edgecolors="white", linewidth=0.6)
-    marks = table["mark"].to_numpy()
     for (down, across), value in np.ndenumerate(values):
         if np.isfinite(value) and marks[down, across]:
             (left, right), (low, high) = edges[0][across:][:2], edges[1][down:][:2]
             cell = Rectangle((left, low), right - left, high - low)
             _hatch(axes, cell, marks[down, across], _ink(value, norm))
     if values.size <= MOST_WRITTEN:
-        _write_values(axes, columns, lines, values, norm)
-        axes.set_xlim(edges[0][0], edges[0][-1])
-        _turn_wide_texts(axes, data, edges[0])
+        _write_values(axes, table, norm, _ROOM[bool(data.spec.panels)])
     elif norm.vmin != norm.vmax:
         known = np.ma.masked_invalid(values)
         _label_lines(axes, axes.contour(columns, lines, known, _levels(norm), **_LINE))
 
 
-def _write_values(
-    axes: Axes, columns: np.ndarray, lines: np.ndarray, values: np.ndarray, norm: Normalize
-) -> None:
-    """Write each value into its cell, in the colour that stands out, all with as many decimals."""
+def _write_values(axes: Axes, table: pd.DataFrame, norm: Normalize, room: int) -> None:
+    """Write each value into its cell, turned where ``room`` characters do not hold a row."""
+    values = table.to_numpy(float)
     size = np.nanmax(np.abs(values)) if np.isfinite(values).any() else 0
     decimals = max(0, _DIGITS - 1 - int(np.floor(np.log10(size)))) if size else 0
     is_plain = type(norm) is Normalize and decimals <= _DECIMALS and size < 10**_DECIMALS
+    pattern = f"{{:.{decimals}f}}" if is_plain else f"{{:.{_DIGITS}g}}"
+    look: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": 8, "zorder": 4}
     for (down, across), value in np.ndenumerate(values):
         if np.isfinite(value):
-            text = (
-                f"{round(value, decimals) + 0.0:.{decimals}f}"
-                if is_plain
-                else f"{value:.{_DIGITS}g}"
-            )
+            text = pattern.format(round(value, decimals) + 0.0 if is_plain else value)
             box = {"facecolor": SHADES(norm(value)), "edgecolor": "none", "pad": 1.0}
-            axes.text(
-                float(columns[across]),
-                float(lines[down]),
-                text.replace("-", "\N{MINUS SIGN}"),
-                color=_ink(value, norm),
-                ha="center",
-                va="center",
-                fontsize=8,
-                bbox=box,
-                zorder=4,
-            )
-
-
-def _turn_wide_texts(axes: Axes, data: FigureData, edges: np.ndarray) -> None:
-    """Turn the values of cells for which they are too wide; ``edges`` are those of the columns."""
-    places = np.log(edges) if "x" in data.spec.log else edges
-    length = SINGLE_SIZE[0] - 1.5 if not data.spec.panels else PANEL_SIZE[0] - 0.5
-    widths = length * np.diff(places) / np.ptp(places)
-    for text in axes.texts:
-        column = int(np.searchsorted(edges, text.get_position()[0])) - 1
-        if len(text.get_text()) * _CHARACTER > widths[column]:
-            text.set_rotation(90)
+            place = float(table.columns[across]), float(table.index[down])
+            look |= {"color": _ink(value, norm), "bbox": box}
+            look["rotation"] = 90 if len(text) * len(table.columns) > room else 0
+            axes.text(*place, text.replace("-", "\N{MINUS SIGN}"), **look)
 
 
 def _label_lines(axes: Axes, lines: ContourSet) -> None:
@@ -533,9 +490,10 @@ def _draw_contours(
     names = data.spec.axes
     x, y = (rows[name].to_numpy(float) for name in names)
     value, marks = shade.values[rows.index].to_numpy(float), _hatches(rows).to_numpy()
-    plane, between = _refined(data, Triangulation(x, y, triangles), value)
-    axes.tricontourf(plane, between, _shades(norm), cmap=SHADES, norm=norm, extend="both")
-    _label_lines(axes, axes.tricontour(plane, between, _levels(norm), **_LINE))
+    plane, look = Triangulation(x, y, triangles), {"cmap": SHADES, "norm": norm, "extend": "both"}
+    # So many bounds that the colours look continuous.
+    axes.tricontourf(plane, value, np.asarray(norm.inverse(np.linspace(0, 1, 65))), **look)
+    _label_lines(axes, axes.tricontour(plane, value, _levels(norm), **_LINE))
     for corners in triangles:
         # The pattern of the least steady corner, which has the longest name.
         if hatch := max(marks[corners], key=len):
@@ -546,29 +504,9 @@ def _draw_contours(
     axes.margins(0.04)
 
 
-def _refined(
-    data: FigureData, plane: Triangulation, values: np.ndarray
-) -> tuple[Triangulation, np.ndarray]:
-    """Divide triangles, so that values are linear along logarithmic axes as they are drawn."""
-    log = data.spec.log
-    if not {"x", "y"} & set(log):
-        return plane, values
-    x, y = (np.log(one) if axis in log else one for axis, one in (("x", plane.x), ("y", plane.y)))
-    drawn = Triangulation(x, y, plane.triangles)
-    linear = LinearTriInterpolator(drawn, values)
-    fine, between = UniformTriRefiner(drawn).refine_field(values, linear, subdiv=_DIVISIONS)
-    x, y = (np.exp(one) if axis in log else one for axis, one in (("x", fine.x), ("y", fine.y)))
-    return Triangulation(x, y, fine.triangles), np.asarray(between)
-
-
-def _shades(norm: Normalize) -> np.ndarray:
-    """Return the bounds of the filled contours, so many that they look continuous."""
-    return np.asarray(norm.inverse(np.linspace(0, 1, 65)))
-
-
 def value_notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on cells, contours, hatching and gaps."""
-    shade, _ = observable(data, "show", "colour")
+    shade = observable(data, "show", "colour")
     known, panel = known_rows(data, [shade]), data.spec.panels
     parts = [part for _, part in data.rows.groupby(panel)] if panel else [data.rows]
     others = [parameter_phrase(data.spec.system, name) for name in _others(data)]

@@ -14,6 +14,7 @@ from sim.figures.caption import not_drawn
 from sim.figures.data import FigureData, label_with_unit, unit_of
 from sim.figures.plot import (
     Panels,
+    above_zero,
     append_foreign_data,
     completed_rows,
     curve_keys,
@@ -126,7 +127,8 @@ def draw(data: FigureData) -> Figure:
     height = label_with_unit("height z", unit_of("m", spec.units, spec.system))
     labels = [observable_label(data, one) for one in shown_observables.values()]
     usual = [*labels, height][:: -1 if spec.flat else 1][:2]
-    label_axes(figure, shown, *(spec.labels.get(one, usual["xy".index(one)]) for one in "xy"))
+    x, y = usual
+    label_axes(figure, shown, spec.labels.get("x", x), spec.labels.get("y", y))
     if "y" in shown_observables:
         _limit_axes(data, shown, pd.concat(drawn) if drawn else pd.DataFrame())
     elif spec.flat:
@@ -150,23 +152,20 @@ def _draw_line(
         return rows
     mean, half, height = rows["x"], rows["x_half"], rows["height"]
     line: dict[str, Any] = {"color": style.colour, "linestyle": style.dashes, "label": label}
+    band: dict[str, Any] = {"color": style.colour, "alpha": 0.15, "linewidth": 0}
     if data.spec.flat:
         # The converged protocol is pale beside the published one.
         beside = is_prescribed(data.spec) and data.rows["protocol"].nunique() > 1
         if beside and row["protocol"] == "converged":
             line |= PALE_LINE | {"label": None}
         axes.plot(height, mean, **line)
-        axes.fill_between(
-            height, mean - half, mean + half, color=style.colour, alpha=0.15, linewidth=0
-        )
+        axes.fill_between(height, mean - half, mean + half, **band)
         return rows
     axes.plot(mean, height, **line)
     if row["completed"] < MIN_REPLICATES:
-        each = values["x"].T
-        each = np.where(each > 0, each, np.nan) if "x" in data.spec.log else each
+        each = above_zero(data, "x", values["x"].T)
         axes.plot(each, height, color=style.colour, alpha=PALE, linewidth=0.7, zorder=1.5)
     else:
-        band: dict[str, Any] = {"color": style.colour, "alpha": 0.15, "linewidth": 0}
         axes.fill_betweenx(height, mean - half, mean + half, **band)
     return rows
 
@@ -224,23 +223,19 @@ def table(data: FigureData) -> pd.DataFrame:
 
     names: tuple[str, ...] = ()
     if spec.flat:
-        heading = spec.quantities[0]["label"]
+        heading = spec.quantities[0].label
         half_width = f"half width of 95 % interval {heading.split()[-1]}"
         headings = {"height": "height above the belt [⟨d⟩]", "x": heading, "x_half": half_width}
         names = (*spec.named, "initial_velocity", "protocol")
 
     def rows(row: Mapping[str, Any]) -> pd.DataFrame:
-        if spec.flat:
-            return means(data, row).pipe(_with_replicates, row["completed"])
-        return means(data, row).assign(**{"completed replicates": row["completed"]})
+        table = means(data, row)
+        place = 0 if spec.flat else table.shape[1]
+        table.insert(place, "completed replicates", row["completed"])
+        return table
 
     y = headings.get("y", headings["height"])
     return append_foreign_data(data, rows_of_points(data, headings, rows, names), headings["x"], y)
-
-
-def _with_replicates(rows: pd.DataFrame, completed: int) -> pd.DataFrame:
-    rows.insert(0, "completed replicates", completed)
-    return rows
 
 
 def notes(data: FigureData) -> list[str]:

@@ -13,13 +13,11 @@ from sim.base.errors import InputError
 from sim.figures.caption import velocity_text
 from sim.figures.data import FigureData, split_curves
 from sim.figures.spheres import Scene
-from sim.figures.style import COLOURS, DOTTED, PALE, escape_label, place_legend
+from sim.figures.style import COLOURS, DOTTED, PALE, escape_label, legend_above
 from sim.parameters import SYSTEMS, default_of
 from sim.parameters.roles import start_parameters
 from sim.parameters.words import PROTOCOLS, setting
 from sim.study.plot_kinds import LARGEST_PORTION, SHARE
-
-PIXELS = 640
 
 #: How the profile of a replicate is drawn.
 _REPLICATE: dict[str, Any] = {"alpha": PALE, "linewidth": 0.7, "zorder": 1.5}
@@ -93,7 +91,7 @@ def draw(data: FigureData) -> Figure:
     if flows:
         panels[0].plot([], [], label="each replicate", color=COLOURS[0], **_REPLICATE)
         _draw_configuration(right.subplots(), data, flows[0][1])
-        place_legend(figure, panels[0])
+        legend_above(figure, *panels[0].get_legend_handles_labels())
     return figure
 
 
@@ -156,8 +154,9 @@ def _draw_configuration(axes: Axes, data: FigureData, row: Mapping[str, Any]) ->
         axes.set_axis_off()
         return
     position, speed = state["position"].values, state["particle_velocity"].values[:, 0]
-    scene = Scene(row, state, position[:, 2], speed, PIXELS)
-    scene.show(axes, scene.picture(position, speed))
+    scene = Scene(row, state, position[:, 2], speed)
+    scene.prepare(axes)
+    scene.draw(axes, position, speed)
     axes.set_xlabel("(c)")
 
 

@@ -1,6 +1,5 @@
 """The particles of one run as an animation."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from io import BytesIO
 
@@ -8,19 +7,19 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.cm import ScalarMappable
 from matplotlib.collections import EllipseCollection
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from PIL import Image
 
 from sim.figures.data import label_with_unit
 from sim.figures.render import settle
+from sim.figures.spheres import COLOURS, across_sides, draw_particles
 from sim.figures.style import SETTINGS
 
 #: Most inches of a picture's width, of its height, and of a diameter in it.
 _MOST_WIDTH, _MOST_HEIGHT, _MOST_DIAMETER = 7.4, 6.0, 0.5
-
-#: Number of particles above which they are drawn as pixels instead of outlines.
-RASTER_FROM = 1500
 
 #: Dots per inch of an animation, and milliseconds per frame.
 _DPI, DURATION = 100, 100
@@ -43,33 +42,20 @@ class ParticleFrames:
     size: np.ndarray
     period: float
 
-    def __iter__(self) -> Iterator[EllipseCollection]:
-        """Yield the particles of each frame as circles, those at the front last."""
-        span = np.quantile(self.speed, _COLOUR_QUANTILES)
-        for position, speed in zip(self.position, self.speed, strict=True):
-            x = np.mod(position[:, 0], self.period)
-            # Particles across a periodic side are drawn at both sides.
-            is_across = [x < self.size / 2, x > self.period - self.size / 2]
-            particles = np.concatenate([np.arange(len(x)), *map(np.flatnonzero, is_across)])
-            shift = np.repeat(
-                [0.0, self.period, -self.period], [len(x), *(side.sum() for side in is_across)]
-            )
-            front = np.argsort(-position[particles, 1], kind="stable")
-            order, shift = particles[front], shift[front]
-            size = self.size[order]
-            yield EllipseCollection(
-                size,
-                size,
-                np.zeros_like(size),
-                units="xy",
-                offsets=np.column_stack([x[order] + shift, position[order, -1]]),
-                array=speed[order],
-                clim=span,
-                cmap="cividis",
-                edgecolors="black",
-                linewidths=0.3,
-                rasterized=len(size) > RASTER_FROM,
-            )
+    def draw(self, axes: Axes, frame: int, norm: Normalize) -> EllipseCollection:
+        """Draw the particles of a frame; their colours show their velocities."""
+        position = self.position[frame]
+        index, x = across_sides(position[:, 0], self.size, self.period)
+        place, colour = np.column_stack([x, position[index, -1]]), COLOURS(norm(self.speed[frame]))
+        return draw_particles(
+            axes,
+            place,
+            self.size[index],
+            colour[index],
+            -position[index, 1],
+            edgecolors="black",
+            linewidths=0.3,
+        )
 
 
 def animation(frames: ParticleFrames) -> bytes:
@@ -81,13 +67,16 @@ def animation(frames: ParticleFrames) -> bytes:
 def _as_webp(frames: ParticleFrames) -> bytes:
     figure, axes = _axes(frames)
     figure.set_dpi(_DPI)
+    norm = Normalize(*np.quantile(frames.speed, _COLOUR_QUANTILES))
+    label = label_with_unit("velocity along x", "m/s")
+    shades = ScalarMappable(norm, COLOURS)
+    figure.colorbar(shades, ax=axes, label=label, extend="both", shrink=0.9)
+    settle(figure)
+    figure.set_layout_engine("none")
     canvas = FigureCanvasAgg(figure)
     images: list[Image.Image] = []
-    for particles in frames:
-        _show(axes, particles)
-        if not images:
-            settle(figure)
-            figure.set_layout_engine("none")
+    for frame in range(len(frames.position)):
+        particles = frames.draw(axes, frame, norm)
         canvas.draw()
         images.append(Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy()))
         particles.remove()
@@ -112,12 +101,3 @@ def _axes(frames: ParticleFrames) -> tuple[Figure, Axes]:
     axes.grid(visible=False)
     axes.axhline(0, color="black", linewidth=1.3)
     return figure, axes
-
-
-def _show(axes: Axes, particles: EllipseCollection) -> None:
-    """Draw the particles of a frame into axes, and add a colour bar the first time."""
-    particles.set_offset_transform(axes.transData)
-    axes.add_collection(particles)
-    if len(axes.figure.axes) == 1:
-        label = label_with_unit("velocity along x", "m/s")
-        axes.figure.colorbar(particles, ax=axes, label=label, extend="both", shrink=0.9)

@@ -42,7 +42,7 @@ FEWEST_FOR_MEAN = 12
 
 def draw(data: FigureData) -> Figure:
     """Draw a marker per point with its intervals, and the running mean of many points."""
-    (x, _), (y, _) = coordinates(data)
+    x, y = coordinates(data)
     figure, shown = panels(data)
     shade = colour(data)
     for axes, rows in shown:
@@ -57,25 +57,23 @@ def draw(data: FigureData) -> Figure:
         Colours(shade).explain(figure, [axes for axes, _ in shown])
     foreign = draw_foreign_data(data, shown)
     for axes, _ in shown:
-        for axis, (variable, quantity) in zip("xy", coordinates(data), strict=True):
+        for axis, variable in (("x", x), ("y", y)):
             variable.scale(axes, axis)
             if not variable.log and not variable.choices:
-                known = variable.values[drawable(data, data.rows).index]
-                half_widths = quantity.half_width[known.index] if quantity else NONE
-                limit_axis(axes, axis, known, half_widths, foreign_values(data, axis))
+                values = variable.values[drawable(data, data.rows).index]
+                of = variable.quantity
+                half_widths = of.half_width[values.index] if of else NONE
+                limit_axis(axes, axis, values, half_widths, foreign_values(data, axis))
     label_axes(figure, shown, x.label, y.label)
     legend(data, figure, shown, foreign=foreign)
     return figure
 
 
-def coordinates(data: FigureData) -> list[tuple[Variable, Any]]:
-    """Return what is on x and on y, each with its quantity, which of a parameter is ``None``."""
+def coordinates(data: FigureData) -> list[Variable]:
+    """Return what is on x and on y."""
     spec = data.spec
     if spec.axes:
-        x: tuple[Variable, Any] = (
-            parameter(data, spec.axes[0], log="x" in spec.log),
-            None,
-        )
+        x = parameter(data, spec.axes[0], log="x" in spec.log)
     else:
         x = observable(data, "second", "x")
     return [x, observable(data, "show", "y")]
@@ -83,9 +81,8 @@ def coordinates(data: FigureData) -> list[tuple[Variable, Any]]:
 
 def drawable(data: FigureData, rows: pd.DataFrame) -> pd.DataFrame:
     """Return the completed points that have a value of all that is shown."""
-    variables = [*(variable for variable, _ in coordinates(data)), colour(data)]
-    known = known_rows(data, filter(None, variables))
-    return rows[rows.index.isin(known.index)]
+    shown = known_rows(data, filter(None, [*coordinates(data), colour(data)]))
+    return rows[rows.index.isin(shown.index)]
 
 
 def averaged(rows: pd.DataFrame) -> pd.DataFrame:
@@ -100,10 +97,10 @@ def has_mean(rows: pd.DataFrame, x: Variable) -> bool:
 
 def _draw_bars(axes: Axes, data: FigureData, rows: pd.DataFrame) -> None:
     """Draw the 95 % intervals of observables, thin and grey."""
-    (x, of_x), (y, of_y) = coordinates(data)
-    for key, quantity in (("xerr", of_x), ("yerr", of_y)):
-        half = None if quantity is None else quantity.half_width[rows.index].dropna()
-        if half is not None and len(half):
+    x, y = coordinates(data)
+    for key, quantity in (("xerr", x.quantity), ("yerr", y.quantity)):
+        half = quantity.half_width[rows.index].dropna() if quantity else NONE
+        if len(half):
             look: dict[str, Any] = {"ecolor": "#9a9a9a", "elinewidth": 0.6, "capsize": 0}
             look |= {key: half, "fmt": "none", "zorder": 1.5}
             axes.errorbar(x.values[half.index], y.values[half.index], **look)
@@ -158,11 +155,11 @@ def table(data: FigureData) -> pd.DataFrame:
 
 def notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on the running mean, bars, markers and gaps."""
-    pairs, rows = coordinates(data), drawable(data, data.rows)
-    quantities = [quantity for _, quantity in pairs if quantity is not None]
-    panel, x = data.spec.panels, pairs[0][0]
+    (x, y), rows = coordinates(data), drawable(data, data.rows)
+    quantities = [one.quantity for one in (x, y) if one.quantity]
+    panel = data.spec.panels
     parts = [part for _, part in rows.groupby(panel)] if panel else [rows]
-    kind = "mean of the logarithm" if pairs[1][0].log else "mean"
+    kind = "mean of the logarithm" if y.log else "mean"
     line = (
         f"Line: {kind} over {GROUPS}; band: its 95 % interval (Student). Points that accelerate "
         "take no part."

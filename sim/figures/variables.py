@@ -40,8 +40,9 @@ from sim.figures.style import (
     settings,
 )
 from sim.parameters import SYSTEMS
+from sim.study.figure_spec import FigureSpec
 from sim.study.plot_contents import has_logarithmic_values
-from sim.study.plot_kinds import REGIME, FigureSpec
+from sim.study.plot_kinds import REGIME
 from sim.study.plottable import numbers
 
 #: Colours of numbers; the palest are left out, as points lie on white, or on black once inverted.
@@ -71,6 +72,8 @@ class Variable:
         The values of a choice; empty for numbers.
     log : bool
         Whether its axis is logarithmic.
+    quantity : Quantity or None
+        Of an observable: its intervals and its heading.
     """
 
     name: str
@@ -78,6 +81,7 @@ class Variable:
     values: pd.Series
     choices: tuple[str, ...] = ()
     log: bool = False
+    quantity: Quantity | None = None
 
     def scale(self, axes: Axes, axis: str) -> None:
         """Set the scale of an axis, and the ticks of choices."""
@@ -110,18 +114,14 @@ def is_number(system: str, name: str) -> bool:
     return SYSTEMS[system].model_fields[name].annotation in (int, float)
 
 
-def parameters(data: FigureData) -> list[Variable]:
-    """Return the parameters on the axes of a figure that shows several."""
-    return [parameter(data, name) for name in data.spec.axes]
-
-
-def observable(data: FigureData, option: str, axis: str) -> tuple[Variable, Quantity]:
-    """Return the observable that an option names, and its intervals; 0 and less have no log."""
+def observable(data: FigureData, option: str, axis: str) -> Variable:
+    """Return the observable that an option names; 0 and less have no log."""
     shown = numbers(data.spec.system)[getattr(data.spec, option)]
     quantity = observed_quantity(data, option)
     log = axis in data.spec.log
     values = quantity.value.where(quantity.value > 0) if log else quantity.value
-    return Variable(shown.name, observable_label(data, shown), values, log=log), quantity
+    label = observable_label(data, shown)
+    return Variable(shown.name, label, values, log=log, quantity=quantity)
 
 
 def colour(data: FigureData) -> Variable | None:
@@ -130,7 +130,7 @@ def colour(data: FigureData) -> Variable | None:
     if name == REGIME:
         return _choice(REGIME, REGIME, data.rows["regime"])
     if name in numbers(data.spec.system):
-        return observable(data, "colour", "colour")[0]
+        return observable(data, "colour", "colour")
     return parameter(data, name, log="colour" in data.spec.log) if name else None
 
 

@@ -9,10 +9,10 @@ from typing import Any
 from sim.base.errors import count_text
 from sim.study.calibration import CalibrateFile
 from sim.study.catalogue import FIGURES
+from sim.study.figure_spec import Answer, FigureSpec
 from sim.study.file import StudyFile
 from sim.study.model import Study
 from sim.study.plot_contents import name_in_words, parameter_phrase
-from sim.study.plot_kinds import Answer, FigureSpec
 from sim.study.plottable import numbers
 from sim.study.sensitivity import SensitivityFile
 from sim.study.surrogate import Place, SurrogateFile
@@ -74,16 +74,15 @@ def _picture(
     x: str = "",
     y: str = "",
 ) -> FigureSpec:
-    of = question.of
+    of: Any = question.of
     noun = "surrogate " if isinstance(question, SurrogateFile) else ""
-    return FigureSpec(
+    return FigureSpec.model_construct(
         name=f"{question.name}-{ending or kind}",
         kind=kind,
-        paper="",
         system=of.system,
         title=f"{title}, {noun}{question.name}",
         lead=lead,
-        series=(of.series,),
+        series=[of.series],
         answer=Answer(
             question.file,
             of.observable,

@@ -11,10 +11,11 @@ from typing import Any
 from sim.base.errors import Allowed, InputError
 from sim.base.messages import near
 from sim.parameters import NUMERICAL, SYSTEMS, Parameters, field_info
+from sim.study.figure_spec import DataSet, written
 from sim.study.measured import PURE, MeasuredTable, read_measured
 from sim.study.model import Point
 from sim.study.plot_file import MAX_MAGNITUDE, BesideFile, PlotFile, allowed_on_logarithmic
-from sim.study.plot_kinds import REGIME, written
+from sim.study.plot_kinds import REGIME
 from sim.study.plottable import (
     Observable,
     every_name,
@@ -22,9 +23,6 @@ from sim.study.plottable import (
     require_parameter,
     require_stored,
 )
-
-#: Label; points (x, y), or (x, y, error of y), in the units of the plot; whether a line joins them.
-DataSet = tuple[str, tuple[tuple[float, ...], ...], bool]
 
 
 def data_sets(plot: PlotFile, folder: Path, unit_on: Callable[[str], str]) -> tuple[DataSet, ...]:

@@ -14,8 +14,7 @@ import xarray as xr
 
 from sim.base.errors import InputError
 from sim.base.seals import append_summary, seal
-from sim.figures.render import kind_of_answer
-from sim.study.plot_kinds import find_kind
+from sim.figures.render import drawing_of, kind_of_answer
 from sim.surrogates import answers, storage
 from sim.surrogates.answers import Refusal, refusal_in, save_refusal
 from sim.surrogates.posterior import calibrate, summarize
@@ -119,7 +118,7 @@ def forge_table(path: Path, chance: random.Random) -> None:
 
 def answers_of_table(path: Path) -> list[np.ndarray]:
     data = picture_data(path.parent, "indices", path.name)
-    kind = kind_of_answer(find_kind("indices"), path)
+    kind = kind_of_answer(drawing_of("indices"), path)
     assert len(kind.table(data)) and all(isinstance(one, str) for one in kind.notes(data))
     kind.draw(data)
     # What does not vary has no index.

@@ -7,13 +7,12 @@ import xarray as xr
 from matplotlib.colors import to_rgb
 from scipy.stats import t
 
-from sim.base.errors import InputError
 from sim.dataset.results import load_results
 from sim.figures.plot import completed_rows
 from sim.figures.profiles import THIN, means
 from sim.figures.style import DASH_DOT, DOTTED, LONG_DASH, SHORT_DASH
 from sim.parameters import BeltParameters
-from tests.figures.drawing import dashes, data_of_figure, draw, drawn, texts
+from tests.figures.drawing import dashes, data_of_figure, draw, drawn
 from tests.figures.made_belt import SPREAD, plateau, transport
 from tests.made.netcdf import ROUNDING, store
 
@@ -59,22 +58,13 @@ def test_lines_have_the_dashes_of_the_paper(name, belt_dataset):
 
 
 @pytest.mark.parametrize("name", STYLES)
-def test_every_flow_has_a_colour_of_its_own(name, belt_dataset):
-    figure, _ = drawn(name, belt_dataset)
-    entries = [line for line in figure.axes[0].get_lines() if "=" in line.get_label()]
-    assert len({line.get_color() for line in entries}) == len(STYLES[name])
-
-
-@pytest.mark.parametrize("name", STYLES)
 def test_the_profiles_are_those_of_the_dataset_in_the_units_of_the_axes(name, belt_dataset):
     _, data = drawn(name, belt_dataset)
     table = profiles(data)
     assert set(table["point"]) == set(data.rows["point"])
     for row in data.rows.to_dict("records"):
         parameters = BeltParameters(
-            frequency=row["frequency"],
-            damping=row["damping"],
-            shear_damping=row["shear_damping"],
+            frequency=row["frequency"], damping=row["damping"], shear_damping=row["shear_damping"]
         )
         expected = plateau(parameters) if name[-2] == "2" else transport(parameters)
         part = table[table["point"] == row["point"]]
@@ -95,11 +85,6 @@ def test_bands_span_the_interval(belt_dataset):
     assert len(figure.axes[0].collections) == len(data.rows)
 
 
-def test_only_the_papers_frequencies_are_drawn(belt_dataset):
-    _, data = drawn("gallas_3a", belt_dataset)
-    assert list(data.rows["frequency"]) == [10, 20, 60, 80]
-
-
 def test_converged_curves_are_pale_beside_the_published_ones(belt_dataset):
     figure, data = drawn("gallas_2a", belt_dataset)
     assert list(data.rows["protocol"]).count("converged") == 2
@@ -112,34 +97,6 @@ def test_converged_curves_are_pale_beside_the_published_ones(belt_dataset):
     assert labels[-2:] == ["published protocol", "converged protocol"]
     other, _ = drawn("gallas_3a", belt_dataset)
     assert not [line for line in other.axes[0].get_lines() if line.get_alpha()]
-
-
-@pytest.mark.parametrize("name", STYLES)
-def test_data_and_caption(name, belt_dataset):
-    data, text = texts(name, belt_dataset)
-    assert {
-        "point",
-        "frequency [Hz]",
-        "vibration_angle [degree]",
-        "damping [g]",
-        "protocol",
-        "completed replicates",
-        "height above the belt [⟨d⟩]",
-        HEADINGS[name[-2]],
-    } <= set(data)
-    assert len(data) > 10 * data["point"].nunique()
-    assert text.startswith(f"Gallas et al. (1992), Fig. {name[-2:]}. ")
-    for part in (
-        "A_z = 1 ⟨d⟩",
-        "t_av = 45 cycles",
-        "Points: ",
-        "means over the replicates",
-        "The paper: ",
-    ):
-        assert part in text
-    assert "Error bars" not in text
-    assert ("Converged protocol (2 points)" in text) == (name == "gallas_2a")
-    assert ("read as π/2" in text) == (name[-1] == "b")
 
 
 def test_a_slice_that_is_empty_in_a_replicate_has_no_velocity(belt_dataset):
@@ -174,11 +131,3 @@ def test_a_single_replicate_has_no_band(belt_dataset, tmp_path):
     assert profiles(data)["x_half"].isna().all()
     text = draw("gallas_2b", path, tmp_path)[3].read_text()
     assert "Bands" not in text
-
-
-def test_a_dataset_without_profiles_is_refused(belt_dataset, tmp_path):
-    with xr.open_dataset(belt_dataset) as opened:
-        store(opened.load(), tmp_path / "dataset.nc")
-    with pytest.raises(InputError, match=r"^belt-.*: no number_density in the dataset$"):
-        draw("gallas_2a", tmp_path / "dataset.nc", tmp_path)
-    assert not list(tmp_path.glob("gallas*"))

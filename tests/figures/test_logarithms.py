@@ -6,13 +6,9 @@ import pytest
 
 from sim.figures.render import render
 from sim.study.load import load_study
-from sim.study.plot_kinds import find_kind
+from tests.figures.drawing import notes
 from tests.figures.made_plots import SIZE, courses, drawn
 from tests.made.results import made_point
-
-
-def notes(data) -> str:
-    return " ".join(find_kind(data.spec.kind).notes(data))
 
 
 def flows(velocities, **options):

@@ -139,7 +139,7 @@ def test_the_study_tells_apart_what_the_curves_do(figure, name):
     )
     rows = pd.DataFrame([first.model_dump(), second.model_dump()])
     names = [name for name in type(first).model_fields if name not in spec.alike]
-    curves = split_curves(rows, along, spec.curves, tuple(names))
+    curves = split_curves(rows, along, spec.groups, tuple(names))
     assert (spec.place(first) != spec.place(second)) == (len(curves) == 2)
 
 
