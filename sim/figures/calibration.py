@@ -181,9 +181,7 @@ def _draw_experiment(data: FigureData) -> Figure:
     if others:
         table = rows.pivot(index=others[0], columns=x, values="narrowing")
         filled = axes.contourf(table.columns, table.index, 100 * table.to_numpy(), 12, cmap=SHADES)
-        bar = figure.colorbar(filled, ax=axes, pad=0.02)
-        bar.set_label("variance taken away (%)")
-        bar.outline.set_visible(False)
+        figure.colorbar(filled, ax=axes, pad=0.02, label="variance taken away (%)")
         heights, top = measured[others[0]].to_numpy(), best[others[0]]
         axes.set_ylabel(parameter_label(data.spec.system, others[0]))
         axes.grid(visible=False)
@@ -240,7 +238,6 @@ def _about(groups: Mapping[str, xr.Dataset]) -> dict[str, Any]:
 
 
 def _draw_histogram(axes: Axes, groups: Mapping[str, xr.Dataset], name: str) -> None:
-    """Draw the histogram of a parameter, its interval, and what was assumed before."""
     low, high, scale = ranges(groups)[name]
     draws = groups["posterior"][name].to_numpy().ravel()
     spread: Any = np.geomspace if scale == "log" else np.linspace

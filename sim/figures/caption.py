@@ -167,14 +167,10 @@ def answer_sentence(data: FigureData) -> str:
     regimes = pd.Series(map(answering_regime, rows.to_dict("records")), rows.index, dtype=object)
     is_counted = regimes.isin(answer.regimes) & has_value
     states = regimes.where(has_value, "without a value")
-    texts = (
-        (
-            "In the answer",
-            counted(states.mask(is_undecided(rows.assign(regime=regimes)), SHORT)[is_counted]),
-        ),
-        ("left out of it", counted(states[~is_counted])),
-    )
-    return "; ".join(f"{what}: {text}" for what, text in texts if text) + "."
+    counted_in = states.mask(is_undecided(rows.assign(regime=regimes)), SHORT)[is_counted]
+    texts = {"In the answer": counted_in, "left out of it": states[~is_counted]}
+    parts = [f"{what}: {counted(one)}" for what, one in texts.items() if len(one)]
+    return "; ".join(parts) + "."
 
 
 def caveat_sentence(rows: pd.DataFrame) -> str:
@@ -191,12 +187,12 @@ def failure_sentence(rows: pd.DataFrame) -> str:
     if len(failed):
         points = "; ".join(f"{row.point} ({row.reason})" for row in failed.itertuples())
         sentences.append(f"Left out because the run failed: {points}.")
+    left = (
+        f"{row.point} ({row.completed:g} of {row.replicates:g} replicates left: {row.reason})"
+        for row in incomplete.itertuples()
+    )
     if len(incomplete):
-        points = "; ".join(
-            f"{row.point} ({row.completed:g} of {row.replicates:g} replicates left: {row.reason})"
-            for row in incomplete.itertuples()
-        )
-        sentences.append(f"Replicates lost: {points}.")
+        sentences.append(f"Replicates lost: {'; '.join(left)}.")
     return " ".join(sentences)
 
 

@@ -108,7 +108,6 @@ def _draw_curves(
 
 
 def _along(data: FigureData) -> str:
-    """Return the column that the horizontal axis shows."""
     if data.spec.relative:
         return _ACCELERATION
     return data.spec.axes[0] if data.spec.axes else _OBSERVED_X
@@ -135,7 +134,6 @@ def _draw_levels(data: FigureData, axes: Axes) -> None:
 
 
 def _fits(data: FigureData, rows: pd.DataFrame, drawable: dict[str, Quantity]) -> list[Fit]:
-    """Return the fits to the curves of some points; empty for a plot without ``fit``."""
     if not data.spec.fit:
         return []
     points = rows[_has_all_values(drawable)[rows.index]]
@@ -244,7 +242,6 @@ def _set_axes(data: FigureData, shown: Panels, drawable: dict[str, Quantity]) ->
 def _limits(
     data: FigureData, drawable: dict[str, Quantity], axis: str, chosen: pd.Series
 ) -> tuple[pd.Series, pd.Series, pd.Series]:
-    """Return values and half widths on an axis, and what else is drawn there."""
     each = [quantity for name, quantity in drawable.items() if name[0] == axis]
     others = [foreign_values(data, axis)]
     if axis == "y":
@@ -291,7 +288,6 @@ def notes(data: FigureData) -> list[str]:
 
 
 def _hint(count: int) -> str:
-    """Return what a plot of curves says that has points of a design."""
     return f"{count} points, hardly two of them on one curve; {SCATTER_HINT}"
 
 

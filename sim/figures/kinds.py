@@ -10,19 +10,26 @@ from sim.base.additions import TALUS, add, attribute_additions_to
 from sim.study.plot_kinds import PLOT, REGIME, Keys, PlotKind, Shown
 from sim.study.plottable import numbers, profiles, series
 
+#: Keys of a kind that shows a number of each point along a parameter.
+_ALONG: dict[str, Any] = {"axes": ("x",), "observable": "y", "shows": numbers}
 
-def _declare(name: str, drawing: str, **keys: Any) -> None:
+#: Answers to questions, which take no keys, by the module that draws them.
+_ANSWERS = {
+    "surrogates": ("section", "surface", "agreement"),
+    "sensitivity": ("indices", "interactions", "screening"),
+    "calibration": ("posterior", "predictions", "experiment"),
+}
+
+
+def _declare(name: str, drawing: str = "", **keys: Any) -> None:
     """Declare a kind of plot that a module of `sim.figures`, or an object in one, draws."""
-    add(PLOT, name, PlotKind(Keys(**keys), f"sim.figures.{drawing}"))
+    add(PLOT, name, PlotKind(Keys(**keys), f"sim.figures.{drawing or name}"))
 
 
 with attribute_additions_to(TALUS):
     _declare(
         "curves",
-        "curves",
-        axes=("x",),
-        observable="y",
-        shows=numbers,
+        **_ALONG,
         second="x",
         log=("x", "y"),
         others=("curves", "panels", "beside", "fit"),
@@ -31,7 +38,6 @@ with attribute_additions_to(TALUS):
         systems=("chute", "belt"),
     )
     _declare(
-        "map",
         "map",
         axes=("x", "y"),
         observable="colour",
@@ -45,7 +51,6 @@ with attribute_additions_to(TALUS):
     )
     _declare(
         "profiles",
-        "profiles",
         observable="x",
         shows=profiles,
         second="y",
@@ -56,7 +61,6 @@ with attribute_additions_to(TALUS):
     )
     _declare(
         "time_series",
-        "time_series",
         observable="y",
         shows=series,
         log=("x", "y"),
@@ -64,38 +68,29 @@ with attribute_additions_to(TALUS):
         over="against time",
         from_runs=True,
     )
+    each = "{} of each replicate"
     _declare(
         "distribution",
-        "distribution",
-        axes=("x",),
-        observable="y",
-        shows=numbers,
+        "replicates:DISTRIBUTION",
+        **_ALONG,
         log=("y",),
         others=("curves", "panels"),
-        what="{} of each replicate",
+        what=each,
     )
+    chance = "probability that a single run per point rises in {}"
     _declare(
-        "likelihood",
-        "likelihood",
-        axes=("x",),
-        observable="y",
-        shows=numbers,
-        others=("curves", "panels"),
-        what="probability that a single run per point rises in {}",
+        "likelihood", "replicates:LIKELIHOOD", **_ALONG, others=("curves", "panels"), what=chance
     )
     _declare(
         "scatter",
-        "scatter",
-        axes=("x",),
-        observable="y",
-        shows=numbers,
+        **_ALONG,
         second="x",
         log=("x", "y", "colour"),
         others=("colour", "panels", "beside"),
     )
     _declare(
         "main_effects",
-        "main_effects",
+        "scatter:MAIN_EFFECTS",
         several="parameters",
         observable="y",
         shows=numbers,
@@ -103,25 +98,12 @@ with attribute_additions_to(TALUS):
     )
 
     # Of papers alone.
-    _declare("row", "row", systems=("chute",), particles=Shown.STATE)
+    _declare("row", systems=("chute",), particles=Shown.STATE)
     _declare("paths", "beads:PATHS", systems=("belt",), particles=Shown.PATH)
     _declare("snapshots", "beads:SNAPSHOTS", systems=("belt",), particles=Shown.STATE)
-    _declare(
-        "animation",
-        "animation",
-        of_papers="point",
-        systems=("chute", "belt"),
-        particles=Shown.PATH,
-        animated=True,
-    )
+    moves: dict[str, Any] = {"particles": Shown.PATH, "animated": True, "of_papers": "point"}
+    _declare("animation", systems=("chute", "belt"), **moves)
 
-    # Of answers to questions, which take no keys.
-    _declare("section", "surrogates:SECTION")
-    _declare("surface", "surrogates:SURFACE")
-    _declare("agreement", "surrogates:AGREEMENT")
-    _declare("indices", "sensitivity:INDICES")
-    _declare("interactions", "sensitivity:INTERACTIONS")
-    _declare("screening", "sensitivity:SCREENING")
-    _declare("posterior", "calibration:POSTERIOR")
-    _declare("predictions", "calibration:PREDICTIONS")
-    _declare("experiment", "calibration:EXPERIMENT")
+    for module, names in _ANSWERS.items():
+        for name in names:
+            _declare(name, f"{module}:{name.upper()}")

@@ -52,15 +52,7 @@ from sim.figures.style import (
     is_undecided,
     move_aside,
 )
-from sim.figures.variables import (
-    SHADES,
-    Colours,
-    Variable,
-    known_rows,
-    legend,
-    observable,
-    parameter,
-)
+from sim.figures.variables import SHADES, Variable, known_rows, legend, observable, parameter
 from sim.parameters import SYSTEMS
 from sim.parameters.words import setting
 from sim.study.plot_contents import in_words, parameter_phrase
@@ -93,7 +85,7 @@ def draw(data: FigureData) -> Figure:
         for axes, rows in shown:
             _draw_plane(axes, data, rows)
     else:
-        draw_values(data, figure, shown)
+        _draw_values(data, figure, shown)
     foreign = draw_foreign_data(data, shown)
     _set_axes(data, shown)
     label_axes(figure, shown, *given_labels(data))
@@ -103,7 +95,6 @@ def draw(data: FigureData) -> Figure:
 
 
 def _draw_plane(axes: Axes, data: FigureData, rows: pd.DataFrame) -> None:
-    """Draw the points of a plane, the boundaries in it, and a line of theory."""
     spec, aside = data.spec, 0.0
     if spec.point != "none":
         rows = rows.assign(lane=_lanes(rows, spec.axes))
@@ -111,13 +102,12 @@ def _draw_plane(axes: Axes, data: FigureData, rows: pd.DataFrame) -> None:
         _draw_regimes(axes, rows, rows["regime"].mask(is_slow, CREEPING), spec.axes)
         # Beside all markers.
         aside = _MARKER * (rows["lane"].max() / 2 + 2)
-    draw_boundaries(axes, data.boundaries, spec.axes, aside=aside)
+    _draw_boundaries(axes, data.boundaries, spec.axes, aside=aside)
     if spec.theory:
         _THEORIES[spec.theory](axes, rows)
 
 
 def _draw_regimes(axes: Axes, rows: pd.DataFrame, regimes: pd.Series, plane: Sequence[str]) -> None:
-    """Draw a marker of its regime for each point, in its lane."""
     x, y = plane
     for regime, (marker, colour, filled) in MARKS.items():
         face = colour if filled else "white"
@@ -178,7 +168,6 @@ _THEORIES = {
 
 
 def _set_axes(data: FigureData, shown: Panels) -> None:
-    """Set scales, and mark the values that were run."""
     x, y = data.spec.axes
     log = data.spec.log
     for axes, _ in shown:
@@ -207,7 +196,7 @@ def notes(data: FigureData) -> list[str]:
     if data.spec.show == REGIME:
         bars, *others = boundary_sentences(data.boundaries, data.spec.axes)
         return [bars or "One marker per point.", *others, *foreign_data_notes(data)]
-    return [*value_notes(data), *foreign_data_notes(data)]
+    return [*_value_notes(data), *foreign_data_notes(data)]
 
 
 #: Name in legends and style of the bars of each kind of boundary. Further boundaries of a kind get
@@ -222,22 +211,12 @@ BOUNDARIES = {
 BAR_PITCH = 5.0
 
 
-def draw_boundaries(
+def _draw_boundaries(
     axes: Axes, boundaries: pd.DataFrame, plane: Sequence[str], aside: float = 0
 ) -> None:
-    """Draw the intervals that contain a boundary as bars; markers in the middle show the kind.
+    """Draw the intervals that hold a boundary as bars along its parameter, side by side.
 
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    boundaries : pandas.DataFrame
-        Boundaries, as `sim.dataset.boundaries.tabulate` returns them.
-    plane : sequence of str
-        Parameters on the horizontal and on the vertical axis. Bars lie along that of the boundary;
-        boundaries along another one, or without an interval, are left out.
-    aside : float
-        Shift of the bars, in points of print. Several bars at one position stand side by side.
+    They stand ``aside`` of their position, in points of print; a marker shows the kind.
     """
     counts: Counter[tuple[str, str, float]] = Counter()
     for label, look, bars in _kinds(boundaries, plane):
@@ -276,7 +255,6 @@ def _kinds(
 
 
 def _parameter_names(boundaries: pd.DataFrame) -> list[str]:
-    """Return the columns of the table that are parameters of the systems of its boundaries."""
     names = (name for system in set(boundaries["system"]) for name in SYSTEMS[system].model_fields)
     return sorted({name for name in names if name in boundaries})
 
@@ -310,7 +288,6 @@ def boundary_sentences(boundaries: pd.DataFrame, plane: Sequence[str]) -> list[s
 
 
 def _missing_names(rows: pd.DataFrame, boundaries: pd.DataFrame) -> list[str]:
-    """Return names of the boundaries without an interval, with the parameters that differ."""
     varied = varying_parameters(boundaries, _parameter_names(boundaries))
     names: dict[str, None] = {}
     for row in rows[rows["low"].isna()].to_dict("records"):
@@ -343,14 +320,13 @@ _HATCHES = {_DENSE: OPEN_MEANS, _WIDE: PALE_MEANS}
 _DIGITS, _DECIMALS, _ROOM = 3, 5, (54, 30)
 
 
-def draw_values(data: FigureData, figure: Figure, shown: Panels) -> None:
-    """Draw cells, contours or markers in all panels, and a colour bar."""
+def _draw_values(data: FigureData, figure: Figure, shown: Panels) -> None:
     shade = observable(data, "show", "colour")
     x, y = data.spec.axes
     for axes, rows in shown:
         axes.grid(visible=False)
         points = rows.loc[known_rows(data, [shade]).index.intersection(rows.index)]
-        if is_grid(rows, data.spec.axes):
+        if _is_grid(rows, data.spec.axes):
             _draw_cells(axes, data, rows, shade)
         elif (triangles := _triangles(data, points, shade)) is not None:
             _draw_contours(axes, data, points, shade, triangles)
@@ -360,7 +336,7 @@ def draw_values(data: FigureData, figure: Figure, shown: Panels) -> None:
             draw_points(axes, points, across, parameter(data, y, log="y" in log), shade, _ALONE)
         missing = rows.drop(points.index)
         axes.plot(missing[x], missing[y], "x", color="#888888", zorder=4)
-    Colours(shade).explain(figure, [axes for axes, _ in shown])
+    shade.explain_colours(figure, shown)
 
 
 def _triangles(data: FigureData, rows: pd.DataFrame, shade: Variable) -> np.ndarray | None:
@@ -382,14 +358,12 @@ def _triangles(data: FigureData, rows: pd.DataFrame, shade: Variable) -> np.ndar
         return None
 
 
-def is_grid(rows: pd.DataFrame, plane: tuple[str, ...]) -> bool:
-    """Return whether points fill most places of a grid."""
+def _is_grid(rows: pd.DataFrame, plane: tuple[str, ...]) -> bool:
     x, y = (rows[name].nunique() for name in plane)
     return min(x, y) > 1 and len(rows) >= _FILLED * x * y
 
 
 def _others(data: FigureData) -> list[str]:
-    """Return the parameters that vary besides those of axes and panels."""
     shown = {*data.spec.axes, *data.spec.groups}
     names = [name for name in SYSTEMS[data.spec.system].model_fields if name not in shown]
     return varying_parameters(data.rows, names)
@@ -402,7 +376,6 @@ def _hatches(rows: pd.DataFrame) -> pd.Series:
 
 
 def _ink(value: float, norm: Normalize) -> tuple[float, float, float]:
-    """Return the colour, black or white, that stands out from that of a value."""
     red, green, blue, _ = SHADES(norm(value))
     return (1, 1, 1) if 0.3 * red + 0.59 * green + 0.11 * blue < 0.55 else (0, 0, 0)
 
@@ -416,8 +389,7 @@ def _edges(values: np.ndarray, *, log: bool) -> np.ndarray:
 
 
 def _draw_cells(axes: Axes, data: FigureData, rows: pd.DataFrame, shade: Variable) -> None:
-    """Draw a cell per point, with its value where there are few, else with contour lines."""
-    norm = Colours(shade).norm
+    norm = shade.norm
     (x, y), log = data.spec.axes, data.spec.log
     both = rows.assign(value=shade.values, mark=_hatches(rows)).pivot(
         index=y, columns=x, values=["value", "mark"]
@@ -457,7 +429,6 @@ def _write_values(axes: Axes, table: pd.DataFrame, norm: Normalize, room: int) -
 
 
 def _label_lines(axes: Axes, lines: ContourSet) -> None:
-    """Write the values of contour lines on them."""
     for text in axes.clabel(lines, fontsize=7.5, fmt=lambda level: f"{level:.3g}") or ():
         text.set_path_effects([withStroke(linewidth=1.6, foreground="white", alpha=0.75)])
 
@@ -475,7 +446,6 @@ def _hatch(axes: Axes, patch: Patch, hatch: str, colour: tuple[float, float, flo
 
 
 def _levels(norm: Normalize) -> np.ndarray:
-    """Return round values of contour lines that divide the range of the colours."""
     low, high = float(norm.vmin or 0), float(norm.vmax or 0)
     if type(norm) is not Normalize and high > 100 * low:
         return np.asarray(LogLocator(subs=(1, 3)).tick_values(low, high))
@@ -485,8 +455,7 @@ def _levels(norm: Normalize) -> np.ndarray:
 def _draw_contours(
     axes: Axes, data: FigureData, rows: pd.DataFrame, shade: Variable, triangles: np.ndarray
 ) -> None:
-    """Draw filled contours over a triangulation of the points, their lines, and the points."""
-    norm = Colours(shade).norm
+    norm = shade.norm
     names = data.spec.axes
     x, y = (rows[name].to_numpy(float) for name in names)
     value, marks = shade.values[rows.index].to_numpy(float), _hatches(rows).to_numpy()
@@ -498,20 +467,19 @@ def _draw_contours(
         # The pattern of the least steady corner, which has the longest name.
         if hatch := max(marks[corners], key=len):
             _hatch(axes, Polygon(np.column_stack([x[corners], y[corners]])), hatch, (0, 0, 0))
-    colours = Colours(shade).of(shade.values[rows.index])
+    colours = shade.colours(shade.values[rows.index])
     axes.scatter(x, y, s=_BETWEEN, c=colours, edgecolors="black", linewidths=0.6, zorder=3)
     axes.use_sticky_edges = False
     axes.margins(0.04)
 
 
-def value_notes(data: FigureData) -> list[str]:
-    """Return the sentences of the caption on cells, contours, hatching and gaps."""
+def _value_notes(data: FigureData) -> list[str]:
     shade = observable(data, "show", "colour")
     known, panel = known_rows(data, [shade]), data.spec.panels
     parts = [part for _, part in data.rows.groupby(panel)] if panel else [data.rows]
     others = [parameter_phrase(data.spec.system, name) for name in _others(data)]
     hatched = "Hatched: not shown to be steady (wide: of runs too short to tell)."
-    if all(is_grid(part, data.spec.axes) for part in parts):
+    if all(_is_grid(part, data.spec.axes) for part in parts):
         what = "A cell per point, up to halfway to its neighbours."
     elif _triangles(data, known, shade) is not None:
         what = "Contours: linear between neighbouring points (triangulation), which are the dots."

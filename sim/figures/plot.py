@@ -244,12 +244,10 @@ def draw_foreign_data(data: FigureData, shown: Panels) -> dict[str, Line2D]:
 
 
 def _line(colour: str, dashes: object) -> dict[str, Any]:
-    """Return the style of a line, which lies beneath the data of the study."""
     return {"color": colour, "linestyle": dashes, "linewidth": 1.8, "zorder": 1.8}
 
 
 def _marker(marker: object) -> dict[str, Any]:
-    """Return the style of markers, which lie above all else and have a white edge."""
     look = {"color": "#555555", "linestyle": "none", "marker": marker, "zorder": 4}
     edge = withStroke(linewidth=3.2, foreground="white")
     return look | {"markersize": 6.5, "markeredgewidth": 1.3, "path_effects": [edge]}

@@ -203,7 +203,6 @@ def _limit_flat(shown: Panels, means: pd.Series) -> None:
 
 
 def _limit_axes(data: FigureData, shown: Panels, drawn: pd.DataFrame) -> None:
-    """Set limits, which follow the means."""
     for axes, _ in shown:
         axes.autoscale_view()
         for axis in {"x", "y"} - set(data.spec.log):
@@ -268,5 +267,4 @@ def notes(data: FigureData) -> list[str]:
 
 
 def _height_range_suffix(data: FigureData) -> str:
-    """Return a suffix that names the height range for messages about missing data."""
     return " at these heights" if data.spec.between else ""

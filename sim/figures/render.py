@@ -262,7 +262,6 @@ def with_doubts(kind: Drawing, caveats: Sequence[str]) -> Drawing:
 
 
 def _message_kind(kind: Drawing, text: str) -> Drawing:
-    """Return a kind of plot that shows a message in place of data."""
 
     def draw_message(data: FigureData) -> Figure | Animation:
         figure = message_figure(escape_label(text))
@@ -272,7 +271,6 @@ def _message_kind(kind: Drawing, text: str) -> Drawing:
 
 
 def _texts(data: FigureData, kind: Drawing, table: pd.DataFrame) -> tuple[str, str]:
-    """Return the plotted data as CSV, and the caption."""
     csv = table.to_csv(index=False, float_format="%.10g")
     return csv, caption(data, kind.notes(data)) + "\n"
 

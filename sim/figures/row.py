@@ -41,7 +41,6 @@ def notes(data: FigureData) -> list[str]:
 
 
 def _regimes(row: Mapping[str, Any]) -> str:
-    """Return how many replicates of a point are in which regime."""
     counts = Counter(row["regimes"]).most_common()
     return ", ".join(f"{count} {regime}" for regime, count in counts)
 
@@ -85,7 +84,8 @@ def draw(data: FigureData) -> Figure:
         suffix = f", {label}" if len(flows) > 1 else ""
         for axes, name in zip(panels, ("velocity", "packing"), strict=True):
             if index == 0:
-                _draw_instantaneous(axes, values, name)
+                latest, look = values[f"{name}_instantaneous"], {"label": "instantaneous"}
+                axes.plot(latest, values["z"], color=COLOURS[0], linewidth=1.0, **look)
             _draw_averages(axes, values, name, colour, suffix)
     _finish(panels, data.rows.iloc[0])
     if flows:
@@ -114,11 +114,6 @@ def profile(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
     return pd.DataFrame(columns)[: int(np.searchsorted(filled, SHARE)) + 1]
 
 
-def _draw_instantaneous(axes: Axes, values: pd.DataFrame, name: str) -> None:
-    latest = values[f"{name}_instantaneous"]
-    axes.plot(latest, values["z"], color=COLOURS[0], linewidth=1.0, label="instantaneous")
-
-
 def _draw_averages(axes: Axes, values: pd.DataFrame, name: str, colour: str, suffix: str) -> None:
     """Draw the time averages of the replicates and their mean; its suffix names one of several."""
     for each in _replicates(values, name):
@@ -133,7 +128,6 @@ def _replicates(values: pd.DataFrame, name: str) -> list[str]:
 
 
 def _finish(panels: np.ndarray, row: Mapping[str, Any]) -> None:
-    """Name the axes of the two profiles."""
     velocity, packing = panels
     unit = float(np.sqrt(row["gravity"] * row["diameter"]))
     top = velocity.secondary_xaxis("top", functions=(lambda v: v / unit, lambda v: v * unit))
@@ -165,20 +159,16 @@ def table(data: FigureData) -> pd.DataFrame:
     parts = []
     for label, row in _flows(data):
         values = profile(data, row)
-        parts.append(
-            pd.DataFrame(
-                {
-                    "point": row["point"],
-                    "flow": label,
-                    "depth [1]": row["depth"],
-                    "completed replicates": row["completed"],
-                    "regime": row["regime"],
-                    "height [σ]": values["z"],
-                    **_headed(values, "velocity", "m s-1"),
-                    **_headed(values, "packing", "1"),
-                }
-            )
-        )
+        columns = {
+            "point": row["point"],
+            "flow": label,
+            "depth [1]": row["depth"],
+            "completed replicates": row["completed"],
+            "regime": row["regime"],
+            "height [σ]": values["z"],
+        }
+        columns |= _headed(values, "velocity", "m s-1") | _headed(values, "packing", "1")
+        parts.append(pd.DataFrame(columns))
     return pd.concat(parts) if parts else pd.DataFrame(columns=["point", "flow"])
 
 

@@ -1,4 +1,4 @@
-"""Points scattered in several parameters: an observable against a parameter or another one."""
+"""Points scattered in several parameters, one against another, and means along each of them."""
 
 from dataclasses import replace
 from typing import Any
@@ -12,8 +12,10 @@ from matplotlib.figure import Figure
 from sim.base.statistics import student_half_width
 from sim.figures.axes import NONE, limit_axis
 from sim.figures.caption import not_drawn, point_notes
-from sim.figures.data import FigureData, quantity_table
+from sim.figures.data import Drawing, FigureData, parameter_unit, quantity_table
 from sim.figures.plot import (
+    MOST_COLUMNS,
+    PANEL_SIZE,
     append_foreign_data,
     draw_foreign_data,
     foreign_data_notes,
@@ -24,15 +26,7 @@ from sim.figures.plot import (
     write_no_data,
 )
 from sim.figures.style import COLOURS, PALE, explain_markers, is_undecided
-from sim.figures.variables import (
-    Colours,
-    Variable,
-    colour,
-    known_rows,
-    legend,
-    observable,
-    parameter,
-)
+from sim.figures.variables import Variable, colour, known_rows, legend, observable, parameter
 from sim.study.plot_kinds import REGIME
 from sim.study.plottable import numbers
 
@@ -54,7 +48,7 @@ def draw(data: FigureData) -> Figure:
             draw_running_mean(axes, x.values[moving.index], y.values[moving.index], log=y.log)
     write_no_data(shown, y.name)
     if shade:
-        Colours(shade).explain(figure, [axes for axes, _ in shown])
+        shade.explain_colours(figure, shown)
     foreign = draw_foreign_data(data, shown)
     for axes, _ in shown:
         for axis, variable in (("x", x), ("y", y)):
@@ -96,7 +90,6 @@ def has_mean(rows: pd.DataFrame, x: Variable) -> bool:
 
 
 def _draw_bars(axes: Axes, data: FigureData, rows: pd.DataFrame) -> None:
-    """Draw the 95 % intervals of observables, thin and grey."""
     x, y = coordinates(data)
     for key, quantity in (("xerr", x.quantity), ("yerr", y.quantity)):
         half = quantity.half_width[rows.index].dropna() if quantity else NONE
@@ -121,7 +114,7 @@ def draw_points(
     colours = (
         np.tile(to_rgba(COLOURS[1]), (len(rows), 1))
         if shade is None
-        else Colours(shade).of(shade.values[rows.index])
+        else shade.colours(shade.values[rows.index])
     )
     is_pale = is_undecided(rows).to_numpy()
     is_open = (rows["regime"] != "steady").to_numpy() & ~is_pale
@@ -221,3 +214,86 @@ def draw_running_mean(axes: Axes, x: pd.Series, y: pd.Series, *, log: bool) -> N
         means["x"], means["low"], means["high"], color="#000000", alpha=0.13, linewidth=0, zorder=1
     )
     axes.plot(means["x"], means["mean"], color="#333333", linewidth=1.6, zorder=2.5)
+
+
+# Main effects: means over groups of points along each of several parameters.
+
+
+def _draw_effects(data: FigureData) -> Figure:
+    """Draw a panel per parameter, all with the same vertical axis."""
+    y = observable(data, "show", "y")
+    variables, rows = (
+        [parameter(data, name) for name in data.spec.axes],
+        averaged(known_rows(data, [y])),
+    )
+    down = -(-len(variables) // MOST_COLUMNS)
+    across = -(-len(variables) // down)
+    size = (PANEL_SIZE[0] * across * 0.85 + 0.8, PANEL_SIZE[1] * down + 0.3)
+    figure = Figure(figsize=size, layout="constrained")
+    grid = figure.subplots(down, across, sharey=True, squeeze=False)
+    for axes, x in zip(grid.flat, variables, strict=False):
+        _draw_effect(axes, x, y, rows)
+        axes.set_xlabel(x.label)
+    for axes in grid.flat[len(variables) :]:
+        axes.set_visible(False)
+    y.scale(grid[0, 0], "y")
+    if not y.log:
+        limit_axis(grid[0, 0], "y", y.values[rows.index])
+    figure.supylabel(y.label, fontsize=10)
+    write_no_data([(grid[0, 0], data.rows)], y.name)
+    return figure
+
+
+def _draw_effect(axes: Axes, x: Variable, y: Variable, rows: pd.DataFrame) -> None:
+    at = x.values[rows.index]
+    axes.plot(at, y.values[rows.index], ".", color="#bbbbbb", markersize=3, zorder=1)
+    means = binned_means(at, y.values[rows.index], log=y.log)
+    axes.errorbar(
+        means["x"],
+        means["mean"],
+        yerr=[means["mean"] - means["low"], means["high"] - means["mean"]],
+        color=COLOURS[1],
+        marker="o",
+        linestyle="none" if x.choices else "-",
+        elinewidth=1.0,
+        zorder=3,
+    )
+    x.scale(axes, "x")
+
+
+def _effects_table(data: FigureData) -> pd.DataFrame:
+    y = observable(data, "show", "y")
+    heading = y.quantity.label if y.quantity else ""
+    unit = heading[heading.index("[") :]
+    rows, parts = averaged(known_rows(data, [y])), []
+    for x in [parameter(data, name) for name in data.spec.axes]:
+        means = binned_means(x.values[rows.index], y.values[rows.index], log=y.log)
+        if x.choices:
+            for column in ("from", "to", "x"):
+                means[column] = [x.text(value) for value in means[column]]
+        means.insert(0, "unit of the parameter", parameter_unit(data.spec.system, x.name))
+        means.insert(0, "parameter", x.name)
+        parts.append(means)
+    headings = {
+        "x": "mean of the parameter",
+        "mean": heading,
+        "low": f"lower end of 95 % interval {unit}",
+        "high": f"upper end of 95 % interval {unit}",
+    }
+    return pd.concat(parts).rename(columns=headings)
+
+
+def _effects_notes(data: FigureData) -> list[str]:
+    y = observable(data, "show", "y")
+    rows = known_rows(data, [y])
+    missing = int((data.rows["completed"] > 0).sum()) - len(rows)
+    kind = "mean of the logarithm" if y.log else "mean"
+    return [
+        f"Markers: {kind} over {GROUPS}, with its 95 % interval (Student); grey dots: the points.",
+        "All other parameters are averaged over.",
+        *not_drawn(len(rows) - len(averaged(rows)), "without a steady mean, as they accelerate"),
+        *not_drawn(missing, "without a value"),
+    ]
+
+
+MAIN_EFFECTS = Drawing(_draw_effects, _effects_table, _effects_notes)

@@ -56,7 +56,6 @@ def _indices_notes(data: FigureData) -> list[str]:
 
 
 def _sum_note(row: pd.Series) -> str:
-    """Return what the sum of the first-order indices says of interactions."""
     text = f"First-order indices sum to {row['value']:.2f} ({row['low']:.2f} to {row['high']:.2f})"
     if row["high"] < 1:
         return f"{text}; what they lack of 1 is from interactions."
@@ -155,7 +154,6 @@ def _of(table: pd.DataFrame, index: str) -> pd.DataFrame:
 
 
 def _bars(rows: int) -> tuple[Figure, Axes]:
-    """Return a figure with room for so many rows of bars."""
     figure = Figure(figsize=(SINGLE_SIZE[0], _FRAME + _ROW * max(rows, 2)), layout="constrained")
     return figure, figure.subplots()
 
@@ -179,7 +177,6 @@ def _name_rows(axes: Axes, names: Sequence[str]) -> None:
 
 
 def _sample_notes(table: pd.DataFrame) -> list[str]:
-    """Return sentences on intervals and lost blocks."""
     first = table.iloc[0]
     if np.isfinite(first["error"]):
         return [
@@ -199,7 +196,6 @@ def _sample_notes(table: pd.DataFrame) -> list[str]:
 
 
 def _with_headings(table: pd.DataFrame, unit: str) -> pd.DataFrame:
-    """Return a table with units in its headings."""
     headings = {"low": "lower end of 95 % interval", "high": "upper end of 95 % interval"}
     named = {name: f"{headings.get(name, name)} [{unit}]" for name in ("value", "low", "high")}
     return table.rename(columns=named | {"left_out": "blocks left out"})

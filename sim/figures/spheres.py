@@ -168,11 +168,9 @@ class Scene:
         above = ground + self.top * self.view[:, 2]
         corners = np.concatenate([ground, above])[:, :2]
         self._draw_arrows(axes, *(corners.min(axis=0) - 0.5), *(corners.max(axis=0) + 0.5))
-        bar = axes.figure.colorbar(
-            ScalarMappable(self.norm, COLOURS), ax=axes, shrink=0.55, aspect=22, pad=0.02
-        )
-        bar.set_label("velocity of spheres u (m/s)")
-        bar.outline.set_visible(False)
+        shades, look = ScalarMappable(self.norm, COLOURS), {"shrink": 0.55, "aspect": 22}
+        label = "velocity of spheres u (m/s)"
+        axes.figure.colorbar(shades, ax=axes, pad=0.02, label=label, **look)
 
     def _draw_arrows(
         self, axes: Axes, left: float, bottom: float, right: float, top: float

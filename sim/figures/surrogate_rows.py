@@ -58,7 +58,6 @@ def _steps(axis: Axis, count: int) -> np.ndarray:
 
 
 def _middle(axis: Axis) -> float:
-    """Return the middle of the range of a parameter, to three digits."""
     return float(f"{_steps(axis, 3)[1]:.3g}")
 
 

@@ -122,9 +122,7 @@ def _draw_surface(data: FigureData) -> Figure:
         axes.set_xlabel(parameter_label(surrogate.system, x.name))
         axes.grid(visible=False)
     panels[0].set_ylabel(parameter_label(surrogate.system, y.name))
-    bar = figure.colorbar(filled, ax=list(panels), pad=0.02)
-    bar.set_label(_label(surrogate))
-    bar.outline.set_visible(False)
+    figure.colorbar(filled, ax=list(panels), pad=0.02, label=_label(surrogate))
     _explain_marks(figure, panels, surrogate)
     return figure
 

@@ -95,6 +95,37 @@ class Variable:
             along.set_ticklabels([escape_label(name) for name in self.choices])
             getattr(axes, f"set_{axis}lim")(-0.5, len(self.choices) - 0.5)
 
+    @property
+    def norm(self) -> Normalize:
+        """From values to the range of the colours."""
+        known = self.values.dropna()
+        if known.empty:
+            return Normalize(0, 1)
+        return (LogNorm if self.log else Normalize)(known.min(), known.max())
+
+    def colours(self, values: pd.Series) -> np.ndarray:
+        """Return the colours (N, 4) of values that are known."""
+        if not self.choices:
+            return np.asarray(SHADES(self.norm(values.to_numpy(float))))
+        palette = [to_rgba(self._colour(number)) for number in range(len(self.choices))]
+        return np.array([palette[int(value)] for value in values]).reshape(-1, 4)
+
+    def _colour(self, number: int) -> str:
+        named = NAMED_COLOURS[1:] + NAMED_COLOURS[:1]
+        return REGIME_COLOURS.get(self.choices[number], named[number % len(named)])
+
+    def explain_colours(self, figure: Figure, shown: Panels) -> None:
+        """Put a colour bar beside panels, or an entry per choice into the legend of the first."""
+        panels = [axes for axes, _ in shown]
+        for number, choice in enumerate(self.choices):
+            look: dict[str, Any] = {"color": self._colour(number), "linestyle": "none"}
+            panels[0].plot([], [], marker="o", label=escape_label(choice), **look)
+        if not self.choices:
+            shades = ScalarMappable(self.norm, SHADES)
+            bar = figure.colorbar(shades, ax=panels, pad=0.02, label=self.label)
+            if self.log:
+                set_log(bar.ax, "y")
+
     def text(self, value: float) -> str:
         """Write a value as ticks do."""
         return self.choices[int(value)] if self.choices else f"{value:.3g}"
@@ -146,45 +177,6 @@ def _choice(name: str, label: str, values: pd.Series) -> Variable:
     return Variable(name, label, numbered, tuple(choices))
 
 
-@dataclass(frozen=True)
-class Colours:
-    """The colours of a variable, and what explains them: a colour bar, or entries of a legend."""
-
-    variable: Variable
-
-    @property
-    def norm(self) -> Normalize:
-        """From values to the range of the colours."""
-        known = self.variable.values.dropna()
-        if known.empty:
-            return Normalize(0, 1)
-        return (LogNorm if self.variable.log else Normalize)(known.min(), known.max())
-
-    def of(self, values: pd.Series) -> np.ndarray:
-        """Return the colours (N, 4) of values that are known."""
-        if not self.variable.choices:
-            return np.asarray(SHADES(self.norm(values.to_numpy(float))))
-        palette = [to_rgba(self._named(number)) for number in range(len(self.variable.choices))]
-        return np.array([palette[int(value)] for value in values]).reshape(-1, 4)
-
-    def _named(self, number: int) -> str:
-        named = NAMED_COLOURS[1:] + NAMED_COLOURS[:1]
-        return REGIME_COLOURS.get(self.variable.choices[number], named[number % len(named)])
-
-    def explain(self, figure: Figure, axes: list[Axes]) -> None:
-        """Put a colour bar beside axes, or an entry per choice into the legend of the first."""
-        if self.variable.choices:
-            for number, choice in enumerate(self.variable.choices):
-                look: dict[str, Any] = {"color": self._named(number), "linestyle": "none"}
-                axes[0].plot([], [], marker="o", label=escape_label(choice), **look)
-            return
-        bar = figure.colorbar(ScalarMappable(self.norm, SHADES), ax=axes, pad=0.02)
-        bar.set_label(self.variable.label)
-        bar.outline.set_visible(False)
-        if self.variable.log:
-            set_log(bar.ax, "y")
-
-
 #: Most entries of a legend, beside those of foreign data.
 MOST_ENTRIES = 10
 
@@ -205,7 +197,7 @@ def shared_look(data: FigureData, named: Sequence[str]) -> Look:
         label = settings(system, ((name, names[name]) for name in keys if name in names))
         if number is None:
             return cycle_style(indices.get(label, index)), label
-        (shade,) = Colours(number).of(pd.Series([names[number.name]]))
+        (shade,) = number.colours(pd.Series([names[number.name]]))
         return CurveStyle(to_hex(shade), "-"), label
 
     return look
@@ -259,7 +251,7 @@ def legend(
     spec = data.spec
     is_named = is_prescribed(spec) or bool(spec.quantities or spec.show == REGIME)
     if not is_named and (number := number_of_curves(data, named)) is not None:
-        Colours(number).explain(figure, [axes for axes, _ in shown])
+        number.explain_colours(figure, shown)
         entries = {}
     if len(entries) > MOST_ENTRIES and not is_named:
         entries = {f"{len(entries):,} curves, which the data names": Line2D([], [], linestyle="")}

@@ -85,21 +85,18 @@ def _require_known_names(
 
 def plot_entry(contents: PlotContents, series: Sequence[str]) -> FigureSpec:
     """Return the figure entry of a plot of some series; raise ``InputError`` as `feed` does."""
-    plot = contents.plot
     contents.require_drawable()
     follows = {
-        "system": contents.system,
-        "title": plot.title or default_title(contents),
+        "title": contents.plot.title or default_title(contents),
         "lead": caption_lead(contents),
         "named": _caption_parameters(contents.system, contents.parameters),
-        "parameters": list(contents.axes) if plot.keys.several else None,
         "series": list(series),
-        "log": list(contents.log),
+        "log": contents.log,
         "foreign": contents.beside,
         "scattered": contents.suits_scatter,
-        "plugin": plugin_code(plot.kind),
+        "plugin": plugin_code(contents.plot.kind),
     }
-    spec = FigureSpec.model_construct(**vars(plot) | follows)
+    spec = contents.spec.model_copy(update=follows)
     _require_distinct_positions(spec, contents.points, contents.source, contents.place)
     return spec
 

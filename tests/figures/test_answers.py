@@ -6,7 +6,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from sim.figures.figure_records import current_record
 from tests.figures.drawing import notes, picture, table
 from tests.figures.test_plot_texts import shown_texts
 from tests.made.answers import picture_data, write_calibration, write_effects, write_indices
@@ -93,16 +92,3 @@ def test_what_fits_nowhere_is_said_in_place_of_a_posterior(folder, kind):
     else:
         assert "no parameters in the ranges fit" in [t.get_text() for t in figure.axes[0].texts]
         assert rows["outcome"].tolist() == ["no fit"] and np.isfinite(rows["probability [1]"]).all()
-
-
-def test_a_picture_is_old_where_any_row_of_its_answer_has_changed(tmp_path):
-    """A table has no seal at its end; that of a dataset tells it from others."""
-    (tmp_path / "dataset.nc").write_bytes(b"sealed")
-    spec = picture_data(tmp_path, "indices", write_indices(tmp_path)).spec
-    for suffix in spec.suffixes:
-        (tmp_path / f"made{suffix}").write_text("drawn")
-    before = current_record(spec, tmp_path / "dataset.nc", tmp_path, "code")
-    assert before and before == current_record(spec, tmp_path / "dataset.nc", tmp_path, "code")
-    path = tmp_path / "indices.csv"
-    path.write_text(path.read_text().replace("friction", "fraction", 1))
-    assert current_record(spec, tmp_path / "dataset.nc", tmp_path, "code") != before

@@ -3,7 +3,6 @@
 import numpy as np
 import pandas as pd
 import pytest
-import xarray as xr
 from matplotlib.colors import to_rgb
 from scipy.stats import t
 
@@ -12,26 +11,18 @@ from sim.figures.plot import completed_rows
 from sim.figures.profiles import THIN, means
 from sim.figures.style import DASH_DOT, DOTTED, LONG_DASH, SHORT_DASH
 from sim.parameters import BeltParameters
-from tests.figures.drawing import dashes, data_of_figure, draw, drawn
+from tests.figures.drawing import dashes, data_of_figure, drawn
 from tests.figures.made_belt import SPREAD, plateau, transport
-from tests.made.netcdf import ROUNDING, store
+from tests.made.netcdf import ROUNDING
 
 FREQUENCIES = {"f = 10 Hz": "-", "f = 20 Hz": LONG_DASH, "f = 60 Hz": DASH_DOT, "f = 80 Hz": DOTTED}
-ANGLES = {"α = π/2": DOTTED, "α = π/3": DASH_DOT, "α = π/4": "-", "α = π/6": SHORT_DASH}
 DAMPINGS = {
     "(γ, γ$_s$) = (10g, 10g)": SHORT_DASH,
     "(γ, γ$_s$) = (0, 50g)": DASH_DOT,
     "(γ, γ$_s$) = (50g, 100g)": "-",
+    "(γ, γ$_s$) = (10g, 10g), fast start": LONG_DASH,
 }
-STYLES = {
-    "gallas_2a": FREQUENCIES,
-    "gallas_2b": ANGLES,
-    "gallas_2c": DAMPINGS,
-    "gallas_3a": FREQUENCIES,
-    "gallas_3b": ANGLES,
-    "gallas_3c": DAMPINGS | {"(γ, γ$_s$) = (10g, 10g), fast start": LONG_DASH},
-}
-HEADINGS = {"2": "number density [⟨d⟩-2]", "3": "mean velocity [m s-1]"}
+STYLES = {"gallas_2a": FREQUENCIES, "gallas_3c": DAMPINGS}
 HALF_WIDTH = t.ppf(0.975, 2) * SPREAD.std(ddof=1) / 3**0.5
 
 
@@ -75,16 +66,6 @@ def test_the_profiles_are_those_of_the_dataset_in_the_units_of_the_axes(name, be
         assert part["height"].iloc[-1] + 1 > 10 / plateau(parameters) > part["height"].iloc[-1]
 
 
-def test_bands_span_the_interval(belt_dataset):
-    figure, data = drawn("gallas_2b", belt_dataset)
-    for band in figure.axes[0].collections:
-        heights = band.get_paths()[0].vertices[:, 1]
-        middle = plateau(BeltParameters(frequency=60))
-        assert heights.min() == pytest.approx(middle * (1 - HALF_WIDTH), rel=5 * ROUNDING)
-        assert heights.max() == pytest.approx(middle * (1 + HALF_WIDTH), rel=5 * ROUNDING)
-    assert len(figure.axes[0].collections) == len(data.rows)
-
-
 def test_converged_curves_are_pale_beside_the_published_ones(belt_dataset):
     figure, data = drawn("gallas_2a", belt_dataset)
     assert list(data.rows["protocol"]).count("converged") == 2
@@ -117,17 +98,3 @@ def test_a_profile_ends_where_it_is_too_thin(belt_dataset):
         density.loc[{"run": point, "slice": place}] = factor * THIN / data.rows["diameter"][0] ** 2
     table = profiles(data)
     assert table[table["point"] == point]["height"].max() == pytest.approx(20.5)
-
-
-def test_a_single_replicate_has_no_band(belt_dataset, tmp_path):
-    with xr.open_dataset(belt_dataset) as opened:
-        dataset = opened.load()
-    dataset["status"][:, 1:] = "failed"
-    path = tmp_path / "dataset.nc"
-    store(dataset, path)
-    with xr.open_dataset(belt_dataset, group="belt") as belt:
-        store(belt.load(), path, mode="a", group="belt")
-    _, data = drawn("gallas_2b", path)
-    assert profiles(data)["x_half"].isna().all()
-    text = draw("gallas_2b", path, tmp_path)[3].read_text()
-    assert "Bands" not in text

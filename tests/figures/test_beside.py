@@ -32,9 +32,6 @@ SLICES = {"kind": "profiles", "x": "granular_temperature", "y": "packing"}
     ("plot", "x", "y"),
     [
         (OVER, "friction", "mean velocity"),
-        ({"x": "friction", "panels": "angle"}, "friction", "mean velocity"),
-        ({"x": "packing", "y": "shear_depth"}, "packing", "height at which"),
-        (MAP, "friction", "angle"),
         (MAP | {"colour": "velocity"}, "friction", "angle"),
         (HEIGHTS, "packing", "height"),
         (SLICES | {"curves": ["friction", "angle"]}, "granular", "packing"),

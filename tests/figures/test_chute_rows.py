@@ -39,14 +39,6 @@ def test_instantaneous_profiles_are_solid_and_averages_dotted(results, name):
             assert found["average"].get_xdata() == pytest.approx(mean, rel=ROUNDING)
 
 
-def test_flows_of_two_stiffnesses_are_told_apart(results):
-    _, data = drawn("walton_1_6", results)
-    stiffer = data.rows.assign(stiffness=1000.0)
-    told = row.notes(replace(data, rows=pd.concat([stiffer, data.rows], ignore_index=True)))
-    assert "(c): the first flow (fixed length, K1 = 100 N/m)" in told[0]
-    assert any(text.startswith("Fixed length, K1 = 1000 N/m: mean velocity") for text in told)
-
-
 def test_heights_are_in_diameters_and_velocities_in_two_units(results):
     figure, _ = drawn("walton_1_4", results)
     velocity = figure.axes[0]

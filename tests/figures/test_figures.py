@@ -1,17 +1,15 @@
 """Every figure as a reader gets it: files, line styles of the papers, markers, data, caption."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 import xarray as xr
 
-from sim.figures.style import DASH_DOT, PALE_MARKER_SIZE, SHORT_DASH
+from sim.figures.style import DASH_DOT, SHORT_DASH
 from sim.study.load import load_study
 from tests.figures import drawing
-from tests.figures.drawing import dashes, data_of_figure, draw, picture
+from tests.figures.drawing import dashes, draw
 from tests.made.figures import make_built_study
 from tests.made.netcdf import store
 from tests.made.runs import FAILURE, is_hurt, is_lost
@@ -56,23 +54,6 @@ def test_lines_have_the_dashes_of_the_paper(dataset_path, name):
     axes, _ = drawn(name, dataset_path)
     legend = {line.get_label(): line for line in axes.get_lines() if "=" in line.get_label()}
     assert {label: dashes(legend[label]) for label in STYLES[name]} == STYLES[name]
-
-
-def test_converged_dampings_of_fig_1b_are_large_pale_markers_of_the_same_look(dataset_path):
-    data = data_of_figure("gallas_1b", dataset_path)
-    converged = data.rows.assign(protocol="converged")
-    both = replace(data, rows=pd.concat([data.rows, converged], ignore_index=True))
-    axes = picture(both).axes[0]
-    markers = [line for line in axes.get_lines() if len(line.get_xdata())]
-    pale = {
-        (line.get_marker(), line.get_color())
-        for line in markers
-        if line.get_alpha() and line.get_markersize() == PALE_MARKER_SIZE
-    }
-    assert pale == {("^", "#009e73"), ("X", "#cc79a7"), ("s", "#e69f00")}
-    plain = {(line.get_marker(), line.get_color()) for line in markers if not line.get_alpha()}
-    assert pale < plain
-    assert {"published protocol", "converged protocol"} < {x.get_label() for x in axes.get_lines()}
 
 
 def marked(axes, face: str) -> int:

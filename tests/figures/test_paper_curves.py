@@ -7,14 +7,13 @@ import pandas as pd
 import pytest
 from matplotlib.collections import FillBetweenPolyCollection
 
-from sim.base.statistics import student_half_width
 from sim.figures.curves import quantities_by_axis
 from sim.figures.data import quantities
 from sim.figures.family import MOST_BARS
 from sim.figures.style import LONG_DASH, RING, RING_MEANS
 from tests.figures.drawing import dashes, data_of_figure, drawn, picture, table, texts
 from tests.figures.made_belt import transport
-from tests.figures.made_chute import SPREAD, overlap
+from tests.figures.made_chute import overlap
 
 
 def legend(axes) -> dict[str, object]:
@@ -87,13 +86,6 @@ def test_onset_is_drawn_against_the_acceleration_and_relative_to_the_belt(belt_d
     assert set(named) == {"$A_z$/⟨d⟩ = 0.5, α = 45°", "$A_z$/⟨d⟩ = 1, α = 45°"}
 
 
-def test_waves_of_the_first_cycles_stand_beside_the_later_ones(belt_dataset):
-    figure, _ = drawn("density_waves", belt_dataset)
-    early = curve(figure.axes[0], "#0072b2", LONG_DASH)
-    late = curve(figure.axes[0], "#000000")
-    assert early == pytest.approx({f: 2 * late[f] for f in late}, rel=0.15)
-
-
 @pytest.fixture(scope="module")
 def layers(chute_dataset):
     return data_of_figure("shear_depth", chute_dataset)
@@ -109,16 +101,6 @@ def test_every_material_is_a_curve_over_the_depths(layers):
     curve = max(axes.get_lines(), key=lambda line: len(line.get_xdata()))
     assert list(curve.get_xdata()) == [1.24, 2.5, 5, 10, 20, 40]
     assert list(curve.get_ydata()) == pytest.approx([10 / depth for depth in curve.get_xdata()])
-
-
-def test_heights_have_students_interval_over_replicates(layers):
-    (heights,) = quantities(layers)
-    assert heights.name == "shear_depth"
-    rows = layers.rows.assign(half_width=heights.half_width)
-    rows = rows.set_index(["restitution", "stiffness", "depth"])
-    several, single = rows.loc[(0.85, 100, 5)], rows.loc[(0.7, 100, 5)]
-    assert several["half_width"] == pytest.approx(student_half_width(2 * (1 + SPREAD)))
-    assert pd.isna(single["half_width"])
 
 
 def test_a_crowded_line_has_a_band_and_lines_join_no_open_marker(belt_dataset):

@@ -74,17 +74,7 @@ UNKNOWN = {"velocity_error": np.full(3, np.nan)}
             "without a value: 2",
         ),
         (
-            {"kind": "distribution", "x": "friction", "y": "velocity_error"},
-            at_frictions({}, UNKNOWN, UNKNOWN),
-            "without a value: 2",
-        ),
-        (
             {"kind": "profiles", "x": "velocity", "between": [100, 200]},
-            flows(),
-            "without a value at these heights: 6",
-        ),
-        (
-            {"kind": "profiles", "x": "velocity", "y": "packing", "between": [100, 200]},
             flows(),
             "without a value at these heights: 6",
         ),

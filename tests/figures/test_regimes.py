@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from sim.figures.map import BOUNDARIES, MARKS, _lanes, boundary_sentences, creeping
+from sim.figures.map import MARKS, _lanes, boundary_sentences, creeping
 from tests.figures import drawing
 from tests.figures.drawing import data_of_figure, picture
 from tests.made.figures import make_built_regimes
@@ -93,13 +93,6 @@ def test_flows_that_creep_are_told_from_those_that_flow(dataset_path):
     assert shown.get_markerfacecolor() == "white"
     together = sum(len(line(axes, regime).get_xdata()) for regime in ("accelerating", "arrested"))
     assert together == rows["regime"][2:].isin(("accelerating", "arrested")).sum()
-
-
-def test_lines_of_one_boundary_share_an_entry_of_the_legend(dataset_path):
-    axes, _, _ = drawn("regimes_friction", dataset_path)
-    labels = [one.get_label() for one in axes.get_lines()]
-    for of in ("flow", "acceleration"):
-        assert labels.count(BOUNDARIES[of][0]) == 1
 
 
 def test_lines_of_theory(dataset_path):

@@ -129,46 +129,42 @@ def test_every_kind_shows_its_usual_observable_of_every_system(parse, kind, syst
     assert spec.title[0].isupper() and spec.lead.endswith(".")
 
 
-def test_a_kind_of_a_plugin_takes_the_keys_that_it_names(parse, tmp_path):
-    path = tmp_path / "own.py"
-    path.write_text(
-        "import sim\nfrom sim.study.plot_kinds import Keys\n"
-        "from sim.study.plottable import numbers\n"
-        "keys = Keys(axes=('x',), observable='y', usual='shear_depth', shows=numbers)\n"
-        "sim.plot_kind('own', keys=keys)(print)\n"
-    )
-    series = ({"name": "a", "system": "chute", "grid": {"friction": [0.3, 0.4]}},)
-    plot = {"name": "v", "kind": "own", "x": "friction"}
-    with restore_plugins():
-        load_plugins(path)
-        spec = parse(plot, series=series).plots["v"]
-        assert spec.title == "Shear depth against friction" and len(spec.plugin) > 6
-        message = error_message(parse, plot | {"panels": "law"}, series=series)
-        assert message == "panels: got 'law'; allowed: a key of own: x, y"
-        message = error_message(parse, plot | {"log": ["x"]}, series=series)
-        assert message.startswith("log[0]: got 'x'; allowed: one of")
+OWN = """
+import sim
+from sim.study.plot_kinds import Keys
+from sim.study.plottable import numbers
+
+keys = Keys(axes=("x",), observable="y", usual="shear_depth", shows=numbers, log=("y",))
+sim.plot_kind("own", keys=keys)(print)
+sim.plot_kind("alike", like="curves")(print)
+sim.plot_kind("mute", like="curves", notes=print, table=print, select=print)(print)
+"""
 
 
-def test_logarithmic_axes_of_a_kind_of_a_plugin_are_those_that_it_names(parse, tmp_path):
+@pytest.fixture
+def own(tmp_path):
+    """Load a plug-in with kinds of plots."""
     path = tmp_path / "own.py"
-    path.write_text(
-        "import sim\nfrom sim.study.plot_kinds import Keys\n"
-        "from sim.study.plottable import numbers\n"
-        "keys = Keys(axes=('x',), observable='y', shows=numbers, log=('y',))\n"
-        "sim.plot_kind('own', keys=keys)(print)\n"
-        "sim.plot_kind('alike', like='curves')(print)\n"
-    )
-    series = ({"name": "a", "system": "chute", "grid": {"friction": [0.3, 0.4]}},)
-    plot = {"name": "v", "kind": "own", "x": "friction"}
+    path.write_text(OWN)
     with restore_plugins():
         load_plugins(path)
-        assert parse(plot | {"log": ["y"]}, series=series).plots["v"].log == ["y"]
-        message = error_message(parse, plot | {"log": ["x"]}, series=series)
-        assert message == "log[0]: got 'x'; allowed: one of y"
-        # Nothing would draw data beside such a plot.
-        beside = {"kind": "alike", "beside": [{"label": "data", "points": [[0.3, 1]]}]}
-        message = error_message(parse, plot | beside, series=series)
-        assert message == "beside: got 'data'; allowed: a key of alike: x, y, curves, panels"
+        yield
+
+
+def test_a_kind_of_a_plugin_takes_the_keys_that_it_names(parse, own):
+    plot = {"name": "v", "kind": "own", "x": "friction"}
+    others = {"series": ({"name": "a", "system": "chute", "grid": {"friction": [0.3, 0.4]}},)}
+    spec = parse(plot | {"log": ["y"]}, **others).plots["v"]
+    assert spec.title == "Shear depth against friction" and len(spec.plugin) > 6
+    assert spec.log == ["y"]
+    # Nothing would draw data beside such a plot.
+    beside = {"kind": "alike", "beside": [{"label": "data", "points": [[0.3, 1]]}]}
+    for change, message in (
+        ({"panels": "law"}, "panels: got 'law'; allowed: a key of own: x, y"),
+        ({"log": ["x"]}, "log[0]: got 'x'; allowed: one of y"),
+        (beside, "beside: got 'data'; allowed: a key of alike: x, y, curves, panels"),
+    ):
+        assert error_message(parse, plot | change, **others) == message
 
 
 @pytest.mark.parametrize(
@@ -180,19 +176,10 @@ def test_logarithmic_axes_of_a_kind_of_a_plugin_are_those_that_it_names(parse, t
         ("notes", "'NoneType' object is not iterable"),
     ],
 )
-def test_what_functions_of_a_plugin_return_is_checked(tmp_path, role, why):
-    path = tmp_path / "own.py"
-    path.write_text(
-        "import sim\n"
-        "def nothing(data): pass\n"
-        "options = {'table': nothing, 'notes': nothing, 'select': nothing}\n"
-        "sim.plot_kind('own', like='curves', **options)(nothing)\n"
-    )
-    with restore_plugins():
-        load_plugins(path)
-        function = getattr(drawing_of("own"), role)
-        with pytest.raises(InputError, match=rf"plug-in own.py .*: plot own v: TypeError: {why}"):
-            function(SimpleNamespace(spec=SimpleNamespace(name="v")))
+def test_what_functions_of_a_plugin_return_is_checked(own, role, why, capsys):
+    function = getattr(drawing_of("mute"), role)
+    with pytest.raises(InputError, match=rf"plug-in own.py .*: plot mute v: TypeError: {why}"):
+        function(SimpleNamespace(spec=SimpleNamespace(name="v")))
 
 
 SCATTER = {"name": "s", "kind": "scatter", "x": "friction"}
