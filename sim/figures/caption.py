@@ -98,13 +98,13 @@ def point_notes(data: FigureData, shown: Sequence[Quantity] | None = None) -> li
     """
     rows = data.rows[data.rows["completed"] > 0]
     each = quantities(data) if shown is None else shown
-    known = [(one.value[rows.index].notna(), one.half_width[rows.index].notna()) for one in each]
-    has_gap = any((value & ~half).any() for value, half in known)
+    masks = [(one.value[rows.index].notna(), one.half_width[rows.index].notna()) for one in each]
+    has_gap = any((value & ~half).any() for value, half in masks)
     is_within = (
         any(one.name == "velocity" for one in each) and (rows["interval"] == "within run").any()
     )
     text = ""
-    if any(half.any() for _, half in known):
+    if any(half.any() for _, half in masks):
         text = "Intervals: 95 %, of the mean over replicates (Student); they may go beyond the axes"
         if is_within:
             text += "; of one replicate within the run, without how much initial states differ"

@@ -257,8 +257,8 @@ def _measured(data: FigureData, measure: Measure) -> Quantity:
     values = dataset[measure.name].sel(point=rows["point"].values).values
     if measure.over:
         values = values / rows[measure.over].to_numpy()[:, None]
-    known = [replicates[np.isfinite(replicates)] for replicates in values]
-    return replicate_means(measure.name, measure.label, known, rows.index)
+    finite = [replicates[np.isfinite(replicates)] for replicates in values]
+    return replicate_means(measure.name, measure.label, finite, rows.index)
 
 
 def replicate_means(

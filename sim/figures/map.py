@@ -52,7 +52,7 @@ from sim.figures.style import (
     is_undecided,
     move_aside,
 )
-from sim.figures.variables import SHADES, Variable, known_rows, legend, observable, parameter
+from sim.figures.variables import SHADES, Variable, legend, observable, parameter, rows_with_values
 from sim.parameters import SYSTEMS
 from sim.parameters.words import setting
 from sim.study.plot_contents import in_words, parameter_phrase
@@ -325,7 +325,7 @@ def _draw_values(data: FigureData, figure: Figure, shown: Panels) -> None:
     x, y = data.spec.axes
     for axes, rows in shown:
         axes.grid(visible=False)
-        points = rows.loc[known_rows(data, [shade]).index.intersection(rows.index)]
+        points = rows.loc[rows_with_values(data, [shade]).index.intersection(rows.index)]
         if _is_grid(rows, data.spec.axes):
             _draw_cells(axes, data, rows, shade)
         elif (triangles := _triangles(data, points, shade)) is not None:
@@ -406,8 +406,8 @@ def _draw_cells(axes: Axes, data: FigureData, rows: pd.DataFrame, shade: Variabl
     if values.size <= MOST_WRITTEN:
         _write_values(axes, table, norm, _ROOM[bool(data.spec.panels)])
     elif norm.vmin != norm.vmax:
-        known = np.ma.masked_invalid(values)
-        _label_lines(axes, axes.contour(columns, lines, known, _levels(norm), **_LINE))
+        finite = np.ma.masked_invalid(values)
+        _label_lines(axes, axes.contour(columns, lines, finite, _levels(norm), **_LINE))
 
 
 def _write_values(axes: Axes, table: pd.DataFrame, norm: Normalize, room: int) -> None:
@@ -475,19 +475,19 @@ def _draw_contours(
 
 def _value_notes(data: FigureData) -> list[str]:
     shade = observable(data, "show", "colour")
-    known, panel = known_rows(data, [shade]), data.spec.panels
+    complete, panel = rows_with_values(data, [shade]), data.spec.panels
     parts = [part for _, part in data.rows.groupby(panel)] if panel else [data.rows]
     others = [parameter_phrase(data.spec.system, name) for name in _others(data)]
     hatched = "Hatched: not shown to be steady (wide: of runs too short to tell)."
     if all(_is_grid(part, data.spec.axes) for part in parts):
         what = "A cell per point, up to halfway to its neighbours."
-    elif _triangles(data, known, shade) is not None:
+    elif _triangles(data, complete, shade) is not None:
         what = "Contours: linear between neighbouring points (triangulation), which are the dots."
     else:
         why = f", without contours: they also differ in {in_words(others)}" if others else ""
         what, hatched = f"A marker per point{why}.", ""
     return [
         what,
-        hatched if _hatches(known).any() else "",
-        *not_drawn(len(data.rows) - len(known), "without a value (crosses)"),
+        hatched if _hatches(complete).any() else "",
+        *not_drawn(len(data.rows) - len(complete), "without a value (crosses)"),
     ]

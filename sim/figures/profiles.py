@@ -240,8 +240,8 @@ def table(data: FigureData) -> pd.DataFrame:
 def notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on lines or markers, their extent, and omissions."""
     of_points = [means(data, row) for row in completed_rows(data)]
-    known = [rows[rows["x"].notna()] for rows in of_points]
-    omitted = sum(int((~_is_drawable(data, rows)).sum()) for rows in known)
+    with_values = [rows[rows["x"].notna()] for rows in of_points]
+    omitted = sum(int((~_is_drawable(data, rows)).sum()) for rows in with_values)
     what = "A marker per slice of the height" if data.spec.second else "Lines over the height"
     extent = f"They end where {100 * SHARE:g} % of the particles are below."
     if data.spec.flat:
@@ -260,7 +260,7 @@ def notes(data: FigureData) -> list[str]:
     return [
         f"{what}: means over the replicates, with 95 % intervals (Student){few}.",
         extent,
-        *not_drawn(sum(rows.empty for rows in known), f"without a value{suffix}"),
+        *not_drawn(sum(rows.empty for rows in with_values), f"without a value{suffix}"),
         *not_drawn(omitted, "slices not above 0 on a logarithmic axis"),
         *foreign_data_notes(data),
     ]

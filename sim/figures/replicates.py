@@ -153,10 +153,10 @@ def _curves(
         own = FigureData(spec, points, data.boundaries, data.results)
         groups = [values[np.isfinite(values)] for values in replicate_values(own, observable)]
         has_values = [bool(group.size) for group in groups]
-        known = [group for group in groups if group.size]
-        kept = points[has_values][:-1]
-        values = np.array([_interval(known[first:]) for first in range(len(kept))])
-        yield names, kept, values.reshape(-1, 3)
+        filled = [group for group in groups if group.size]
+        shown_points = points[has_values][:-1]
+        values = np.array([_interval(filled[first:]) for first in range(len(shown_points))])
+        yield names, shown_points, values.reshape(-1, 3)
 
 
 def _interval(groups: list[np.ndarray]) -> tuple[float, float, float]:

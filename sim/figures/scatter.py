@@ -26,7 +26,7 @@ from sim.figures.plot import (
     write_no_data,
 )
 from sim.figures.style import COLOURS, PALE, explain_markers, is_undecided
-from sim.figures.variables import Variable, colour, known_rows, legend, observable, parameter
+from sim.figures.variables import Variable, colour, legend, observable, parameter, rows_with_values
 from sim.study.plot_kinds import REGIME
 from sim.study.plottable import numbers
 
@@ -75,7 +75,7 @@ def coordinates(data: FigureData) -> list[Variable]:
 
 def drawable(data: FigureData, rows: pd.DataFrame) -> pd.DataFrame:
     """Return the completed points that have a value of all that is shown."""
-    shown = known_rows(data, filter(None, [*coordinates(data), colour(data)]))
+    shown = rows_with_values(data, filter(None, [*coordinates(data), colour(data)]))
     return rows[rows.index.isin(shown.index)]
 
 
@@ -192,14 +192,14 @@ def binned_means(x: pd.Series, y: pd.Series, *, log: bool = False) -> pd.DataFra
         the ends ``low`` and ``high`` of Student's 95 % interval (not-a-number for one point), and
         the number of ``points``.
     """
-    known = pd.DataFrame({"x": x, "y": np.log(y) if log else y}).dropna()
-    if known["x"].nunique() * _OF_ONE_VALUE <= len(known):
-        groups = known["x"]
+    points = pd.DataFrame({"x": x, "y": np.log(y) if log else y}).dropna()
+    if points["x"].nunique() * _OF_ONE_VALUE <= len(points):
+        groups = points["x"]
     else:
-        number = int(np.clip(round(len(known) ** 0.5), _FEWEST, _MOST))
-        groups = pd.qcut(known["x"].rank(method="first"), number, labels=False)
+        number = int(np.clip(round(len(points) ** 0.5), _FEWEST, _MOST))
+        groups = pd.qcut(points["x"].rank(method="first"), number, labels=False)
     rows = []
-    for _, group in known.groupby(groups):
+    for _, group in points.groupby(groups):
         mean, half = group["y"].mean(), float(student_half_width(group["y"].to_numpy()))
         ends = np.array([mean, mean - half, mean + half])
         values = np.exp(ends) if log else ends
@@ -224,7 +224,7 @@ def _draw_effects(data: FigureData) -> Figure:
     y = observable(data, "show", "y")
     variables, rows = (
         [parameter(data, name) for name in data.spec.axes],
-        averaged(known_rows(data, [y])),
+        averaged(rows_with_values(data, [y])),
     )
     down = -(-len(variables) // MOST_COLUMNS)
     across = -(-len(variables) // down)
@@ -265,7 +265,7 @@ def _effects_table(data: FigureData) -> pd.DataFrame:
     y = observable(data, "show", "y")
     heading = y.quantity.label if y.quantity else ""
     unit = heading[heading.index("[") :]
-    rows, parts = averaged(known_rows(data, [y])), []
+    rows, parts = averaged(rows_with_values(data, [y])), []
     for x in [parameter(data, name) for name in data.spec.axes]:
         means = binned_means(x.values[rows.index], y.values[rows.index], log=y.log)
         if x.choices:
@@ -285,7 +285,7 @@ def _effects_table(data: FigureData) -> pd.DataFrame:
 
 def _effects_notes(data: FigureData) -> list[str]:
     y = observable(data, "show", "y")
-    rows = known_rows(data, [y])
+    rows = rows_with_values(data, [y])
     missing = int((data.rows["completed"] > 0).sum()) - len(rows)
     kind = "mean of the logarithm" if y.log else "mean"
     return [

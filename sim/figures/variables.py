@@ -98,10 +98,10 @@ class Variable:
     @property
     def norm(self) -> Normalize:
         """From values to the range of the colours."""
-        known = self.values.dropna()
-        if known.empty:
+        values = self.values.dropna()
+        if values.empty:
             return Normalize(0, 1)
-        return (LogNorm if self.log else Normalize)(known.min(), known.max())
+        return (LogNorm if self.log else Normalize)(values.min(), values.max())
 
     def colours(self, values: pd.Series) -> np.ndarray:
         """Return the colours (N, 4) of values that are known."""
@@ -165,10 +165,10 @@ def colour(data: FigureData) -> Variable | None:
     return parameter(data, name, log="colour" in data.spec.log) if name else None
 
 
-def known_rows(data: FigureData, variables: Iterable[Variable]) -> pd.DataFrame:
+def rows_with_values(data: FigureData, variables: Iterable[Variable]) -> pd.DataFrame:
     """Return the completed points that have a value of each variable."""
-    known = [variable.values.notna() for variable in variables]
-    return data.rows[(data.rows["completed"] > 0) & np.logical_and.reduce(known)]
+    has_value = [variable.values.notna() for variable in variables]
+    return data.rows[(data.rows["completed"] > 0) & np.logical_and.reduce(has_value)]
 
 
 def _choice(name: str, label: str, values: pd.Series) -> Variable:

@@ -264,8 +264,8 @@ _WIDE = 8.0
 
 def has_logarithmic_values(values: Iterable[float]) -> bool:
     """Return whether values spread over a wide range evenly in their logarithm."""
-    known = list(values)
-    low, middle, high = min(known), median(known), max(known)
+    numbers = list(values)
+    low, middle, high = min(numbers), median(numbers), max(numbers)
     if low <= 0 or high < _WIDE * low:
         return False
     geometric, arithmetic = sqrt(low * high), (low + high) / 2
