@@ -13,6 +13,7 @@ from sim.figures.data import FigureData, Quantity, quantities
 from sim.figures.style import is_undecided
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import quantity, setting
+from sim.study.figure_spec import DataSet
 from sim.study.plot_contents import name_in_words
 from sim.study.plottable import numbers
 
@@ -40,6 +41,7 @@ def caption(data: FigureData, notes: Sequence[str]) -> str:
     details = (
         spec.details,
         *others,
+        foreign_sentence(spec.foreign),
         answer_sentence(data),
         protocol_sentence(rows, spec.system),
         caveat_sentence(rows),
@@ -171,6 +173,16 @@ def answer_sentence(data: FigureData) -> str:
     texts = {"In the answer": counted_in, "left out of it": states[~is_counted]}
     parts = [f"{what}: {counted(one)}" for what, one in texts.items() if len(one)]
     return "; ".join(parts) + "."
+
+
+def foreign_sentence(foreign: Sequence[DataSet]) -> str:
+    """Name the data that are not of the study; empty without any."""
+    labels = [
+        f"{label} ({'line' if joined else 'markers'}{', bars: its errors' * (len(points[0]) > 2)})"
+        for label, points, joined in foreign
+    ]
+    text = f"In grey, from elsewhere and not simulated here: {'; '.join(labels)}."
+    return text if labels else ""
 
 
 def caveat_sentence(rows: pd.DataFrame) -> str:

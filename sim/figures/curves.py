@@ -26,7 +26,6 @@ from sim.figures.plot import (
     append_foreign_data,
     curve_keys,
     draw_foreign_data,
-    foreign_data_notes,
     foreign_values,
     given_labels,
     label_axes,
@@ -283,7 +282,6 @@ def notes(data: FigureData) -> list[str]:
         *fit_notes(data, fits),
         *not_drawn(int(completed.sum()) - with_values, "without a value"),
         *not_drawn(with_values - len(shown), "not above 0 on a logarithmic axis"),
-        *foreign_data_notes(data),
     ]
 
 

@@ -34,7 +34,6 @@ from sim.figures.plot import (
     Panels,
     append_foreign_data,
     draw_foreign_data,
-    foreign_data_notes,
     given_labels,
     label_axes,
     mark_runs,
@@ -195,8 +194,8 @@ def notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on markers."""
     if data.spec.show == REGIME:
         bars, *others = boundary_sentences(data.boundaries, data.spec.axes)
-        return [bars or "One marker per point.", *others, *foreign_data_notes(data)]
-    return [*_value_notes(data), *foreign_data_notes(data)]
+        return [bars or "One marker per point.", *others]
+    return _value_notes(data)
 
 
 #: Name in legends and style of the bars of each kind of boundary. Further boundaries of a kind get

@@ -283,14 +283,3 @@ def append_foreign_data(data: FigureData, table: pd.DataFrame, x: str, y: str) -
         {str(name): value for name, value in row.items()} for row in table.to_dict("records")
     ]
     return pd.DataFrame([*study_rows, *rows], columns=[FOREIGN_COLUMN, *table.columns, *errors])
-
-
-def foreign_data_notes(data: FigureData) -> list[str]:
-    """Return the sentence of the caption on foreign data; empty without any."""
-    labels = [
-        f"{label} ({'line' if joined else 'markers'}{', bars: its errors' * (len(points[0]) > 2)})"
-        for label, points, joined in data.spec.foreign
-    ]
-    return (
-        [f"In grey, from elsewhere and not simulated here: {'; '.join(labels)}."] if labels else []
-    )

@@ -19,7 +19,6 @@ from sim.figures.plot import (
     completed_rows,
     curve_keys,
     draw_foreign_data,
-    foreign_data_notes,
     foreign_values,
     label_axes,
     observable_label,
@@ -262,7 +261,6 @@ def notes(data: FigureData) -> list[str]:
         extent,
         *not_drawn(sum(rows.empty for rows in with_values), f"without a value{suffix}"),
         *not_drawn(omitted, "slices not above 0 on a logarithmic axis"),
-        *foreign_data_notes(data),
     ]
 
 

@@ -18,7 +18,6 @@ from sim.figures.plot import (
     PANEL_SIZE,
     append_foreign_data,
     draw_foreign_data,
-    foreign_data_notes,
     foreign_values,
     label_axes,
     observed_quantity,
@@ -162,7 +161,6 @@ def notes(data: FigureData) -> list[str]:
         *point_notes(replace(data, rows=rows), quantities),
         *([line] if any(has_mean(averaged(part), x) for part in parts) else []),
         *not_drawn(completed - len(rows), "without a value"),
-        *foreign_data_notes(data),
     ]
 
 

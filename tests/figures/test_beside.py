@@ -5,10 +5,10 @@ import pytest
 from matplotlib.lines import Line2D
 
 from sim.base.errors import InputError
+from sim.figures.caption import caption
 from sim.figures.map import MARKS
 from sim.figures.plot import _MARKERS
 from sim.figures.style import COLOURS, MARKERS
-from tests.figures.drawing import notes
 from tests.figures.made_plots import drawn
 from tests.figures.test_plot_texts import shown_texts
 
@@ -52,7 +52,7 @@ def test_data_beside_are_in_every_panel_the_legend_the_caption_and_the_data(plot
             assert np.all((left <= at[:, 0]) & (at[:, 0] <= right))
             assert np.all((bottom <= at[:, 1]) & (at[:, 1] <= top))
     assert {"_glass $d$", "law"} <= shown_texts(figure)
-    text = notes(data)
+    text = caption(data, [])
     assert "not simulated here: _glass $d$ (markers); law (line)." in text
     assert len(rows) == len(study_rows) + 5 and "not of this study" not in study_rows
     beside = rows[rows["not of this study"].notna()]
@@ -94,7 +94,7 @@ def test_columns_of_a_file_are_drawn_with_their_errors(tmp_path, monkeypatch):
     (bars,) = axes.collections[-1:]
     np.testing.assert_allclose(bars.get_segments()[1], [[0.58, 0.1], [0.58, 0.7]])
     assert axes.get_ylim()[0] < 0.1
-    assert "exp (markers, bars: its errors)" in notes(data)
+    assert "exp (markers, bars: its errors)" in caption(data, [])
     assert rows["error, not of this study"].dropna().tolist() == [0.04, 0.3]
     natural = {"units": "natural", "beside": beside | {"yerr": "mu"}}
     with pytest.raises(InputError, match=r"unit of column V: got 'mm/s'; allowed: no unit, for a"):
