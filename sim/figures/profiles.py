@@ -55,14 +55,14 @@ def slices(data: FigureData, row: Mapping[str, Any]) -> tuple[np.ndarray, dict[s
     ``between`` narrows them further. Of two observables, slices are left out in which no replicate
     has both, and values are not-a-number where a replicate lacks either.
     """
-    name = "number_density" if data.spec.flat else "packing_profile"
-    filling, height = data.results.profile(row["point"], name)
     if data.spec.flat:
+        filling, height = data.results.profile(row["point"], "number_density")
         dense = np.flatnonzero(filling.mean(axis=0) * row["diameter"] ** 2 >= THIN)
-        end = dense.max(initial=-1)
+        end, unit = dense.max(initial=-1), row["diameter"]
     else:
+        filling, height = data.results.profile(row["point"], "packing_profile")
         filled = np.cumsum(np.nan_to_num(filling.mean(axis=0)))
-        end = np.searchsorted(filled, SHARE * filled[-1])
+        end, unit = np.searchsorted(filled, SHARE * filled[-1]), scale_of_point(data, row, "m")
     chosen = np.arange(height.size) <= end
     if between := data.spec.between:
         low, high = (limit * row["diameter"] for limit in between)
@@ -72,7 +72,6 @@ def slices(data: FigureData, row: Mapping[str, Any]) -> tuple[np.ndarray, dict[s
         * (1 / scale_of_point(data, row, one.unit))
         for axis, one in observables(data).items()
     }
-    unit = row["diameter"] if data.spec.flat else scale_of_point(data, row, "m")
     height = height[chosen] / unit
     if len(values) == 1:
         return height, values
@@ -227,10 +226,10 @@ def table(data: FigureData) -> pd.DataFrame:
         names = (*spec.named, "initial_velocity", "protocol")
 
     def rows(row: Mapping[str, Any]) -> pd.DataFrame:
-        table = means(data, row)
-        place = 0 if spec.flat else table.shape[1]
-        table.insert(place, "completed replicates", row["completed"])
-        return table
+        of_point = means(data, row)
+        place = 0 if spec.flat else of_point.shape[1]
+        of_point.insert(place, "completed replicates", row["completed"])
+        return of_point
 
     y = headings.get("y", headings["height"])
     return append_foreign_data(data, rows_of_points(data, headings, rows, names), headings["x"], y)
@@ -242,8 +241,10 @@ def notes(data: FigureData) -> list[str]:
     with_values = [rows[rows["x"].notna()] for rows in of_points]
     omitted = sum(int((~_is_drawable(data, rows)).sum()) for rows in with_values)
     what = "A marker per slice of the height" if data.spec.second else "Lines over the height"
+    few = f"; of fewer than {MIN_REPLICATES}, each is pale"
     extent = f"They end where {100 * SHARE:g} % of the particles are below."
     if data.spec.flat:
+        few = " where there are several, which may go beyond the axes"
         extent = (
             "z is measured from the present position of the belt, in slices of ⟨d⟩, up to the last "
             f"one with {THIN:g} beads per ⟨d⟩² or more; one that is empty in a replicate has no "
@@ -252,9 +253,6 @@ def notes(data: FigureData) -> list[str]:
     if between := data.spec.between:
         low, high = between
         extent += f" Heights shown: {low:g} to {high:g} diameters above the base."
-    few = f"; of fewer than {MIN_REPLICATES}, each is pale"
-    if data.spec.flat:
-        few = " where there are several, which may go beyond the axes"
     suffix = _height_range_suffix(data)
     return [
         f"{what}: means over the replicates, with 95 % intervals (Student){few}.",
