@@ -150,13 +150,17 @@ def with_units(surrogate: Surrogate, rows: pd.DataFrame) -> pd.DataFrame:
 
 def basis_note(surrogate: Surrogate, *shown: str) -> str:
     """Return the sentences on points and error of the mean, and on parameters on no axis."""
-    fixed = [
+    return f"{upper_first(surrogate.basis)}. {held_note(surrogate, *shown)}".strip()
+
+
+def held_note(surrogate: Surrogate, *shown: str) -> str:
+    """Return the sentence on the parameters that are not on an axis."""
+    others = [
         setting(surrogate.system, axis.name, _middle(axis))
         for axis in surrogate.numeric
         if axis.name not in shown
     ]
-    basis = f"{upper_first(surrogate.basis)}."
-    return f"{basis} Held: {', '.join(fixed)}." if fixed else basis
+    return f"Held: {', '.join(others)}." if others else ""
 
 
 def regime_note(surrogate: Surrogate, where: str) -> str:
