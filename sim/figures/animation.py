@@ -221,7 +221,8 @@ def _draw_surroundings(axes: Axes, belt: BeltScene) -> None:
     axes.grid(visible=False)
     axes.set_xlabel("along the belt x/⟨d⟩")
     axes.set_ylabel("height z/⟨d⟩")
-    shades, look = ScalarMappable(belt.norm, COLOURS), {"aspect": 25, "pad": 0.02, "shrink": 0.8}
+    shades = ScalarMappable(belt.norm, COLOURS)
+    look: dict[str, Any] = {"aspect": 25, "pad": 0.02, "shrink": 0.8}
     axes.figure.colorbar(shades, ax=axes, label="velocity $v_x$ (m/s)", **look)
 
 

@@ -168,7 +168,8 @@ class Scene:
         above = ground + self.top * self.view[:, 2]
         corners = np.concatenate([ground, above])[:, :2]
         self._draw_arrows(axes, *(corners.min(axis=0) - 0.5), *(corners.max(axis=0) + 0.5))
-        shades, look = ScalarMappable(self.norm, COLOURS), {"shrink": 0.55, "aspect": 22}
+        shades = ScalarMappable(self.norm, COLOURS)
+        look: dict[str, Any] = {"shrink": 0.55, "aspect": 22}
         label = "velocity of spheres u (m/s)"
         axes.figure.colorbar(shades, ax=axes, pad=0.02, label=label, **look)
 

@@ -124,14 +124,16 @@ class PlotContents:
         A name of no observable is refused with the parameters.
         """
         spec, keys = self.spec, self.spec.keys
-        named = {} if spec.show == REGIME == keys.usual else {keys.observable: spec.show}
+        named: dict[str, str] = {keys.observable: spec.show}
+        if spec.show == REGIME == keys.usual:
+            named = {}
         for key in filter(None, (keys.second, "colour")):
             name, may_be_parameter = getattr(spec, key), key in (*keys.axes, "colour")
             if name and (name in every_name() or not may_be_parameter) and key != keys.observable:
                 if key == keys.second and name == spec.show:
                     raise self.error(key, name, f"an observable other than {keys.observable}")
                 named[key] = name
-        found = {}
+        found: dict[str, Observable] = {}
         for key, name in named.items():
             found[key] = find_observable(spec.kind, key, name, self.system, self.error)
             require_stored(found[key], self.points, partial(self.error, key, name))
@@ -147,7 +149,7 @@ class PlotContents:
     @property
     def log(self) -> list[str]:
         """Logarithmic axes: those named, and x of curves whose values are spread so."""
-        spec, named = self.spec, list(self.plot.log)
+        spec, named = self.spec, list[str](self.plot.log)
         if spec.kind != "curves" or not spec.axes or "x" in named:
             return named
         values = (getattr(point, spec.axes[0]) for point in self.parameters)
@@ -213,8 +215,9 @@ class PlotContents:
         """Return pairs of a key of the plot and the parameter that it names."""
         spec, keys = self.spec, self.spec.keys
         # Observables are refused before parameters.
-        others = [key for key in keys.axes if key not in self.observables]
-        others = [(key, getattr(spec, key)) for key in others]
+        others: list[tuple[str, str]] = [
+            (key, getattr(spec, key)) for key in keys.axes if key not in self.observables
+        ]
         several = enumerate(spec.axes if keys.several else ())
         others += [(f"{keys.several}[{number}]", name) for number, name in several]
         for number, name in enumerate(spec.by):
@@ -340,9 +343,9 @@ def caption_lead(contents: PlotContents) -> str:
 def _y_then_x(contents: PlotContents) -> tuple[Observable | None, Observable | None]:
     """Return what is shown, and the observable that it is shown against, if any."""
     shown = contents.observables
-    named = [shown[axis] for axis in "yx" if axis in shown]
-    vertical, horizontal, *_ = *(named or [shown.get(contents.spec.keys.observable)]), None, None
-    return vertical, horizontal
+    if "x" in shown and "y" in shown:
+        return shown["y"], shown["x"]
+    return shown.get(contents.spec.keys.observable), None
 
 
 def _over_phrase(spec: FigureSpec, names: list[str], horizontal: Observable | None) -> str:

@@ -98,6 +98,13 @@ def test_a_changed_plot_of_the_study_is_drawn_again_alone(dataset, tmp_path):
         draw_figures(("one",), dataset, made)
 
 
+def test_another_dataset_draws_all(folder, dataset):
+    dataset.write_text("other")
+    before = times(folder)
+    draw_figures(NAMES, dataset, folder, code="a")
+    assert redrawn(before, folder) == set(NAMES)
+
+
 def test_one_that_cannot_be_drawn_keeps_no_other_from_it(dataset, folder):
     (folder / "gallas_6.svg").unlink()
     with pytest.raises(InputError, match="no point feeds walton_2"):
