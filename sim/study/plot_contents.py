@@ -124,9 +124,8 @@ class PlotContents:
         A name of no observable is refused with the parameters.
         """
         spec, keys = self.spec, self.spec.keys
-        named: dict[str, str] = {keys.observable: spec.show}
-        if spec.show == REGIME == keys.usual:
-            named = {}
+        shows_regimes = spec.show == REGIME == keys.usual
+        named: dict[str, str] = {} if shows_regimes else {keys.observable: spec.show}
         for key in filter(None, (keys.second, "colour")):
             name, may_be_parameter = getattr(spec, key), key in (*keys.axes, "colour")
             if name and (name in every_name() or not may_be_parameter) and key != keys.observable:
@@ -215,9 +214,8 @@ class PlotContents:
         """Return pairs of a key of the plot and the parameter that it names."""
         spec, keys = self.spec, self.spec.keys
         # Observables are refused before parameters.
-        others: list[tuple[str, str]] = [
-            (key, getattr(spec, key)) for key in keys.axes if key not in self.observables
-        ]
+        axes = set[str](keys.axes) - set(self.observables)
+        others = [(key, getattr(spec, key)) for key in sorted(axes)]
         several = enumerate(spec.axes if keys.several else ())
         others += [(f"{keys.several}[{number}]", name) for number, name in several]
         for number, name in enumerate(spec.by):
@@ -349,6 +347,4 @@ def _y_then_x(contents: PlotContents) -> tuple[Observable | None, Observable | N
 
 
 def _over_phrase(spec: FigureSpec, names: list[str], horizontal: Observable | None) -> str:
-    """Return the part of a title that begins with "over" or "against"."""
-    pattern = spec.keys.over if horizontal is None else "against {}"
-    return pattern.format(in_words(names))
+    return (spec.keys.over if horizontal is None else "against {}").format(in_words(names))
