@@ -1,27 +1,29 @@
-"""Animations: spheres on the inclined plane, or beads over one cycle and the line that shakes them.
-
-Option of a figure: ``point``, which of several points is shown.
-"""
+"""Animations: spheres on an inclined plane, beads over one cycle, and the particles of one run."""
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from io import BytesIO
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
+from matplotlib.collections import EllipseCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
+from PIL import Image
 
 from sim.figures.beads import OBSTACLE
 from sim.figures.caption import velocity_text
-from sim.figures.data import FigureData, point_table
+from sim.figures.data import FigureData, label_with_unit, point_table
 from sim.figures.plot import message_figure
-from sim.figures.render import Animation
-from sim.figures.spheres import COLOURS, DARK, Frame, Scene, picture, view_from
-from sim.figures.style import SHORT_DASH
+from sim.figures.render import Animation, settle
+from sim.figures.spheres import COLOURS, DARK, Scene, across_sides, draw_particles
+from sim.figures.style import SETTINGS, SHORT_DASH
 from sim.study.plot_kinds import TALLEST
 
 #: Number of frames of a chute flow.
@@ -30,13 +32,8 @@ FRAMES = 24
 #: How far the fastest spheres may go from frame to frame, in diameters, for the eye to follow them.
 STRIDE = 0.35
 
-#: Pixels along the longer side of a picture of a chute, and along the belt.
-CHUTE_PIXELS, BELT_PIXELS = 330, 400
-
 #: A frame shows one state of so many of the path, for so long (ms).
 EVERY, DURATION = 2, 130
-
-_VIEW = view_from(0, 0)
 
 #: Beads whose paths are drawn, and distance of the marks on the belt, in mean diameters.
 _FOLLOWED, _MARKS = 8, 2.0
@@ -93,14 +90,14 @@ def _path_of(data: FigureData) -> xr.Dataset | None:
 
 
 def _animate_chute(row: Mapping[str, Any], state: xr.Dataset) -> Animation:
-    """Animate a chute flow: its spheres, and their velocities over the height."""
     time, position, speed = motion(state, row["diameter"])
     unit = np.sqrt(row["diameter"] / row["gravity"])
-    scene = Scene(row, state, position[..., 2], speed, CHUTE_PIXELS)
+    scene = Scene(row, state, position[..., 2], speed)
     figure = Figure(figsize=(6.4, 3.4), layout="constrained")
     ((pictures, profiles),) = figure.subfigures(1, 2, squeeze=False, width_ratios=(1.6, 1))
     left, right = pictures.subplots(), profiles.subplots()
-    image = scene.show(left, scene.picture(position[0], speed[0]))
+    scene.prepare(left)
+    spheres = [scene.draw(left, position[0], speed[0])]
     heights = position[..., 2] / row["diameter"]
     (dots,) = right.plot([], [], "o", markersize=2.2, color=COLOURS(0.25), alpha=0.7)
     low, high = scene.range
@@ -112,7 +109,8 @@ def _animate_chute(row: Mapping[str, Any], state: xr.Dataset) -> Animation:
     clock = left.set_title(" ", loc="left", fontsize=8.5)
 
     def show(number: int) -> None:
-        image.set_data(scene.picture(position[number], speed[number]))
+        spheres.pop().remove()
+        spheres.append(scene.draw(left, position[number], speed[number]))
         dots.set_data(speed[number], heights[number])
         mean = round(speed[number].mean(), 3) + 0.0
         clock.set_text(f"t = {time[number] / unit:5.2f} √(σ/g), mean u = {mean:.3f} m/s")
@@ -144,14 +142,13 @@ def _between(first: np.ndarray, second: np.ndarray, share: np.ndarray) -> np.nda
 
 
 def _animate_belt(row: Mapping[str, Any], state: xr.Dataset) -> Animation:
-    """Animate one cycle of the belt."""
     belt = BeltScene(row, state)
     # To scale, with room for the axes and the colours.
-    aspect = (belt.frame.top - belt.frame.bottom) / belt.width
+    aspect = (belt.top - belt.low) / belt.width
     width = min(4.8, 4.8 / aspect)
     figure = Figure(figsize=(width + 1.6, width * aspect + 0.9), layout="constrained")
     axes = figure.subplots()
-    image = axes.imshow(belt.picture(0), extent=belt.frame, interpolation="bilinear", zorder=2)
+    beads = [belt.draw(axes, 0)]
     _draw_surroundings(axes, belt)
     (line,) = axes.plot([], [], color=DARK, linewidth=2.2, zorder=3)
     (marks,) = axes.plot([], [], "|", color=DARK, markersize=6, markeredgewidth=1.4, zorder=3)
@@ -162,7 +159,8 @@ def _animate_belt(row: Mapping[str, Any], state: xr.Dataset) -> Animation:
 
     def show(frame: int) -> None:
         number = EVERY * frame
-        image.set_data(belt.picture(number))
+        beads.pop().remove()
+        beads.append(belt.draw(axes, number))
         places, level = belt.line(number)
         line.set_data([0, belt.width], [level, level])
         marks.set_data(places, np.full(len(places), level - 0.25))
@@ -181,23 +179,19 @@ class BeltScene:
         self.path = state["path"].values.astype(float) / unit
         self.time = state["path_time"].values.astype(float)
         self.speed = unit * np.gradient(self.path[..., 0], self.time, axis=0)
-        self.radius = state["radius"].values / unit
+        self.size = 2 * state["radius"].values / unit
         self.width, self.amplitude = row["width"], row["amplitude"]
         self.norm = Normalize(*np.percentile(self.speed, (1, 99)))
-        top = min(float(self.path[..., 1].max()) + 1.0, TALLEST)
-        self.frame = Frame(0.0, self.width, -self.amplitude - 1.0, top)
-        self.pixel = self.width / BELT_PIXELS
+        self.low = -self.amplitude - 1.0
+        self.top = min(float(self.path[..., 1].max()) + 1.0, TALLEST)
 
-    def picture(self, number: int) -> np.ndarray:
-        """Return the picture of a state. Beads at one side of the cell are at the other, too."""
-        x = self.path[number, :, 0] % self.width
-        images = np.concatenate([x - self.width, x, x + self.width])
-        near = (images > -1) & (images < self.width + 1)
-        place = np.zeros((len(images), 3))
-        place[:, 0], place[:, 2] = images, np.tile(self.path[number, :, 1], 3)
-        colour = np.tile(COLOURS(self.norm(self.speed[number]))[:, :3], (3, 1))
-        radius = np.tile(self.radius, 3)
-        return picture(_VIEW, self.frame, self.pixel, place[near], radius[near], colour[near])
+    def draw(self, axes: Axes, number: int) -> EllipseCollection:
+        """Draw the beads of a state."""
+        index, x = across_sides(self.path[number, :, 0], self.size, self.width)
+        place = np.column_stack([x, self.path[number, index, 1]])
+        colour = COLOURS(self.norm(self.speed[number, index]))
+        edge: dict[str, Any] = {"edgecolors": DARK, "linewidths": 0.3, "zorder": 2}
+        return draw_particles(axes, place, self.size[index], colour, **edge)
 
     def line(self, number: int) -> tuple[np.ndarray, float]:
         """Return where the marks on the belt are (M,), and its height."""
@@ -209,7 +203,7 @@ class BeltScene:
 
     def trails(self, number: int) -> np.ndarray:
         """Return the paths (P, 2) of some beads up to a state, parted by not-a-number."""
-        followed = np.argsort(self.path[0, :, 0])[:: max(1, len(self.radius) // _FOLLOWED)]
+        followed = np.argsort(self.path[0, :, 0])[:: max(1, len(self.size) // _FOLLOWED)]
         path = self.path[: number + 1, followed].copy()
         path[..., 0] -= self.width * (self.path[0, followed, 0] // self.width)
         gap = np.full((1, len(followed), 2), np.nan)
@@ -223,13 +217,98 @@ def _draw_surroundings(axes: Axes, belt: BeltScene) -> None:
     if belt.row["obstacle"]:
         centre, radius = (belt.width / 2, belt.amplitude), belt.row["obstacle"] / 2
         axes.add_patch(Circle(centre, radius, facecolor=OBSTACLE, edgecolor=DARK, zorder=3))
-    axes.set_xlim(belt.frame.left, belt.frame.right)
-    axes.set_ylim(belt.frame.bottom, belt.frame.top)
+    axes.set(xlim=(0, belt.width), ylim=(belt.low, belt.top), aspect="equal")
     axes.grid(visible=False)
     axes.set_xlabel("along the belt x/⟨d⟩")
     axes.set_ylabel("height z/⟨d⟩")
-    bar = axes.figure.colorbar(
-        ScalarMappable(belt.norm, COLOURS), ax=axes, aspect=25, pad=0.02, shrink=0.8
-    )
-    bar.set_label("velocity $v_x$ (m/s)")
-    bar.outline.set_visible(False)
+    shades = ScalarMappable(belt.norm, COLOURS)
+    look: dict[str, Any] = {"aspect": 25, "pad": 0.02, "shrink": 0.8}
+    axes.figure.colorbar(shades, ax=axes, label="velocity $v_x$ (m/s)", **look)
+
+
+# The particles of one run, which `talus export` writes.
+
+
+#: Most inches of a picture's width, of its height, and of a diameter in it.
+_MOST_WIDTH, _MOST_HEIGHT, _MOST_DIAMETER = 7.4, 6.0, 0.5
+
+#: Dots per inch of an animation, and milliseconds per frame.
+_DPI, _DURATION = 100, 100
+
+#: Quantiles of the velocities between which colours differ: a single fast particle would otherwise
+#: give all others one colour.
+_COLOUR_QUANTILES = (0.02, 0.98)
+
+
+@dataclass(frozen=True)
+class ParticleFrames:
+    """Particles of a replicate in some frames.
+
+    ``position`` (F, N, 3) and ``size`` (N,) are in diameters, ``speed`` (F, N) along x is in m/s,
+    and ``period`` is the period along x in diameters.
+    """
+
+    position: np.ndarray
+    speed: np.ndarray
+    size: np.ndarray
+    period: float
+
+    def draw(self, axes: Axes, frame: int, norm: Normalize) -> EllipseCollection:
+        """Draw the particles of a frame; their colours show their velocities."""
+        position = self.position[frame]
+        index, x = across_sides(position[:, 0], self.size, self.period)
+        place, colour = np.column_stack([x, position[index, -1]]), COLOURS(norm(self.speed[frame]))
+        return draw_particles(
+            axes,
+            place,
+            self.size[index],
+            colour[index],
+            -position[index, 1],
+            edgecolors="black",
+            linewidths=0.3,
+        )
+
+
+def run_animation(frames: ParticleFrames) -> bytes:
+    """Return an endless WebP of the particles, coloured by their velocity along x."""
+    with mpl.rc_context(SETTINGS):
+        return _as_webp(frames)
+
+
+def _as_webp(frames: ParticleFrames) -> bytes:
+    figure, axes = _axes(frames)
+    figure.set_dpi(_DPI)
+    norm = Normalize(*np.quantile(frames.speed, _COLOUR_QUANTILES))
+    label = label_with_unit("velocity along x", "m/s")
+    shades = ScalarMappable(norm, COLOURS)
+    figure.colorbar(shades, ax=axes, label=label, extend="both", shrink=0.9)
+    settle(figure)
+    figure.set_layout_engine("none")
+    canvas = FigureCanvasAgg(figure)
+    images: list[Image.Image] = []
+    for frame in range(len(frames.position)):
+        particles = frames.draw(axes, frame, norm)
+        canvas.draw()
+        images.append(Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy()))
+        particles.remove()
+    file = BytesIO()
+    options = {"save_all": True, "loop": 0, "duration": _DURATION, "quality": 75}
+    images[0].save(file, format="WebP", append_images=images[1:], **options)
+    return file.getvalue()
+
+
+def _axes(frames: ParticleFrames) -> tuple[Figure, Axes]:
+    """Return a figure with axes that show all frames to scale."""
+    heights = frames.position[..., -1]
+    low = min(0.0, float((heights - frames.size / 2).min())) - 0.3
+    high = float((heights + frames.size / 2).max()) + 0.3
+    scale = min((_MOST_WIDTH - 2) / frames.period, _MOST_HEIGHT / (high - low), _MOST_DIAMETER)
+    shape = max(4.0, frames.period * scale + 2), max(2.0, (high - low) * scale + 0.7)
+    figure = Figure(figsize=shape, layout="compressed")
+    axes = figure.subplots()
+    axes.set(xlim=(0, frames.period), ylim=(low, high), aspect="equal")
+    axes.set_xlabel(label_with_unit("x", "diameters"))
+    axes.set_ylabel(label_with_unit("z", "diameters"))
+    axes.grid(visible=False)
+    axes.axhline(0, color="black", linewidth=1.3)
+    return figure, axes

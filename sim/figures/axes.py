@@ -84,8 +84,8 @@ def _axis_limits(
 
     It has a margin around values, and bars that go a little beyond it extend it.
     """
-    known, half = pd.concat([values, others]), half_widths.fillna(0)
-    low, high = known.min(), known.max()
+    places, half = pd.concat([values, others]), half_widths.fillna(0)
+    low, high = places.min(), places.max()
     if logarithmic:
         lowest, highest = values - half, values + half
         lowest, highest = lowest[lowest >= low / _REACH], highest[highest <= high * _REACH]

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.collections import EllipseCollection, LineCollection
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from matplotlib.ticker import MultipleLocator
@@ -17,7 +17,8 @@ from matplotlib.ticker import MultipleLocator
 from sim.base.errors import InputError
 from sim.figures.caption import first_clause, velocity_text
 from sim.figures.data import Drawing, FigureData
-from sim.figures.style import DOTTED, place_legend
+from sim.figures.spheres import across_sides, draw_particles
+from sim.figures.style import DOTTED, legend_above
 from sim.parameters import NUMERICAL, BeltParameters, field_info
 from sim.study.plot_contents import in_words
 
@@ -68,14 +69,8 @@ def notes(data: FigureData) -> list[str]:
     ]
 
 
-def with_particles(data: FigureData, *names: str) -> list[PointParticles]:
-    """Return the selected points with their particles, none where no replicate completed.
-
-    Raises
-    ------
-    InputError
-        When the dataset has not kept one of the arrays ``names`` of them.
-    """
+def _with_particles(data: FigureData, *names: str) -> list[PointParticles]:
+    """Return the selected points with their particles, of which the dataset has these arrays."""
     points = []
     for row in data.rows[data.rows["completed"] > 0].to_dict("records"):
         state = data.results.particles(row["point"])
@@ -86,7 +81,7 @@ def with_particles(data: FigureData, *names: str) -> list[PointParticles]:
     return points
 
 
-def cells(points: Sequence[PointParticles], top: float) -> tuple[Figure, list[Axes]]:
+def _cells(points: Sequence[PointParticles], top: float) -> tuple[Figure, list[Axes]]:
     """Return axes in ⟨d⟩ to scale, one below the other, of a period of the belt up to ``top``.
 
     Titles name the caveat of a point: an unstable time step makes other paths.
@@ -113,7 +108,7 @@ def cells(points: Sequence[PointParticles], top: float) -> tuple[Figure, list[Ax
     return figure, list(panels)
 
 
-def draw_surroundings(axes: Axes, point: PointParticles) -> None:
+def _draw_surroundings(axes: Axes, point: PointParticles) -> None:
     """Draw the average position of the belt, and the obstacle, if any, at x = L/2, z = A_z."""
     row = point.row
     if row["obstacle"] > 0:
@@ -124,7 +119,7 @@ def draw_surroundings(axes: Axes, point: PointParticles) -> None:
     axes.axhline(0, color="black", linewidth=1.3, label="average position of the belt")
 
 
-def tell_beyond(axes: Axes, lowest: np.ndarray) -> None:
+def _tell_beyond(axes: Axes, lowest: np.ndarray) -> None:
     """Write how many beads are above the picture, from the lowest height (⟨d⟩) of each."""
     count = int((lowest > axes.get_ylim()[1]).sum())
     if count:
@@ -132,46 +127,38 @@ def tell_beyond(axes: Axes, lowest: np.ndarray) -> None:
         axes.text(0.01, 0.985, text, transform=axes.transAxes, va="top", fontsize=8)
 
 
-def wrapped(x: np.ndarray, point: PointParticles) -> np.ndarray:
+def _wrapped(x: np.ndarray, point: PointParticles) -> np.ndarray:
     """Return positions along the belt within its period [0, L), all in ⟨d⟩."""
     return np.mod(x, point.row["width"])
 
 
-def draw_paths(data: FigureData) -> Figure:
+def _draw_paths(data: FigureData) -> Figure:
     """Draw the paths; what leaves the periodic cell on one side comes back on the other."""
-    points = with_particles(data, "path", "path_time")
+    points = _with_particles(data, "path", "path_time")
     paths = [_path(point) for point in points]
-    figure, panels = cells(points, max((path[..., 1].max() for path in paths), default=0) + 0.5)
+    figure, panels = _cells(points, max((path[..., 1].max() for path in paths), default=0) + 0.5)
     for axes, point, path in zip(panels, points, paths, strict=True):
-        axes.plot(
-            wrapped(path[..., 0], point).ravel(),
-            path[..., 1].ravel(),
-            ".",
-            color="black",
-            markersize=2.0,
-            markeredgewidth=0,
-            rasterized=True,
-            label="centre of a bead",
-        )
-        tell_beyond(axes, path[..., 1].min(axis=0))
-        draw_surroundings(axes, point)
+        look: dict[str, Any] = {"color": "black", "markersize": 2.0, "markeredgewidth": 0}
+        look |= {"rasterized": True, "label": "centre of a bead"}
+        axes.plot(_wrapped(path[..., 0], point).ravel(), path[..., 1].ravel(), ".", **look)
+        _tell_beyond(axes, path[..., 1].min(axis=0))
+        _draw_surroundings(axes, point)
     if panels:
-        place_legend(figure, panels[0])
+        legend_above(figure, *panels[0].get_legend_handles_labels())
     return figure
 
 
-def paths_table(data: FigureData) -> pd.DataFrame:
-    """Return the paths: a row per bead and time, positions along the belt not wrapped."""
+def _paths_table(data: FigureData) -> pd.DataFrame:
+    # Positions along the belt are not wrapped.
     parts = []
-    for point in with_particles(data, "path", "path_time"):
+    for point in _with_particles(data, "path", "path_time"):
         path = np.round(_path(point), 3)
         steps, beads, _ = path.shape
+        time = np.round(point.state["path_time"].values.astype(float), 8)
         columns = {
             "protocol": point.row["protocol"],
             "bead": np.tile(np.arange(beads), steps),
-            "time [s]": np.repeat(
-                np.round(point.state["path_time"].values.astype(float), 8), beads
-            ),
+            "time [s]": np.repeat(time, beads),
             "x [⟨d⟩]": path[..., 0].ravel(),
             "z [⟨d⟩]": path[..., 1].ravel(),
         }
@@ -184,29 +171,28 @@ def _path(point: PointParticles) -> np.ndarray:
     return point.state["path"].values.astype(float) / point.row["diameter"]
 
 
-def draw_snapshots(data: FigureData) -> Figure:
+def _draw_snapshots(data: FigureData) -> Figure:
     """Draw the beads; those that cross an end of the periodic cell are drawn at both ends."""
-    points = with_particles(data, "position", "particle_velocity", "radius")
+    points = _with_particles(data, "position", "particle_velocity", "radius")
     tables = [_beads(point) for point in points]
     tops = [(beads["z [⟨d⟩]"] + beads["diameter [⟨d⟩]"] / 2).max() for beads in tables]
-    figure, panels = cells(points, max(tops, default=0) + _SCALE_ROOM)
+    figure, panels = _cells(points, max(tops, default=0) + _SCALE_ROOM)
     speed = round_speed(max(map(_mean_square_speed, tables), default=0))
     for axes, point, beads in zip(panels, points, tables, strict=True):
         _draw_beads(axes, point.row["width"], beads, speed)
         _draw_scale(axes, speed)
-        tell_beyond(axes, (beads["z [⟨d⟩]"] - beads["diameter [⟨d⟩]"] / 2).to_numpy())
-        draw_surroundings(axes, point)
+        _tell_beyond(axes, (beads["z [⟨d⟩]"] - beads["diameter [⟨d⟩]"] / 2).to_numpy())
+        _draw_surroundings(axes, point)
         for sign, label in ((1, "its extreme positions"), (-1, None)):
             height = sign * point.row["amplitude"]
             axes.axhline(height, color="black", linewidth=1.3, linestyle=DOTTED, label=label)
     if panels:
-        place_legend(figure, panels[0])
+        legend_above(figure, *panels[0].get_legend_handles_labels())
     return figure
 
 
-def beads_table(data: FigureData) -> pd.DataFrame:
-    """Return the beads: a row for each, positions along the belt within the cell."""
-    points = with_particles(data, "position", "particle_velocity", "radius")
+def _beads_table(data: FigureData) -> pd.DataFrame:
+    points = _with_particles(data, "position", "particle_velocity", "radius")
     parts = [_beads(point) for point in points]
     return pd.concat(parts) if parts else pd.DataFrame(columns=["protocol", "bead"])
 
@@ -235,7 +221,7 @@ def _beads(point: PointParticles) -> pd.DataFrame:
         "protocol": row["protocol"],
         "bead": np.arange(len(place)),
         "diameter [⟨d⟩]": np.round(2 * state["radius"].values.astype(float) / row["diameter"], 5),
-        "x [⟨d⟩]": np.round(wrapped(place[:, 0], point), 5),
+        "x [⟨d⟩]": np.round(_wrapped(place[:, 0], point), 5),
         "z [⟨d⟩]": np.round(place[:, 1], 5),
         "v_x [m s-1]": velocity[:, 0],
         "v_z [m s-1]": velocity[:, 1],
@@ -250,37 +236,23 @@ def _mean_square_speed(beads: pd.DataFrame) -> float:
 def _draw_beads(axes: Axes, width: float, beads: pd.DataFrame, speed: float) -> None:
     """Draw circles and velocities of all beads, and of their images that reach into the cell."""
     places = beads[["x [⟨d⟩]", "z [⟨d⟩]"]].to_numpy()
-    ends = places + beads[["v_x [m s-1]", "v_z [m s-1]"]].to_numpy() / speed
+    steps = beads[["v_x [m s-1]", "v_z [m s-1]"]].to_numpy() / speed
     diameters = beads["diameter [⟨d⟩]"].to_numpy()
-    for shift in (-width, 0.0, width):
-        left = np.minimum(places[:, 0] - diameters / 2, ends[:, 0]) + shift
-        right = np.maximum(places[:, 0] + diameters / 2, ends[:, 0]) + shift
-        seen = (right > 0) & (left < width)
-        if not seen.any():
-            continue
-        axes.add_collection(
-            EllipseCollection(
-                diameters[seen],
-                diameters[seen],
-                np.zeros(seen.sum()),
-                units="xy",
-                offsets=places[seen] + (shift, 0),
-                offset_transform=axes.transData,
-                facecolor="#f0f0f0",
-                edgecolor="#666666",
-                linewidth=0.6,
-            )
-        )
-        sticks = np.stack([places, ends], axis=1)[seen] + (shift, 0)
-        axes.add_collection(LineCollection(sticks, color="#0072b2", linewidth=1.0))
+    # Velocities, too, are seen at both sides of the cell.
+    index, x = across_sides(places[:, 0], diameters + 2 * np.abs(steps[:, 0]), width)
+    seen = np.column_stack([x, places[index, 1]])
+    edge: dict[str, Any] = {"edgecolors": "#666666", "linewidths": 0.6}
+    grey = np.full((len(index), 4), 0.94)
+    draw_particles(axes, seen, diameters[index], grey, **edge)
+    sticks = np.stack([seen, seen + steps[index]], axis=1)
+    axes.add_collection(LineCollection(list(sticks), color="#0072b2", linewidth=1.0))
 
 
 def _draw_scale(axes: Axes, speed: float) -> None:
-    """Draw at the top right how long a velocity is drawn."""
     right, top = axes.get_xlim()[1] - 0.5, axes.get_ylim()[1] - 0.8
     axes.plot([right - 1, right], [top, top], color="#0072b2", linewidth=1.6)
     axes.text(right - 1.2, top, f"{speed:g} m/s", ha="right", va="center", fontsize=8)
 
 
-PATHS = Drawing(draw_paths, paths_table, notes, select)
-SNAPSHOTS = Drawing(draw_snapshots, beads_table, notes, select)
+PATHS = Drawing(_draw_paths, _paths_table, notes, select)
+SNAPSHOTS = Drawing(_draw_snapshots, _beads_table, notes, select)

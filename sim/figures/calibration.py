@@ -1,8 +1,4 @@
-"""Pictures of a calibration: posterior, predictions beside the measurements, the next experiment.
-
-Options of a figure: ``answer`` is the file of the calibration in the results of the study, ``unit``
-that of the observable.
-"""
+"""Pictures of a calibration: posterior, predictions, and the next experiment."""
 
 from collections.abc import Mapping
 from functools import lru_cache
@@ -18,11 +14,18 @@ from matplotlib.figure import Figure
 from sim.base.files import file_version
 from sim.base.statistics import MANY, student
 from sim.figures.axes import set_log
-from sim.figures.data import Drawing, FigureData, label_with_unit, unit_of
+from sim.figures.data import (
+    Drawing,
+    FigureData,
+    label_with_unit,
+    parameter_heading,
+    parameter_unit,
+    unit_of,
+)
 from sim.figures.plot import SINGLE_SIZE, message_figure, parameter_label, wrap_label
 from sim.figures.spheres import COLOURS as SHADES
 from sim.figures.style import COLOURS, legend_above, move_aside
-from sim.parameters import SYSTEMS, field_info
+from sim.parameters import SYSTEMS
 from sim.parameters.words import setting
 from sim.study.plot_contents import name_in_words
 from sim.surrogates.posterior import DISCREPANCY, INTERVAL, ranges, summarize
@@ -41,7 +44,7 @@ _MOST_DRAWS, _SHARES = 3000, (0.95, 0.5)
 _ASIDE = 3.0
 
 
-def draw_posterior(data: FigureData) -> Figure:
+def _draw_posterior(data: FigureData) -> Figure:
     """Draw a histogram of each parameter on the diagonal, and the regions of each pair below."""
     groups = _groups(data)
     names = list(ranges(groups))
@@ -66,16 +69,13 @@ def draw_posterior(data: FigureData) -> Figure:
     return figure
 
 
-def posterior_table(data: FigureData) -> pd.DataFrame:
-    """Return median and interval of each parameter, and of the discrepancy."""
+def _posterior_table(data: FigureData) -> pd.DataFrame:
     groups = _groups(data)
     about = _about(groups)
     if "posterior" not in groups:
         return pd.DataFrame({"outcome": ["no fit"], "probability [1]": [about["probability"]]})
-    table = summarize(groups)
-    fields = field_info(SYSTEMS[data.spec.system])
-    units = [fields[name].scale or fields[name].unit for name in table["parameter"]]
-    rows = [(*row, unit) for row, unit in zip(table.itertuples(index=False), units, strict=True)]
+    summary = summarize(groups).itertuples(index=False)
+    rows = [(*row, parameter_unit(data.spec.system, row.parameter)) for row in summary]
     if DISCREPANCY in groups["posterior"]:
         low, middle, high = np.quantile(groups["posterior"][DISCREPANCY], INTERVAL)
         rows.append((DISCREPANCY, middle, low, high, np.nan, "", data.spec.answer.unit))
@@ -86,8 +86,7 @@ def posterior_table(data: FigureData) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(headings))
 
 
-def posterior_notes(data: FigureData) -> list[str]:
-    """Return the sentences of the caption of a posterior."""
+def _posterior_notes(data: FigureData) -> list[str]:
     groups = _groups(data)
     sentences = outcome_sentences(groups)
     if "posterior" not in groups:
@@ -117,7 +116,7 @@ def _discrepancy_note(data: FigureData, groups: Mapping[str, xr.Dataset]) -> str
     return fitted.rstrip() + f", before the measurements half-normal of scale {scale:.2g}."
 
 
-def draw_predictions(data: FigureData) -> Figure:
+def _draw_predictions(data: FigureData) -> Figure:
     """Draw each measurement with its interval, and the one of a repeated measurement beside it."""
     rows, along = _prediction_rows(data)
     figure = Figure(figsize=SINGLE_SIZE, layout="constrained")
@@ -144,8 +143,7 @@ def draw_predictions(data: FigureData) -> Figure:
     return figure
 
 
-def predictions_table(data: FigureData) -> pd.DataFrame:
-    """Return measurements and predictions, row by row."""
+def _predictions_table(data: FigureData) -> pd.DataFrame:
     rows, _ = _prediction_rows(data)
     unit = data.spec.answer.unit
     conditions = _groups(data)["constant_data"].drop_vars("error").to_dataframe()
@@ -160,8 +158,7 @@ def predictions_table(data: FigureData) -> pd.DataFrame:
     return pd.concat([conditions.reset_index(drop=True), named], axis=1)
 
 
-def predictions_notes(data: FigureData) -> list[str]:
-    """Return the sentences of the caption of predictions."""
+def _predictions_notes(data: FigureData) -> list[str]:
     groups = _groups(data)
     notes = [
         "Bars: 95 % intervals; of the calibrated surrogate those of the same measurement made "
@@ -172,7 +169,7 @@ def predictions_notes(data: FigureData) -> list[str]:
     return notes
 
 
-def draw_experiment(data: FigureData) -> Figure:
+def _draw_experiment(data: FigureData) -> Figure:
     """Draw how much a further measurement would tell, over one or two of its conditions."""
     groups = _groups(data)
     if "predictions_constant_data" not in groups:
@@ -184,9 +181,7 @@ def draw_experiment(data: FigureData) -> Figure:
     if others:
         table = rows.pivot(index=others[0], columns=x, values="narrowing")
         filled = axes.contourf(table.columns, table.index, 100 * table.to_numpy(), 12, cmap=SHADES)
-        bar = figure.colorbar(filled, ax=axes, pad=0.02)
-        bar.set_label("variance taken away (%)")
-        bar.outline.set_visible(False)
+        figure.colorbar(filled, ax=axes, pad=0.02, label="variance taken away (%)")
         heights, top = measured[others[0]].to_numpy(), best[others[0]]
         axes.set_ylabel(parameter_label(data.spec.system, others[0]))
         axes.grid(visible=False)
@@ -196,50 +191,37 @@ def draw_experiment(data: FigureData) -> Figure:
         axes.set_ylim(0, 1.15 * top or 1.0)
         axes.set_ylabel("variance taken away (%)")
     axes.plot(measured[x], heights, "o", color="black", clip_on=False, zorder=4, label="measured")
-    look: dict[str, Any] = {
-        "color": COLOURS[2],
-        "markeredgecolor": "white",
-        "markersize": 13,
-        "clip_on": False,
-    }
-    axes.plot(best[x], top, "*", zorder=5, label="next", linestyle="none", **look)
+    look: dict[str, Any] = {"markeredgecolor": "white", "markersize": 13, "clip_on": False}
+    axes.plot(best[x], top, "*", color=COLOURS[2], zorder=5, label="next", **look)
     axes.set_xlabel(parameter_label(data.spec.system, x))
     legend_above(figure, *axes.get_legend_handles_labels())
     return figure
 
 
-def experiment_table(data: FigureData) -> pd.DataFrame:
-    """Return the candidates, row by row."""
+def _experiment_table(data: FigureData) -> pd.DataFrame:
     groups = _groups(data)
     if "predictions_constant_data" not in groups:
-        return posterior_table(data)
-    fields = field_info(SYSTEMS[data.spec.system])
+        return _posterior_table(data)
     rows = groups["predictions_constant_data"].to_dataframe().reset_index(drop=True)
-    headings = {
-        name: f"{name} [{fields[name].scale or fields[name].unit}]"
-        for name in rows
-        if name in fields
-    }
+    names = [name for name in rows if name in SYSTEMS[data.spec.system].model_fields]
+    headings = {name: parameter_heading(data.spec.system, name) for name in names}
     return rows.rename(columns=headings | {"narrowing": "variance taken away [1]"})
 
 
-def experiment_notes(data: FigureData) -> list[str]:
-    """Return the sentences of the caption of the next experiment."""
+def _experiment_notes(data: FigureData) -> list[str]:
     groups = _groups(data)
     if "predictions_constant_data" not in groups:
         return outcome_sentences(groups)
     rows, varied = _candidates(groups)
     best, names = rows.loc[rows["narrowing"].idxmax()], _conditions(groups["constant_data"])
     place = ", ".join(setting(data.spec.system, name, float(f"{best[name]:.3g}")) for name in names)
-    notes = [
+    others = " The other conditions are those that tell most." * (len(varied) > 2)
+    return [
         f"It tells most at {place}: there it takes some {100 * best['narrowing']:.0f} % of the "
         "variance of the parameters, each in units of its range, if its error is the median one "
         "and predictions depend on the parameters linearly.",
-        "Only conditions within the ranges of the data are looked at.",
+        "Only conditions within the ranges of the data are looked at." + others,
     ]
-    if len(varied) > 2:
-        notes.append("The other conditions are those that tell most.")
-    return notes
 
 
 def _groups(data: FigureData) -> Mapping[str, xr.Dataset]:
@@ -256,7 +238,6 @@ def _about(groups: Mapping[str, xr.Dataset]) -> dict[str, Any]:
 
 
 def _draw_histogram(axes: Axes, groups: Mapping[str, xr.Dataset], name: str) -> None:
-    """Draw the histogram of a parameter, its interval, and what was assumed before."""
     low, high, scale = ranges(groups)[name]
     draws = groups["posterior"][name].to_numpy().ravel()
     spread: Any = np.geomspace if scale == "log" else np.linspace
@@ -316,34 +297,24 @@ def _prediction_rows(data: FigureData) -> tuple[pd.DataFrame, str]:
         groups["posterior_predictive"][name].to_numpy().reshape(-1, constant.sizes["measurement"])
     )
     low, middle, high = np.quantile(repeated, INTERVAL, axis=0)
-    varied = _varied(constant)
+    varied = _conditions(constant, varied=True)
     along = varied[0] if len(varied) == 1 else ""
     x = constant[along].to_numpy() if along else np.arange(1, len(middle) + 1)
-    columns = {
-        "x": x,
-        "measured": groups["observed_data"][name].to_numpy(),
-        "half": float(student(MANY)) * constant["error"].to_numpy(),
-        "median": middle,
-        "low": low,
-        "high": high,
-    }
-    return pd.DataFrame(columns), along
+    half = float(student(MANY)) * constant["error"].to_numpy()
+    columns = {"x": x, "measured": groups["observed_data"][name].to_numpy(), "half": half}
+    return pd.DataFrame(columns | {"median": middle, "low": low, "high": high}), along
 
 
-def _conditions(constant: xr.Dataset) -> list[str]:
-    return [str(name) for name in constant.data_vars if name != "error"]
-
-
-def _varied(constant: xr.Dataset) -> list[str]:
-    """Return the conditions that differ between measurements."""
-    names = _conditions(constant)
-    return [name for name in names if np.ptp(constant[name].to_numpy()) > 0]
+def _conditions(constant: xr.Dataset, *, varied: bool = False) -> list[str]:
+    """Return the conditions of measurements, or those that differ between them."""
+    names = [str(name) for name in constant.data_vars if name != "error"]
+    return [name for name in names if not varied or np.ptp(constant[name].to_numpy()) > 0]
 
 
 def _candidates(groups: Mapping[str, xr.Dataset]) -> tuple[pd.DataFrame, list[str]]:
     """Return candidates of the first two conditions that vary, the others as the best has them."""
     rows = groups["predictions_constant_data"].to_dataframe()
-    varied = _varied(groups["constant_data"])
+    varied = _conditions(groups["constant_data"], varied=True)
     best = rows.loc[rows["narrowing"].idxmax()]
     for name in varied[2:]:
         rows = rows[rows[name] == best[name]]
@@ -355,6 +326,6 @@ def _observable_label(data: FigureData) -> str:
     return wrap_label(label_with_unit(name, unit_of(data.spec.answer.unit, "si", data.spec.system)))
 
 
-POSTERIOR = Drawing(draw_posterior, posterior_table, posterior_notes)
-PREDICTIONS = Drawing(draw_predictions, predictions_table, predictions_notes)
-EXPERIMENT = Drawing(draw_experiment, experiment_table, experiment_notes)
+POSTERIOR = Drawing(_draw_posterior, _posterior_table, _posterior_notes)
+PREDICTIONS = Drawing(_draw_predictions, _predictions_table, _predictions_notes)
+EXPERIMENT = Drawing(_draw_experiment, _experiment_table, _experiment_notes)

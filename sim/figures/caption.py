@@ -13,6 +13,7 @@ from sim.figures.data import FigureData, Quantity, quantities
 from sim.figures.style import is_undecided
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import quantity, setting
+from sim.study.figure_spec import DataSet
 from sim.study.plot_contents import name_in_words
 from sim.study.plottable import numbers
 
@@ -40,6 +41,7 @@ def caption(data: FigureData, notes: Sequence[str]) -> str:
     details = (
         spec.details,
         *others,
+        foreign_sentence(spec.foreign),
         answer_sentence(data),
         protocol_sentence(rows, spec.system),
         caveat_sentence(rows),
@@ -98,13 +100,13 @@ def point_notes(data: FigureData, shown: Sequence[Quantity] | None = None) -> li
     """
     rows = data.rows[data.rows["completed"] > 0]
     each = quantities(data) if shown is None else shown
-    known = [(one.value[rows.index].notna(), one.half_width[rows.index].notna()) for one in each]
-    has_gap = any((value & ~half).any() for value, half in known)
+    masks = [(one.value[rows.index].notna(), one.half_width[rows.index].notna()) for one in each]
+    has_gap = any((value & ~half).any() for value, half in masks)
     is_within = (
         any(one.name == "velocity" for one in each) and (rows["interval"] == "within run").any()
     )
     text = ""
-    if any(half.any() for _, half in known):
+    if any(half.any() for _, half in masks):
         text = "Intervals: 95 %, of the mean over replicates (Student); they may go beyond the axes"
         if is_within:
             text += "; of one replicate within the run, without how much initial states differ"
@@ -167,14 +169,20 @@ def answer_sentence(data: FigureData) -> str:
     regimes = pd.Series(map(answering_regime, rows.to_dict("records")), rows.index, dtype=object)
     is_counted = regimes.isin(answer.regimes) & has_value
     states = regimes.where(has_value, "without a value")
-    texts = (
-        (
-            "In the answer",
-            counted(states.mask(is_undecided(rows.assign(regime=regimes)), SHORT)[is_counted]),
-        ),
-        ("left out of it", counted(states[~is_counted])),
-    )
-    return "; ".join(f"{what}: {text}" for what, text in texts if text) + "."
+    counted_in = states.mask(is_undecided(rows.assign(regime=regimes)), SHORT)[is_counted]
+    texts = {"In the answer": counted_in, "left out of it": states[~is_counted]}
+    parts = [f"{what}: {counted(one)}" for what, one in texts.items() if len(one)]
+    return "; ".join(parts) + "."
+
+
+def foreign_sentence(foreign: Sequence[DataSet]) -> str:
+    """Name the data that are not of the study; empty without any."""
+    labels = [
+        f"{label} ({'line' if joined else 'markers'}{', bars: its errors' * (len(points[0]) > 2)})"
+        for label, points, joined in foreign
+    ]
+    text = f"In grey, from elsewhere and not simulated here: {'; '.join(labels)}."
+    return text if labels else ""
 
 
 def caveat_sentence(rows: pd.DataFrame) -> str:
@@ -191,12 +199,12 @@ def failure_sentence(rows: pd.DataFrame) -> str:
     if len(failed):
         points = "; ".join(f"{row.point} ({row.reason})" for row in failed.itertuples())
         sentences.append(f"Left out because the run failed: {points}.")
+    left = (
+        f"{row.point} ({row.completed:g} of {row.replicates:g} replicates left: {row.reason})"
+        for row in incomplete.itertuples()
+    )
     if len(incomplete):
-        points = "; ".join(
-            f"{row.point} ({row.completed:g} of {row.replicates:g} replicates left: {row.reason})"
-            for row in incomplete.itertuples()
-        )
-        sentences.append(f"Replicates lost: {points}.")
+        sentences.append(f"Replicates lost: {'; '.join(left)}.")
     return " ".join(sentences)
 
 

@@ -1,6 +1,6 @@
 """Curves of observables against a parameter or another observable, of studies and of papers."""
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -26,7 +26,6 @@ from sim.figures.plot import (
     append_foreign_data,
     curve_keys,
     draw_foreign_data,
-    foreign_data_notes,
     foreign_values,
     given_labels,
     label_axes,
@@ -39,6 +38,7 @@ from sim.figures.style import LEVEL, PATTERNS, CurveStyle, Look, look_of
 from sim.figures.variables import is_number, legend, shared_look
 from sim.measures.belt import speed_along_x
 from sim.parameters import SYSTEMS
+from sim.study.figure_spec import Measure
 from sim.study.plot_contents import SCATTER_HINT, in_words, parameter_phrase
 
 #: Largest acceleration of the belt that is drawn (g): well within the flow.
@@ -88,7 +88,7 @@ def _draw_curves(
 ) -> None:
     """Draw the curves of a panel; those of one quantity along a parameter stand side by side."""
     points, spec = rows[_has_all_values(drawable)[rows.index]], data.spec
-    measures = spec.quantities or ({},)
+    measures: Sequence[Measure | None] = spec.quantities or [None]
     number = max(1, len(points[_keys(data)].drop_duplicates()))
     options: dict[str, Any] = {"pitch": min(_PITCH, _WIDEST / number) * (len(measures) == 1)}
     if "x" in drawable:
@@ -98,16 +98,15 @@ def _draw_curves(
         if spec.widest:
             options["unjoined"] = one.half_width > spec.widest * one.value.abs()
         look = _look(data, measure)
-        draw_family(axes, points, one, _along(data), _keys(data), (), look=look, **options)
-        if "dashes" in measure and "colour" not in measure:
+        draw_family(axes, points, one, _along(data), _keys(data), look=look, **options)
+        if measure and measure.dashes and not measure.colour:
             # Dashes alone tell the measures of a curve apart.
-            dashes: dict[str, Any] = {"linestyle": PATTERNS[measure["dashes"]]}
-            axes.plot([], [], color="#666666", label=measure["entry"], **dashes)
+            dashes: dict[str, Any] = {"linestyle": PATTERNS[measure.dashes]}
+            axes.plot([], [], color="#666666", label=measure.entry, **dashes)
     draw_fits(axes, _fits(data, rows, drawable), _look(data))
 
 
 def _along(data: FigureData) -> str:
-    """Return the column that the horizontal axis shows."""
     if data.spec.relative:
         return _ACCELERATION
     return data.spec.axes[0] if data.spec.axes else _OBSERVED_X
@@ -134,13 +133,12 @@ def _draw_levels(data: FigureData, axes: Axes) -> None:
 
 
 def _fits(data: FigureData, rows: pd.DataFrame, drawable: dict[str, Quantity]) -> list[Fit]:
-    """Return the fits to the curves of some points; empty for a plot without ``fit``."""
     if not data.spec.fit:
         return []
     points = rows[_has_all_values(drawable)[rows.index]]
     if "x" in drawable:
         points = points.assign(**{_OBSERVED_X: drawable["x"].value})
-    keys = list(dict.fromkeys([*_keys(data), *data.spec.curves]))
+    keys = list(dict.fromkeys([*_keys(data), *data.spec.groups]))
     return fit_curves(data.spec.fit, points, drawable["y"], _along(data), keys)
 
 
@@ -191,7 +189,7 @@ def _keys(data: FigureData) -> list[str]:
 
 def _parameters_along(data: FigureData) -> list[str]:
     """Return the parameters that vary along the curves of one observable against another."""
-    named = list(dict.fromkeys([*_keys(data), *data.spec.curves]))
+    named = list(dict.fromkeys([*_keys(data), *data.spec.groups]))
     curves = [curve for _, curve in data.rows.groupby(named)] if named else [data.rows]
     shown = {*named, *data.spec.axes}
     others = [name for name in SYSTEMS[data.spec.system].model_fields if name not in shown]
@@ -199,7 +197,7 @@ def _parameters_along(data: FigureData) -> list[str]:
     return [name for name in others if name in varied]
 
 
-def _look(data: FigureData, measure: Mapping[str, str] | None = None) -> Look:
+def _look(data: FigureData, measure: Measure | None = None) -> Look:
     """Return the look of the curves; lines need exactly one parameter that varies along them.
 
     A fitted line takes the place of the one that joins points.
@@ -226,11 +224,11 @@ def _set_axes(data: FigureData, shown: Panels, drawable: dict[str, Quantity]) ->
     spec, log = data.spec, data.spec.log
     chosen = _has_all_values(drawable) & (data.rows["completed"] > 0)
     for axes, _ in shown:
-        for axis in log:
-            set_log(axes, axis)
+        for one in log:
+            set_log(axes, one)
         axes.margins(x=0.07)
         axes.autoscale_view()
-        for axis in {axis[0] for axis in drawable}:
+        for axis in {name[0] for name in drawable}:
             limits = _limits(data, drawable, axis, chosen)
             limit_axis(axes, axis, *limits, logarithmic=axis in log)
         low, high = axes.get_ylim()
@@ -243,7 +241,6 @@ def _set_axes(data: FigureData, shown: Panels, drawable: dict[str, Quantity]) ->
 def _limits(
     data: FigureData, drawable: dict[str, Quantity], axis: str, chosen: pd.Series
 ) -> tuple[pd.Series, pd.Series, pd.Series]:
-    """Return values and half widths on an axis, and what else is drawn there."""
     each = [quantity for name, quantity in drawable.items() if name[0] == axis]
     others = [foreign_values(data, axis)]
     if axis == "y":
@@ -285,12 +282,10 @@ def notes(data: FigureData) -> list[str]:
         *fit_notes(data, fits),
         *not_drawn(int(completed.sum()) - with_values, "without a value"),
         *not_drawn(with_values - len(shown), "not above 0 on a logarithmic axis"),
-        *foreign_data_notes(data),
     ]
 
 
 def _hint(count: int) -> str:
-    """Return what a plot of curves says that has points of a design."""
     return f"{count} points, hardly two of them on one curve; {SCATTER_HINT}"
 
 

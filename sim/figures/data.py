@@ -15,8 +15,8 @@ from sim.base.statistics import student_half_width
 from sim.dataset.replicates import OUTCOME, SCALARS, outcomes
 from sim.dataset.results import Results
 from sim.parameters import NUMERICAL, SYSTEMS, field_info
+from sim.study.figure_spec import FigureSpec, Measure
 from sim.study.plot_contents import name_in_words, parameter_phrase
-from sim.study.plot_kinds import FigureSpec
 
 #: Parameters that every table of velocities has in addition to those of its figure.
 _PROTOCOL = ("protocol", "target", "limit")
@@ -96,7 +96,6 @@ def summarize(dataset: xr.Dataset, spec: FigureSpec) -> pd.DataFrame:
 
 
 def _feeds_figure(dataset: xr.Dataset, spec: FigureSpec) -> np.ndarray:
-    """Return a mask of the points that feed a figure, (point,)."""
     if not spec.series:
         is_named = [spec.name in names.split() for names in dataset["figures"].values]
         return np.array(is_named, dtype=bool)
@@ -156,19 +155,26 @@ def parameter_columns(
     rows: pd.DataFrame, system: str, names: Iterable[str]
 ) -> dict[str, pd.Series]:
     """Return the ids of points and some of their parameters, units in the headings."""
-    declared = field_info(SYSTEMS[system])
-    columns = {"point": rows["point"]}
-    for name in names:
-        row = declared[name]
-        unit = row.scale or row.unit
-        columns[f"{name} [{unit}]" if unit else name] = rows[name]
-    return columns
+    columns = {parameter_heading(system, name): rows[name] for name in names}
+    return {"point": rows["point"]} | columns
+
+
+def parameter_unit(system: str, name: str) -> str:
+    """Return the unit of a parameter in study files, as in headings; empty for a choice."""
+    row = field_info(SYSTEMS[system])[name]
+    return row.scale or row.unit or ""
+
+
+def parameter_heading(system: str, name: str) -> str:
+    """Return the heading of a column with a parameter."""
+    unit = parameter_unit(system, name)
+    return f"{name} [{unit}]" if unit else name
 
 
 def velocity_table(data: FigureData) -> pd.DataFrame:
     """Return parameters and outcome of points, one row each, units in the headings."""
     rows, spec = data.rows, data.spec
-    names = dict.fromkeys([*spec.axes, *spec.curves, *spec.named, *_PROTOCOL])
+    names = dict.fromkeys([*spec.axes, *spec.groups, *spec.named, *_PROTOCOL])
     return pd.DataFrame(
         parameter_columns(rows, spec.system, names)
         | {
@@ -243,60 +249,31 @@ def velocity(rows: pd.DataFrame) -> Quantity:
     return Quantity("velocity", "mean velocity [m s-1]", rows["velocity"], rows["half_width"])
 
 
-def measure_quantity(data: FigureData, name: str, label: str, over: str = "") -> Quantity:
-    """Return a measure of the dataset: its mean over the replicates that have a finite value.
-
-    Parameters
-    ----------
-    data : FigureData
-        The data of the figure.
-    name : str
-        Measure in the dataset.
-    label : str
-        Its meaning and unit, ``meaning [unit]``.
-    over : str
-        Parameter by which it is divided, if any.
-
-    Raises
-    ------
-    InputError
-        When the dataset has no such measure.
-    """
+def _measured(data: FigureData, measure: Measure) -> Quantity:
+    """Return a measure of the dataset: its mean over the replicates that have a finite value."""
     rows, dataset = data.rows, data.results.dataset
-    if name not in dataset:
-        raise InputError(f"no {name} in the dataset")
-    values = dataset[name].sel(point=rows["point"].values).values
-    if over:
-        values = values / rows[over].to_numpy()[:, None]
-    return replicate_means(
-        name, label, [replicates[np.isfinite(replicates)] for replicates in values], rows.index
-    )
+    if measure.name not in dataset:
+        raise InputError(f"no {measure.name} in the dataset")
+    values = dataset[measure.name].sel(point=rows["point"].values).values
+    if measure.over:
+        values = values / rows[measure.over].to_numpy()[:, None]
+    finite = [replicates[np.isfinite(replicates)] for replicates in values]
+    return replicate_means(measure.name, measure.label, finite, rows.index)
 
 
 def replicate_means(
     name: str, label: str, values: Sequence[np.ndarray], index: pd.Index
 ) -> Quantity:
     """Return a quantity whose values are the means over the replicates (R,) of each point."""
-    return Quantity(
-        name,
-        label,
-        pd.Series(
-            [replicates.mean() if replicates.size else np.nan for replicates in values],
-            index,
-            dtype=float,
-        ),
-        pd.Series(
-            [float(student_half_width(replicates)) for replicates in values], index, dtype=float
-        ),
-    )
+    means = [one.mean() if one.size else np.nan for one in values]
+    half_widths = [float(student_half_width(one)) for one in values]
+    value, half = (pd.Series(column, index, dtype=float) for column in (means, half_widths))
+    return Quantity(name, label, value, half)
 
 
 def quantities(data: FigureData) -> list[Quantity]:
-    """Return the measures that the option ``quantities`` of a figure names, or the velocity."""
-    return [
-        measure_quantity(data, option["name"], option["label"], option.get("over", ""))
-        for option in data.spec.quantities
-    ] or [velocity(data.rows)]
+    """Return the measures that the key ``quantities`` of a figure names, or the velocity."""
+    return [_measured(data, one) for one in data.spec.quantities] or [velocity(data.rows)]
 
 
 def point_table(data: FigureData) -> pd.DataFrame:
@@ -320,25 +297,17 @@ def quantity_table(
     along : dict, optional
         Columns between parameters and quantities, by their headings.
     """
-    rows, columns = data.rows, dict(along or {})
+    rows, spec, columns = data.rows, data.spec, dict(along or {})
     for quantity in quantities:
-        what, unit = (
-            quantity.label[: quantity.label.index("[")],
-            quantity.label[quantity.label.index("[") :],
-        )
+        what, bracket, unit = quantity.label.partition("[")
         of = "" if len(quantities) == 1 else f" of the {what.strip()}"
         columns[quantity.label] = quantity.value
-        columns[f"half width of 95 % interval{of} {unit}"] = quantity.half_width
-    spec = data.spec
-    return pd.DataFrame(
-        parameter_columns(rows, spec.system, (*spec.axes, *spec.named, "protocol"))
-        | columns
-        | {
-            "completed replicates": rows["completed"],
-            "regime": rows["regime"],
-            "quality of the mean": rows["quality"],
-        }
-    )
+        columns[f"half width of 95 % interval{of} {bracket}{unit}"] = quantity.half_width
+    names = (*spec.axes, *spec.named, "protocol")
+    states = {"completed replicates": "completed", "regime": "regime"}
+    states["quality of the mean"] = "quality"
+    columns |= {heading: rows[name] for heading, name in states.items()}
+    return pd.DataFrame(parameter_columns(rows, spec.system, names) | columns)
 
 
 def unit_of(unit: str, units: str, system: str) -> str:
@@ -355,7 +324,6 @@ def unit_of(unit: str, units: str, system: str) -> str:
 
 
 def _diameter(system: str) -> str:
-    """Return the symbol of the diameter."""
     return field_info(SYSTEMS[system])["diameter"].symbol
 
 

@@ -35,29 +35,30 @@ def draw_family(
     quantity: Quantity,
     along: str,
     keys: Sequence[str],
-    parameters: Sequence[str],
     *,
     look: Look,
     unjoined: pd.Series | None = None,
     pitch: float = 0,
     spread: pd.Series | None = None,
 ) -> None:
-    """Draw one curve per set of parameters.
+    """Draw one curve per set of parameters, with 95 % intervals.
 
-    A curve of the converged protocol is wide and pale and lies beside the published one with the
-    same entry in the legend.
+    Lines join filled and pale markers: those of steady points, and of runs too short to tell. A
+    curve of the converged protocol is wide and pale and lies beside the published one with the same
+    entry in the legend.
 
     Parameters
     ----------
     axes : matplotlib.axes.Axes
         Where to draw.
     rows : pandas.DataFrame
-        Points, as `sim.figures.data.summarize` returns them.
+        Points, as `sim.figures.data.summarize` returns them; those without a completed replicate
+        are left out.
     quantity : Quantity
         The quantity to draw.
     along : str
         Column on the horizontal axis.
-    keys, parameters : sequence of str
+    keys : sequence of str
         As for `sim.figures.data.split_curves`.
     look : callable
         Returns style and legend entry from the values that name a curve, without its protocol.
@@ -67,23 +68,23 @@ def draw_family(
         Shift of each curve to the right of the previous one, in points of print. It separates
         points that coincide.
     spread : pandas.Series, optional
-        As for `draw_curve`.
+        Half widths of the 95 % intervals of ``along``, where that is an observable.
     """
     if rows.empty:
         return
     explain_markers(axes, rows)
-    curves = split_curves(rows, along, keys, parameters)
+    curves = split_curves(rows, along, keys, ())
     curves.sort(key=lambda curve: curve[1]["protocol"].iloc[0] != "published")
     labels, styles = labels_and_styles([names for names, _ in curves], look)
     shifts = {label: pitch * (n - (len(styles) - 1) / 2) for n, label in enumerate(styles)}
     drawn_labels: set[str] = set()
     for (_, curve), label in zip(curves, labels, strict=True):
-        options: dict[str, Any] = {
-            "pale": label in drawn_labels,
-            "shift": shifts[label],
-            "spread": spread,
-        }
-        draw_curve(axes, curve, quantity, along, styles[label], label, unjoined=unjoined, **options)
+        pale, style = label in drawn_labels, styles[label]
+        artists = _draw_curve(axes, curve, quantity, along, style, unjoined, spread, pale=pale)
+        move_aside(axes, artists, x=shifts[label])
+        if artists and not pale:
+            look_of_entry = {"linestyle": style.dashes, "marker": style.marker}
+            axes.plot([], [], color=style.colour, label=label, **look_of_entry)
         drawn_labels.add(label)
     if any(one.get_markersize() == RING["markersize"] for one in axes.get_lines()):
         axes.plot([], [], label=RING_MEANS, **RING)
@@ -111,82 +112,44 @@ def labels_and_styles(
     return labels, styles
 
 
-def draw_curve(
+def _draw_curve(
     axes: Axes,
     rows: pd.DataFrame,
     quantity: Quantity,
     along: str,
     style: CurveStyle,
-    label: str,
+    unjoined: pd.Series | None,
+    spread: pd.Series | None,
     *,
-    unjoined: pd.Series | None = None,
-    pale: bool = False,
-    shift: float = 0,
-    spread: pd.Series | None = None,
-) -> None:
-    """Draw a quantity against a parameter, with 95 % intervals; lines join filled and pale markers.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    rows : pandas.DataFrame
-        Points of the curve, as `sim.figures.data.summarize` returns them. Points without a
-        completed replicate are left out; markers of steady points are filled, those of runs too
-        short to tell are pale, and all others are open.
-    quantity : Quantity
-        The quantity to draw.
-    along : str
-        Column on the horizontal axis.
-    style : CurveStyle
-        Look of the curve.
-    label : str
-        Its entry in the legend.
-    unjoined : pandas.Series, optional
-        True in further rows where the line is interrupted.
-    pale : bool
-        Draw the curve pale, without an entry: another curve of the same style has the entry.
-    shift : float
-        Shift of the curve to the right, in points of print.
-    spread : pandas.Series, optional
-        Half widths of the 95 % intervals of ``along``, where that is an observable.
-    """
+    pale: bool,
+) -> list[Artist]:
+    """Draw the points of a curve, and its line; ``pale`` beside another one of the same style."""
     completed = rows[rows["completed"] > 0]
-    if completed.empty:
-        return
     artists: list[Artist] = []
+    if completed.empty:
+        return artists
     value, half = quantity.value[completed.index], quantity.half_width[completed.index]
-    size = None
+    size = PALE_MARKER_SIZE if pale else None
     if style.dashes != "none":
         is_joined = (completed["regime"] == "steady") | is_undecided(completed)
         if unjoined is not None:
             is_joined &= ~unjoined[completed.index]
-        line = value.where(is_joined)
-        artists += _draw_line(axes, completed[along], line, style, pale)
+        line, wide = value.where(is_joined), PALE_LINE if pale else {}
+        look: dict[str, Any] = {"color": style.colour, "linestyle": style.dashes} | wide
+        artists += axes.plot(completed[along], line, **look)
+        size = None
         if len(completed) > MOST_BARS:
             size = CROWDED_MARKER_SIZE
             band, is_banded = _draw_band(axes, completed[along], line, half, style)
             half = half.mask(is_banded)
             artists.append(band)
-    elif pale:
-        size = PALE_MARKER_SIZE
     widths = {"yerr": half} | ({} if spread is None else {"xerr": spread[completed.index]})
     alpha = PALE_LINE["alpha"] if pale else None
     artists += _draw_points(axes, completed, value, along, style, widths, size=size, alpha=alpha)
     is_single = value.notna() & quantity.half_width[completed.index].isna()
     if is_single.any() and quantity.half_width.notna().any():
         artists += axes.plot(completed[along][is_single], value[is_single], **RING)
-    move_aside(axes, artists, x=shift)
-    if not pale:
-        _add_entry(axes, style, label)
-
-
-def _draw_line(
-    axes: Axes, x: pd.Series, y: pd.Series, style: CurveStyle, pale: bool
-) -> Sequence[Artist]:
-    """Draw the line of a curve, interrupted where ``y`` is not a number."""
-    pale_look: dict[str, Any] = PALE_LINE if pale else {}
-    return axes.plot(x, y, color=style.colour, linestyle=style.dashes, **pale_look)
+    return artists
 
 
 def _draw_band(
@@ -198,11 +161,6 @@ def _draw_band(
     where = is_known & has_neighbour
     look: dict[str, Any] = {"color": style.colour, "alpha": 0.2, "linewidth": 0, "zorder": 1.5}
     return axes.fill_between(x, y - half, y + half, where=where, **look), where
-
-
-def _add_entry(axes: Axes, style: CurveStyle, label: str) -> None:
-    """Add an entry to the legend without drawing a curve."""
-    axes.plot([], [], color=style.colour, linestyle=style.dashes, marker=style.marker, label=label)
 
 
 def _draw_points(

@@ -10,7 +10,7 @@ from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from sim.base.files import atomic_write, open_regular, read_regular
 from sim.base.seals import checked_read
-from sim.study.plot_kinds import FigureSpec
+from sim.study.figure_spec import FigureSpec
 
 #: Name of the file of records in the folder of the figures.
 RECORD_FILE = ".drawn.json"

@@ -141,15 +141,12 @@ def fit_notes(data: FigureData, fits: Sequence[Fit]) -> list[str]:
     if not fits:
         return []
     law = f"{data.spec.fit} law {LAWS[data.spec.fit][1]}"
-    weights = (
-        "weighted by the intervals"
-        if all(fit.weighted or fit.problem for fit in fits)
-        else "with equal weights where points have no interval"
-    )
+    weights = "with equal weights where points have no interval"
+    if all(fit.weighted or fit.problem for fit in fits):
+        weights = "weighted by the intervals"
+    numbers = "; ".join(_fit_text(data, fit) for fit in fits)
     if len(fits) > MOST_IN_CAPTION:
         numbers = f"the numbers of {len(fits)} curves are in the data"
-    else:
-        numbers = "; ".join(_fit_text(data, fit) for fit in fits)
     return [
         f"Lines: {law}, least squares in the units of the axes, {weights}; flows that accelerate "
         f"are left out; ± half width of the 95 % interval: {numbers}."
@@ -169,11 +166,8 @@ def fit_columns(data: FigureData, fits: Sequence[Fit]) -> dict[str, pd.Series]:
     """Return the numbers of the fit of each point's curve, by headings; empty without any."""
     columns: dict[str, pd.Series] = {}
     for fit in fits:
-        for key, (value, half) in fit.numbers.items():
-            for heading, number in (
-                (f"{key} of the fit", value),
-                (f"half width of 95 % interval of {key}", half),
-            ):
-                column = columns.setdefault(heading, pd.Series(np.nan, data.rows.index))
-                column[fit.rows] = number
+        for key, numbers in fit.numbers.items():
+            headings = f"{key} of the fit", f"half width of 95 % interval of {key}"
+            for heading, number in zip(headings, numbers, strict=True):
+                columns.setdefault(heading, pd.Series(np.nan, data.rows.index))[fit.rows] = number
     return columns

@@ -4,51 +4,40 @@ What draws has the functions ``draw``, ``table`` and ``notes`` of the data of a 
 ``select``. It is imported when one of them is first called: study files are checked without it.
 """
 
-from functools import partial
-from pkgutil import resolve_name
 from typing import Any
 
-from sim.base.additions import TALUS, attribute_additions_to
-from sim.study.plot_kinds import REGIME, Keys, Shown, plot_kind
+from sim.base.additions import TALUS, add, attribute_additions_to
+from sim.study.plot_kinds import PLOT, REGIME, Keys, PlotKind, Shown
 from sim.study.plottable import numbers, profiles, series
 
-#: What draws each kind, by its name.
-DRAWINGS: dict[str, str] = {}
+#: Keys of a kind that shows a number of each point along a parameter.
+_ALONG: dict[str, Any] = {"axes": ("x",), "observable": "y", "shows": numbers}
+
+#: Answers to questions, which take no keys, by the module that draws them.
+_ANSWERS = {
+    "surrogates": ("section", "surface", "agreement"),
+    "sensitivity": ("indices", "interactions", "screening"),
+    "calibration": ("posterior", "predictions", "experiment"),
+}
 
 
-def _call(name: str, role: str, data: Any) -> Any:
-    """Call the function for a role of what draws a kind; without one to select, all is drawn."""
-    drawing = resolve_name(DRAWINGS[name])
-    return data if role == "select" and not hasattr(drawing, role) else getattr(drawing, role)(data)
-
-
-def _declare(name: str, drawing: str, **keys: Any) -> None:
-    """Declare a kind of plot by the call that a plug-in makes."""
-    DRAWINGS[name] = f"sim.figures.{drawing}"
-    roles: dict[str, Any] = {
-        role: partial(_call, name, role) for role in ("table", "notes", "select")
-    }
-    plot_kind(name, keys=Keys(**keys), **roles)(partial(_call, name, "draw"))
+def _declare(name: str, drawing: str = "", **keys: Any) -> None:
+    """Declare a kind of plot that a module of `sim.figures`, or an object in one, draws."""
+    add(PLOT, name, PlotKind(Keys(**keys), f"sim.figures.{drawing or name}"))
 
 
 with attribute_additions_to(TALUS):
     _declare(
         "curves",
-        "curves",
-        axes=("x",),
-        observable="y",
-        shows=numbers,
+        **_ALONG,
         second="x",
         log=("x", "y"),
         others=("curves", "panels", "beside", "fit"),
-        of_papers=(
-            *("x", "y", "curves", "panels", "log", "units", "fit", "labels"),
-            *("levels", "level", "quantities", "styles", "entry", "relative", "alike", "widest"),
-        ),
+        of_papers="x y curves panels log units fit labels levels level quantities styles entry "
+        "relative alike widest",
         systems=("chute", "belt"),
     )
     _declare(
-        "map",
         "map",
         axes=("x", "y"),
         observable="colour",
@@ -56,26 +45,21 @@ with attribute_additions_to(TALUS):
         shows=numbers,
         log=("x", "y", "colour"),
         others=("panels", "beside"),
-        of_papers=("x", "y", "curves", "log", "labels", "theory", "creep", "point"),
+        of_papers="x y curves log labels theory creep point",
         systems=("chute", "belt"),
         over="over {}",
     )
     _declare(
-        "profiles",
         "profiles",
         observable="x",
         shows=profiles,
         second="y",
         log=("x",),
         others=("curves", "panels", "between", "beside"),
-        of_papers=(
-            *("x", "y", "curves", "panels", "between", "log", "units", "vary", "labels"),
-            *("quantities", "styles", "entry", "flat"),
-        ),
+        of_papers="x y curves panels between log units vary labels quantities styles entry flat",
         over="over the height",
     )
     _declare(
-        "time_series",
         "time_series",
         observable="y",
         shows=series,
@@ -84,38 +68,29 @@ with attribute_additions_to(TALUS):
         over="against time",
         from_runs=True,
     )
+    each = "{} of each replicate"
     _declare(
         "distribution",
-        "distribution",
-        axes=("x",),
-        observable="y",
-        shows=numbers,
+        "replicates:DISTRIBUTION",
+        **_ALONG,
         log=("y",),
         others=("curves", "panels"),
-        what="{} of each replicate",
+        what=each,
     )
+    chance = "probability that a single run per point rises in {}"
     _declare(
-        "likelihood",
-        "likelihood",
-        axes=("x",),
-        observable="y",
-        shows=numbers,
-        others=("curves", "panels"),
-        what="probability that a single run per point rises in {}",
+        "likelihood", "replicates:LIKELIHOOD", **_ALONG, others=("curves", "panels"), what=chance
     )
     _declare(
         "scatter",
-        "scatter",
-        axes=("x",),
-        observable="y",
-        shows=numbers,
+        **_ALONG,
         second="x",
         log=("x", "y", "colour"),
         others=("colour", "panels", "beside"),
     )
     _declare(
         "main_effects",
-        "main_effects",
+        "scatter:MAIN_EFFECTS",
         several="parameters",
         observable="y",
         shows=numbers,
@@ -123,25 +98,12 @@ with attribute_additions_to(TALUS):
     )
 
     # Of papers alone.
-    _declare("row", "row", systems=("chute",), particles=Shown.STATE)
+    _declare("row", systems=("chute",), particles=Shown.STATE)
     _declare("paths", "beads:PATHS", systems=("belt",), particles=Shown.PATH)
     _declare("snapshots", "beads:SNAPSHOTS", systems=("belt",), particles=Shown.STATE)
-    _declare(
-        "animation",
-        "animation",
-        of_papers=("point",),
-        systems=("chute", "belt"),
-        particles=Shown.PATH,
-        animated=True,
-    )
+    moves: dict[str, Any] = {"particles": Shown.PATH, "animated": True, "of_papers": "point"}
+    _declare("animation", systems=("chute", "belt"), **moves)
 
-    # Of answers to questions, which take no keys.
-    _declare("section", "surrogates:SECTION")
-    _declare("surface", "surrogates:SURFACE")
-    _declare("agreement", "surrogates:AGREEMENT")
-    _declare("indices", "sensitivity:INDICES")
-    _declare("interactions", "sensitivity:INTERACTIONS")
-    _declare("screening", "sensitivity:SCREENING")
-    _declare("posterior", "calibration:POSTERIOR")
-    _declare("predictions", "calibration:PREDICTIONS")
-    _declare("experiment", "calibration:EXPERIMENT")
+    for module, names in _ANSWERS.items():
+        for name in names:
+            _declare(name, f"{module}:{name.upper()}")

@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Polygon, Rectangle
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, MaxNLocator
-from matplotlib.tri import LinearTriInterpolator, Triangulation, UniformTriRefiner
+from matplotlib.tri import Triangulation
 from scipy.spatial import Delaunay, QhullError
 
 from sim.figures.axes import set_log
@@ -31,12 +31,9 @@ from sim.figures.data import (
     velocity_table,
 )
 from sim.figures.plot import (
-    PANEL_SIZE,
-    SINGLE_SIZE,
     Panels,
     append_foreign_data,
     draw_foreign_data,
-    foreign_data_notes,
     given_labels,
     label_axes,
     mark_runs,
@@ -54,15 +51,7 @@ from sim.figures.style import (
     is_undecided,
     move_aside,
 )
-from sim.figures.variables import (
-    SHADES,
-    Colours,
-    Variable,
-    known_rows,
-    legend,
-    observable,
-    parameter,
-)
+from sim.figures.variables import SHADES, Variable, legend, observable, parameter, rows_with_values
 from sim.parameters import SYSTEMS
 from sim.parameters.words import setting
 from sim.study.plot_contents import in_words, parameter_phrase
@@ -95,7 +84,7 @@ def draw(data: FigureData) -> Figure:
         for axes, rows in shown:
             _draw_plane(axes, data, rows)
     else:
-        draw_values(data, figure, shown)
+        _draw_values(data, figure, shown)
     foreign = draw_foreign_data(data, shown)
     _set_axes(data, shown)
     label_axes(figure, shown, *given_labels(data))
@@ -105,7 +94,6 @@ def draw(data: FigureData) -> Figure:
 
 
 def _draw_plane(axes: Axes, data: FigureData, rows: pd.DataFrame) -> None:
-    """Draw the points of a plane, the boundaries in it, and a line of theory."""
     spec, aside = data.spec, 0.0
     if spec.point != "none":
         rows = rows.assign(lane=_lanes(rows, spec.axes))
@@ -113,13 +101,12 @@ def _draw_plane(axes: Axes, data: FigureData, rows: pd.DataFrame) -> None:
         _draw_regimes(axes, rows, rows["regime"].mask(is_slow, CREEPING), spec.axes)
         # Beside all markers.
         aside = _MARKER * (rows["lane"].max() / 2 + 2)
-    draw_boundaries(axes, data.boundaries, spec.axes, aside=aside)
+    _draw_boundaries(axes, data.boundaries, spec.axes, aside=aside)
     if spec.theory:
         _THEORIES[spec.theory](axes, rows)
 
 
 def _draw_regimes(axes: Axes, rows: pd.DataFrame, regimes: pd.Series, plane: Sequence[str]) -> None:
-    """Draw a marker of its regime for each point, in its lane."""
     x, y = plane
     for regime, (marker, colour, filled) in MARKS.items():
         face = colour if filled else "white"
@@ -180,7 +167,6 @@ _THEORIES = {
 
 
 def _set_axes(data: FigureData, shown: Panels) -> None:
-    """Set scales, and mark the values that were run."""
     x, y = data.spec.axes
     log = data.spec.log
     for axes, _ in shown:
@@ -208,8 +194,8 @@ def notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on markers."""
     if data.spec.show == REGIME:
         bars, *others = boundary_sentences(data.boundaries, data.spec.axes)
-        return [bars or "One marker per point.", *others, *foreign_data_notes(data)]
-    return [*value_notes(data), *foreign_data_notes(data)]
+        return [bars or "One marker per point.", *others]
+    return _value_notes(data)
 
 
 #: Name in legends and style of the bars of each kind of boundary. Further boundaries of a kind get
@@ -224,47 +210,23 @@ BOUNDARIES = {
 BAR_PITCH = 5.0
 
 
-def draw_boundaries(
+def _draw_boundaries(
     axes: Axes, boundaries: pd.DataFrame, plane: Sequence[str], aside: float = 0
 ) -> None:
-    """Draw the intervals that contain a boundary as bars; markers in the middle show the kind.
+    """Draw the intervals that hold a boundary as bars along its parameter, side by side.
 
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    boundaries : pandas.DataFrame
-        Boundaries, as `sim.dataset.boundaries.tabulate` returns them.
-    plane : sequence of str
-        Parameters on the horizontal and on the vertical axis. Boundaries along the second are
-        vertical bars, those along the first horizontal ones. Boundaries along another parameter, or
-        without an interval, are left out.
-    aside : float
-        Shift of the bars from their position, in points of print. Several bars at one position
-        stand side by side.
+    They stand ``aside`` of their position, in points of print; a marker shows the kind.
     """
     counts: Counter[tuple[str, str, float]] = Counter()
     for label, look, bars in _kinds(boundaries, plane):
-        style: dict[str, Any] = {
-            "color": look.colour,
-            "marker": look.marker,
-            "markerfacecolor": "white",
-        }
+        style: dict[str, Any] = {"color": look.colour, "marker": look.marker}
+        style |= {"markerfacecolor": "white", "zorder": 4}
         for bar in bars.to_dict("records"):
             upright = bar["along"] == plane[1]
             place = bar[plane[0] if upright else plane[1]]
             middle, half = (bar["low"] + bar["high"]) / 2, (bar["high"] - bar["low"]) / 2
-            x, y, lengths = (place, middle, "yerr") if upright else (middle, place, "xerr")
-            drawn = axes.errorbar(
-                x,
-                y,
-                **{lengths: half},
-                **style,
-                elinewidth=2.2,
-                capsize=3.5,
-                capthick=1.4,
-                zorder=4,
-            )
+            at = (place, middle, half) if upright else (middle, place, None, half)
+            drawn = axes.errorbar(*at, **style, elinewidth=2.2, capsize=3.5, capthick=1.4)
             key = (bar["of"], bar["along"], place)
             # Flat bars need no more room than a marker.
             shift = (aside if upright else min(aside, 1.5 * BAR_PITCH)) + BAR_PITCH * counts[key]
@@ -292,7 +254,6 @@ def _kinds(
 
 
 def _parameter_names(boundaries: pd.DataFrame) -> list[str]:
-    """Return the columns of the table that are parameters of the systems of its boundaries."""
     names = (name for system in set(boundaries["system"]) for name in SYSTEMS[system].model_fields)
     return sorted({name for name in names if name in boundaries})
 
@@ -326,14 +287,12 @@ def boundary_sentences(boundaries: pd.DataFrame, plane: Sequence[str]) -> list[s
 
 
 def _missing_names(rows: pd.DataFrame, boundaries: pd.DataFrame) -> list[str]:
-    """Return names of the boundaries without an interval, with the parameters that differ."""
     varied = varying_parameters(boundaries, _parameter_names(boundaries))
-    names = [
-        BOUNDARIES[row["of"]][0]
-        + _settings_suffix(row["system"], {key: row[key] for key in varied if key != row["along"]})
-        for row in rows[rows["low"].isna()].to_dict("records")
-    ]
-    return list(dict.fromkeys(names))
+    names: dict[str, None] = {}
+    for row in rows[rows["low"].isna()].to_dict("records"):
+        others = {key: row[key] for key in varied if key != row["along"]}
+        names[BOUNDARIES[row["of"]][0] + _settings_suffix(row["system"], others)] = None
+    return list(names)
 
 
 # A map of an observable: cells of a grid, or contours between scattered points.
@@ -351,25 +310,22 @@ MOST_WRITTEN, _LINES = 36, 7
 _LINE: dict[str, Any] = {"colors": "black", "linewidths": 0.6}
 _ALONE, _BETWEEN = 60.0, 16.0
 
-#: How often triangles are halved where an axis is logarithmic.
-_DIVISIONS = 3
-
 #: Hatches of flows that are not steady, and of runs too short to tell, with their entries.
 _DENSE, _WIDE = "////", "/"
 _HATCHES = {_DENSE: OPEN_MEANS, _WIDE: PALE_MEANS}
 
-#: Digits of the largest value in a cell, most decimals of all, and width of a character, inches.
-_DIGITS, _DECIMALS, _CHARACTER = 3, 5, 0.075
+#: Digits of the largest value in a cell, and most decimals of all; characters for which there is
+#: room along a single panel, and along one of several.
+_DIGITS, _DECIMALS, _ROOM = 3, 5, (54, 30)
 
 
-def draw_values(data: FigureData, figure: Figure, shown: Panels) -> None:
-    """Draw cells, contours or markers in all panels, and a colour bar."""
-    shade, _ = observable(data, "show", "colour")
+def _draw_values(data: FigureData, figure: Figure, shown: Panels) -> None:
+    shade = observable(data, "show", "colour")
     x, y = data.spec.axes
     for axes, rows in shown:
         axes.grid(visible=False)
-        points = rows.loc[known_rows(data, [shade]).index.intersection(rows.index)]
-        if is_grid(rows, data.spec.axes):
+        points = rows.loc[rows_with_values(data, [shade]).index.intersection(rows.index)]
+        if _is_grid(rows, data.spec.axes):
             _draw_cells(axes, data, rows, shade)
         elif (triangles := _triangles(data, points, shade)) is not None:
             _draw_contours(axes, data, points, shade, triangles)
@@ -379,7 +335,7 @@ def draw_values(data: FigureData, figure: Figure, shown: Panels) -> None:
             draw_points(axes, points, across, parameter(data, y, log="y" in log), shade, _ALONE)
         missing = rows.drop(points.index)
         axes.plot(missing[x], missing[y], "x", color="#888888", zorder=4)
-    Colours(shade).explain(figure, [axes for axes, _ in shown])
+    shade.explain_colours(figure, shown)
 
 
 def _triangles(data: FigureData, rows: pd.DataFrame, shade: Variable) -> np.ndarray | None:
@@ -401,15 +357,13 @@ def _triangles(data: FigureData, rows: pd.DataFrame, shade: Variable) -> np.ndar
         return None
 
 
-def is_grid(rows: pd.DataFrame, plane: tuple[str, ...]) -> bool:
-    """Return whether points fill most places of a grid."""
+def _is_grid(rows: pd.DataFrame, plane: tuple[str, ...]) -> bool:
     x, y = (rows[name].nunique() for name in plane)
     return min(x, y) > 1 and len(rows) >= _FILLED * x * y
 
 
 def _others(data: FigureData) -> list[str]:
-    """Return the parameters that vary besides those of axes and panels."""
-    shown = {*data.spec.axes, *data.spec.curves}
+    shown = {*data.spec.axes, *data.spec.groups}
     names = [name for name in SYSTEMS[data.spec.system].model_fields if name not in shown]
     return varying_parameters(data.rows, names)
 
@@ -421,7 +375,6 @@ def _hatches(rows: pd.DataFrame) -> pd.Series:
 
 
 def _ink(value: float, norm: Normalize) -> tuple[float, float, float]:
-    """Return the colour, black or white, that stands out from that of a value."""
     red, green, blue, _ = SHADES(norm(value))
     return (1, 1, 1) if 0.3 * red + 0.59 * green + 0.11 * blue < 0.55 else (0, 0, 0)
 
@@ -435,72 +388,46 @@ def _edges(values: np.ndarray, *, log: bool) -> np.ndarray:
 
 
 def _draw_cells(axes: Axes, data: FigureData, rows: pd.DataFrame, shade: Variable) -> None:
-    """Draw a cell per point, with its value where there are few, else with contour lines."""
-    norm = Colours(shade).norm
+    norm = shade.norm
     (x, y), log = data.spec.axes, data.spec.log
-    table = rows.assign(value=shade.values, mark=_hatches(rows)).pivot(
+    both = rows.assign(value=shade.values, mark=_hatches(rows)).pivot(
         index=y, columns=x, values=["value", "mark"]
     )
-    values = table["value"].to_numpy(float)
-    columns, lines = (np.array(sorted(set(rows[name])), float) for name in (x, y))
+    table, marks = both["value"], both["mark"].to_numpy()
+    values, columns, lines = (one.to_numpy(float) for one in (table, table.columns, table.index))
     edges = _edges(columns, log="x" in log), _edges(lines, log="y" in log)
     axes.pcolormesh(*edges, values, cmap=SHADES, norm=norm, edgecolors="white", linewidth=0.6)
-    marks = table["mark"].to_numpy()
     for (down, across), value in np.ndenumerate(values):
         if np.isfinite(value) and marks[down, across]:
             (left, right), (low, high) = edges[0][across:][:2], edges[1][down:][:2]
             cell = Rectangle((left, low), right - left, high - low)
             _hatch(axes, cell, marks[down, across], _ink(value, norm))
     if values.size <= MOST_WRITTEN:
-        _write_values(axes, columns, lines, values, norm)
-        axes.set_xlim(edges[0][0], edges[0][-1])
-        _turn_wide_texts(axes, data, edges[0])
+        _write_values(axes, table, norm, _ROOM[bool(data.spec.panels)])
     elif norm.vmin != norm.vmax:
-        known = np.ma.masked_invalid(values)
-        _label_lines(axes, axes.contour(columns, lines, known, _levels(norm), **_LINE))
+        finite = np.ma.masked_invalid(values)
+        _label_lines(axes, axes.contour(columns, lines, finite, _levels(norm), **_LINE))
 
 
-def _write_values(
-    axes: Axes, columns: np.ndarray, lines: np.ndarray, values: np.ndarray, norm: Normalize
-) -> None:
-    """Write each value into its cell, in the colour that stands out, all with as many decimals."""
+def _write_values(axes: Axes, table: pd.DataFrame, norm: Normalize, room: int) -> None:
+    """Write each value into its cell, turned where ``room`` characters do not hold a row."""
+    values = table.to_numpy(float)
     size = np.nanmax(np.abs(values)) if np.isfinite(values).any() else 0
     decimals = max(0, _DIGITS - 1 - int(np.floor(np.log10(size)))) if size else 0
     is_plain = type(norm) is Normalize and decimals <= _DECIMALS and size < 10**_DECIMALS
+    pattern = f"{{:.{decimals}f}}" if is_plain else f"{{:.{_DIGITS}g}}"
+    look: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": 8, "zorder": 4}
     for (down, across), value in np.ndenumerate(values):
         if np.isfinite(value):
-            text = (
-                f"{round(value, decimals) + 0.0:.{decimals}f}"
-                if is_plain
-                else f"{value:.{_DIGITS}g}"
-            )
+            text = pattern.format(round(value, decimals) + 0.0 if is_plain else value)
             box = {"facecolor": SHADES(norm(value)), "edgecolor": "none", "pad": 1.0}
-            axes.text(
-                float(columns[across]),
-                float(lines[down]),
-                text.replace("-", "\N{MINUS SIGN}"),
-                color=_ink(value, norm),
-                ha="center",
-                va="center",
-                fontsize=8,
-                bbox=box,
-                zorder=4,
-            )
-
-
-def _turn_wide_texts(axes: Axes, data: FigureData, edges: np.ndarray) -> None:
-    """Turn the values of cells for which they are too wide; ``edges`` are those of the columns."""
-    places = np.log(edges) if "x" in data.spec.log else edges
-    length = SINGLE_SIZE[0] - 1.5 if not data.spec.panels else PANEL_SIZE[0] - 0.5
-    widths = length * np.diff(places) / np.ptp(places)
-    for text in axes.texts:
-        column = int(np.searchsorted(edges, text.get_position()[0])) - 1
-        if len(text.get_text()) * _CHARACTER > widths[column]:
-            text.set_rotation(90)
+            place = float(table.columns[across]), float(table.index[down])
+            look |= {"color": _ink(value, norm), "bbox": box}
+            look["rotation"] = 90 if len(text) * len(table.columns) > room else 0
+            axes.text(*place, text.replace("-", "\N{MINUS SIGN}"), **look)
 
 
 def _label_lines(axes: Axes, lines: ContourSet) -> None:
-    """Write the values of contour lines on them."""
     for text in axes.clabel(lines, fontsize=7.5, fmt=lambda level: f"{level:.3g}") or ():
         text.set_path_effects([withStroke(linewidth=1.6, foreground="white", alpha=0.75)])
 
@@ -518,7 +445,6 @@ def _hatch(axes: Axes, patch: Patch, hatch: str, colour: tuple[float, float, flo
 
 
 def _levels(norm: Normalize) -> np.ndarray:
-    """Return round values of contour lines that divide the range of the colours."""
     low, high = float(norm.vmin or 0), float(norm.vmax or 0)
     if type(norm) is not Normalize and high > 100 * low:
         return np.asarray(LogLocator(subs=(1, 3)).tick_values(low, high))
@@ -528,60 +454,39 @@ def _levels(norm: Normalize) -> np.ndarray:
 def _draw_contours(
     axes: Axes, data: FigureData, rows: pd.DataFrame, shade: Variable, triangles: np.ndarray
 ) -> None:
-    """Draw filled contours over a triangulation of the points, their lines, and the points."""
-    norm = Colours(shade).norm
+    norm = shade.norm
     names = data.spec.axes
     x, y = (rows[name].to_numpy(float) for name in names)
     value, marks = shade.values[rows.index].to_numpy(float), _hatches(rows).to_numpy()
-    plane, between = _refined(data, Triangulation(x, y, triangles), value)
-    axes.tricontourf(plane, between, _shades(norm), cmap=SHADES, norm=norm, extend="both")
-    _label_lines(axes, axes.tricontour(plane, between, _levels(norm), **_LINE))
+    plane, look = Triangulation(x, y, triangles), {"cmap": SHADES, "norm": norm, "extend": "both"}
+    # So many bounds that the colours look continuous.
+    axes.tricontourf(plane, value, np.asarray(norm.inverse(np.linspace(0, 1, 65))), **look)
+    _label_lines(axes, axes.tricontour(plane, value, _levels(norm), **_LINE))
     for corners in triangles:
         # The pattern of the least steady corner, which has the longest name.
         if hatch := max(marks[corners], key=len):
             _hatch(axes, Polygon(np.column_stack([x[corners], y[corners]])), hatch, (0, 0, 0))
-    colours = Colours(shade).of(shade.values[rows.index])
+    colours = shade.colours(shade.values[rows.index])
     axes.scatter(x, y, s=_BETWEEN, c=colours, edgecolors="black", linewidths=0.6, zorder=3)
     axes.use_sticky_edges = False
     axes.margins(0.04)
 
 
-def _refined(
-    data: FigureData, plane: Triangulation, values: np.ndarray
-) -> tuple[Triangulation, np.ndarray]:
-    """Divide triangles, so that values are linear along logarithmic axes as they are drawn."""
-    log = data.spec.log
-    if not {"x", "y"} & set(log):
-        return plane, values
-    x, y = (np.log(one) if axis in log else one for axis, one in (("x", plane.x), ("y", plane.y)))
-    drawn = Triangulation(x, y, plane.triangles)
-    linear = LinearTriInterpolator(drawn, values)
-    fine, between = UniformTriRefiner(drawn).refine_field(values, linear, subdiv=_DIVISIONS)
-    x, y = (np.exp(one) if axis in log else one for axis, one in (("x", fine.x), ("y", fine.y)))
-    return Triangulation(x, y, fine.triangles), np.asarray(between)
-
-
-def _shades(norm: Normalize) -> np.ndarray:
-    """Return the bounds of the filled contours, so many that they look continuous."""
-    return np.asarray(norm.inverse(np.linspace(0, 1, 65)))
-
-
-def value_notes(data: FigureData) -> list[str]:
-    """Return the sentences of the caption on cells, contours, hatching and gaps."""
-    shade, _ = observable(data, "show", "colour")
-    known, panel = known_rows(data, [shade]), data.spec.panels
+def _value_notes(data: FigureData) -> list[str]:
+    shade = observable(data, "show", "colour")
+    complete, panel = rows_with_values(data, [shade]), data.spec.panels
     parts = [part for _, part in data.rows.groupby(panel)] if panel else [data.rows]
     others = [parameter_phrase(data.spec.system, name) for name in _others(data)]
     hatched = "Hatched: not shown to be steady (wide: of runs too short to tell)."
-    if all(is_grid(part, data.spec.axes) for part in parts):
+    if all(_is_grid(part, data.spec.axes) for part in parts):
         what = "A cell per point, up to halfway to its neighbours."
-    elif _triangles(data, known, shade) is not None:
+    elif _triangles(data, complete, shade) is not None:
         what = "Contours: linear between neighbouring points (triangulation), which are the dots."
     else:
         why = f", without contours: they also differ in {in_words(others)}" if others else ""
         what, hatched = f"A marker per point{why}.", ""
     return [
         what,
-        hatched if _hatches(known).any() else "",
-        *not_drawn(len(data.rows) - len(known), "without a value (crosses)"),
+        hatched if _hatches(complete).any() else "",
+        *not_drawn(len(data.rows) - len(complete), "without a value (crosses)"),
     ]

@@ -24,11 +24,7 @@ from sim.figures.data import (
     unit_of,
     varying_parameters,
 )
-from sim.figures.style import (
-    escape_label,
-    settings,
-    with_subscript,
-)
+from sim.figures.style import escape_label, settings, with_subscript
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import PROTOCOLS
 from sim.study.plot_contents import name_in_words
@@ -61,10 +57,7 @@ def observed_quantity(data: FigureData, option: str = "show") -> Quantity:
     """Return the observable that an option names, for every point and in the units of the plot."""
     spec, rows = data.spec, data.rows
     observable = numbers(spec.system)[getattr(spec, option)]
-    unit, scale = (
-        unit_of(observable.unit, spec.units, spec.system),
-        _scale(data, observable),
-    )
+    unit, scale = (unit_of(observable.unit, spec.units, spec.system), _scale(data, observable))
     label = f"{observable.meaning} [{unit or '1'}]"
     if observable.name == "velocity":
         return Quantity(
@@ -94,7 +87,7 @@ def scale_of_point(data: FigureData, row: Mapping[str, Any], unit: str) -> float
 def named_columns(data: FigureData, rows: pd.DataFrame) -> dict[str, pd.Series]:
     """Return the columns of a plot's data that identify its points, units in the headings."""
     spec = data.spec
-    names = dict.fromkeys((*spec.axes, *spec.curves, *curve_keys(data)))
+    names = dict.fromkeys((*spec.axes, *spec.groups, *curve_keys(data)))
     return parameter_columns(rows, spec.system, names)
 
 
@@ -190,7 +183,7 @@ def given_labels(data: FigureData) -> tuple[str, str]:
     else:
         usual = [parameter_label(spec.system, name) for name in spec.axes[:2]]
     if measures := spec.quantities:
-        usual[1:] = [measures[0]["label"]]
+        usual[1:] = [measures[0].label]
     elif spec.show in observables and not spec.regimes:
         usual[1:] = [observable_label(data, observables[spec.show])]
     return labels.get("x", usual[0]), labels.get("y", usual[1])
@@ -204,7 +197,7 @@ def above_zero(data: FigureData, axis: str, values: np.ndarray) -> np.ndarray:
 def curve_keys(data: FigureData) -> tuple[str, ...]:
     """Return the parameters that name curves: those of the option, then all others that vary."""
     spec, rows = data.spec, data.rows
-    apart = {*spec.axes, *spec.curves, *spec.by, *spec.alike}
+    apart = {*spec.axes, *spec.groups, *spec.by, *spec.alike}
     parameters = [name for name in SYSTEMS[spec.system].model_fields if name not in apart]
     return *spec.by, *varying_parameters(rows, parameters)
 
@@ -240,7 +233,7 @@ def draw_foreign_data(data: FigureData, shown: Panels) -> dict[str, Line2D]:
     """Draw the foreign data in all panels; return the legend entries by label."""
     entries = {}
     markers, lines = iter(_MARKERS), iter(_LINES)
-    for label, points, joined in data.spec.beside:
+    for label, points, joined in data.spec.foreign:
         look = _line(*next(lines)) if joined else _marker(next(markers))
         x, y, *errors = zip(*points, strict=True)
         for axes, _ in shown:
@@ -251,12 +244,10 @@ def draw_foreign_data(data: FigureData, shown: Panels) -> dict[str, Line2D]:
 
 
 def _line(colour: str, dashes: object) -> dict[str, Any]:
-    """Return the style of a line, which lies beneath the data of the study."""
     return {"color": colour, "linestyle": dashes, "linewidth": 1.8, "zorder": 1.8}
 
 
 def _marker(marker: object) -> dict[str, Any]:
-    """Return the style of markers, which lie above all else and have a white edge."""
     look = {"color": "#555555", "linestyle": "none", "marker": marker, "zorder": 4}
     edge = withStroke(linewidth=3.2, foreground="white")
     return look | {"markersize": 6.5, "markeredgewidth": 1.3, "path_effects": [edge]}
@@ -264,7 +255,7 @@ def _marker(marker: object) -> dict[str, Any]:
 
 def foreign_values(data: FigureData, axis: str) -> pd.Series:
     """Return the coordinates of the foreign data, and ends of bars, along ``"x"`` or ``"y"``."""
-    points = [point for _, points, _ in data.spec.beside for point in points]
+    points = [point for _, points, _ in data.spec.foreign for point in points]
     if axis == "x":
         return pd.Series([x for x, *_ in points], dtype=float)
     ends = [y + sign * error for _, y, *errors in points for error in errors for sign in (-1, 1)]
@@ -282,7 +273,7 @@ def append_foreign_data(data: FigureData, table: pd.DataFrame, x: str, y: str) -
     """Append the foreign data to the plotted data; ``x`` and ``y`` are the columns of the axes."""
     rows = [
         dict(zip((FOREIGN_COLUMN, x, y, ERROR_COLUMN), (label, *point), strict=False))
-        for label, points, _ in data.spec.beside
+        for label, points, _ in data.spec.foreign
         for point in points
     ]
     if not rows:
@@ -292,14 +283,3 @@ def append_foreign_data(data: FigureData, table: pd.DataFrame, x: str, y: str) -
         {str(name): value for name, value in row.items()} for row in table.to_dict("records")
     ]
     return pd.DataFrame([*study_rows, *rows], columns=[FOREIGN_COLUMN, *table.columns, *errors])
-
-
-def foreign_data_notes(data: FigureData) -> list[str]:
-    """Return the sentence of the caption on foreign data; empty without any."""
-    labels = [
-        f"{label} ({'line' if joined else 'markers'}{', bars: its errors' * (len(points[0]) > 2)})"
-        for label, points, joined in data.spec.beside
-    ]
-    return (
-        [f"In grey, from elsewhere and not simulated here: {'; '.join(labels)}."] if labels else []
-    )

@@ -14,11 +14,11 @@ from sim.figures.caption import not_drawn
 from sim.figures.data import FigureData, label_with_unit, unit_of
 from sim.figures.plot import (
     Panels,
+    above_zero,
     append_foreign_data,
     completed_rows,
     curve_keys,
     draw_foreign_data,
-    foreign_data_notes,
     foreign_values,
     label_axes,
     observable_label,
@@ -55,14 +55,14 @@ def slices(data: FigureData, row: Mapping[str, Any]) -> tuple[np.ndarray, dict[s
     ``between`` narrows them further. Of two observables, slices are left out in which no replicate
     has both, and values are not-a-number where a replicate lacks either.
     """
-    name = "number_density" if data.spec.flat else "packing_profile"
-    filling, height = data.results.profile(row["point"], name)
     if data.spec.flat:
+        filling, height = data.results.profile(row["point"], "number_density")
         dense = np.flatnonzero(filling.mean(axis=0) * row["diameter"] ** 2 >= THIN)
-        end = dense.max(initial=-1)
+        end, unit = dense.max(initial=-1), row["diameter"]
     else:
+        filling, height = data.results.profile(row["point"], "packing_profile")
         filled = np.cumsum(np.nan_to_num(filling.mean(axis=0)))
-        end = np.searchsorted(filled, SHARE * filled[-1])
+        end, unit = np.searchsorted(filled, SHARE * filled[-1]), scale_of_point(data, row, "m")
     chosen = np.arange(height.size) <= end
     if between := data.spec.between:
         low, high = (limit * row["diameter"] for limit in between)
@@ -72,7 +72,6 @@ def slices(data: FigureData, row: Mapping[str, Any]) -> tuple[np.ndarray, dict[s
         * (1 / scale_of_point(data, row, one.unit))
         for axis, one in observables(data).items()
     }
-    unit = row["diameter"] if data.spec.flat else scale_of_point(data, row, "m")
     height = height[chosen] / unit
     if len(values) == 1:
         return height, values
@@ -126,7 +125,8 @@ def draw(data: FigureData) -> Figure:
     height = label_with_unit("height z", unit_of("m", spec.units, spec.system))
     labels = [observable_label(data, one) for one in shown_observables.values()]
     usual = [*labels, height][:: -1 if spec.flat else 1][:2]
-    label_axes(figure, shown, *(spec.labels.get(one, usual["xy".index(one)]) for one in "xy"))
+    x, y = usual
+    label_axes(figure, shown, spec.labels.get("x", x), spec.labels.get("y", y))
     if "y" in shown_observables:
         _limit_axes(data, shown, pd.concat(drawn) if drawn else pd.DataFrame())
     elif spec.flat:
@@ -150,23 +150,20 @@ def _draw_line(
         return rows
     mean, half, height = rows["x"], rows["x_half"], rows["height"]
     line: dict[str, Any] = {"color": style.colour, "linestyle": style.dashes, "label": label}
+    band: dict[str, Any] = {"color": style.colour, "alpha": 0.15, "linewidth": 0}
     if data.spec.flat:
         # The converged protocol is pale beside the published one.
         beside = is_prescribed(data.spec) and data.rows["protocol"].nunique() > 1
         if beside and row["protocol"] == "converged":
             line |= PALE_LINE | {"label": None}
         axes.plot(height, mean, **line)
-        axes.fill_between(
-            height, mean - half, mean + half, color=style.colour, alpha=0.15, linewidth=0
-        )
+        axes.fill_between(height, mean - half, mean + half, **band)
         return rows
     axes.plot(mean, height, **line)
     if row["completed"] < MIN_REPLICATES:
-        each = values["x"].T
-        each = np.where(each > 0, each, np.nan) if "x" in data.spec.log else each
+        each = above_zero(data, "x", values["x"].T)
         axes.plot(each, height, color=style.colour, alpha=PALE, linewidth=0.7, zorder=1.5)
     else:
-        band: dict[str, Any] = {"color": style.colour, "alpha": 0.15, "linewidth": 0}
         axes.fill_betweenx(height, mean - half, mean + half, **band)
     return rows
 
@@ -204,7 +201,6 @@ def _limit_flat(shown: Panels, means: pd.Series) -> None:
 
 
 def _limit_axes(data: FigureData, shown: Panels, drawn: pd.DataFrame) -> None:
-    """Set limits, which follow the means."""
     for axes, _ in shown:
         axes.autoscale_view()
         for axis in {"x", "y"} - set(data.spec.log):
@@ -224,33 +220,31 @@ def table(data: FigureData) -> pd.DataFrame:
 
     names: tuple[str, ...] = ()
     if spec.flat:
-        heading = spec.quantities[0]["label"]
+        heading = spec.quantities[0].label
         half_width = f"half width of 95 % interval {heading.split()[-1]}"
         headings = {"height": "height above the belt [⟨d⟩]", "x": heading, "x_half": half_width}
         names = (*spec.named, "initial_velocity", "protocol")
 
     def rows(row: Mapping[str, Any]) -> pd.DataFrame:
-        if spec.flat:
-            return means(data, row).pipe(_with_replicates, row["completed"])
-        return means(data, row).assign(**{"completed replicates": row["completed"]})
+        of_point = means(data, row)
+        place = 0 if spec.flat else of_point.shape[1]
+        of_point.insert(place, "completed replicates", row["completed"])
+        return of_point
 
     y = headings.get("y", headings["height"])
     return append_foreign_data(data, rows_of_points(data, headings, rows, names), headings["x"], y)
 
 
-def _with_replicates(rows: pd.DataFrame, completed: int) -> pd.DataFrame:
-    rows.insert(0, "completed replicates", completed)
-    return rows
-
-
 def notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on lines or markers, their extent, and omissions."""
     of_points = [means(data, row) for row in completed_rows(data)]
-    known = [rows[rows["x"].notna()] for rows in of_points]
-    omitted = sum(int((~_is_drawable(data, rows)).sum()) for rows in known)
+    with_values = [rows[rows["x"].notna()] for rows in of_points]
+    omitted = sum(int((~_is_drawable(data, rows)).sum()) for rows in with_values)
     what = "A marker per slice of the height" if data.spec.second else "Lines over the height"
+    few = f"; of fewer than {MIN_REPLICATES}, each is pale"
     extent = f"They end where {100 * SHARE:g} % of the particles are below."
     if data.spec.flat:
+        few = " where there are several, which may go beyond the axes"
         extent = (
             "z is measured from the present position of the belt, in slices of ⟨d⟩, up to the last "
             f"one with {THIN:g} beads per ⟨d⟩² or more; one that is empty in a replicate has no "
@@ -259,19 +253,14 @@ def notes(data: FigureData) -> list[str]:
     if between := data.spec.between:
         low, high = between
         extent += f" Heights shown: {low:g} to {high:g} diameters above the base."
-    few = f"; of fewer than {MIN_REPLICATES}, each is pale"
-    if data.spec.flat:
-        few = " where there are several, which may go beyond the axes"
     suffix = _height_range_suffix(data)
     return [
         f"{what}: means over the replicates, with 95 % intervals (Student){few}.",
         extent,
-        *not_drawn(sum(rows.empty for rows in known), f"without a value{suffix}"),
+        *not_drawn(sum(rows.empty for rows in with_values), f"without a value{suffix}"),
         *not_drawn(omitted, "slices not above 0 on a logarithmic axis"),
-        *foreign_data_notes(data),
     ]
 
 
 def _height_range_suffix(data: FigureData) -> str:
-    """Return a suffix that names the height range for messages about missing data."""
     return " at these heights" if data.spec.between else ""

@@ -6,10 +6,11 @@ import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from multiprocessing import get_context
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import Any
 
 import matplotlib as mpl
@@ -25,14 +26,15 @@ from sim.base.files import atomic_write, file_version
 from sim.base.messages import one_of
 from sim.base.seals import checked_read
 from sim.dataset.results import Results, load_results, require_known_options
-from sim.figures.caption import caption
-from sim.figures.data import FigureData, figure_data
+from sim.figures.caption import caption, point_notes
+from sim.figures.data import Drawing, FigureData, figure_data, point_table
 from sim.figures.figure_records import current_record, read_records, write_records
 from sim.figures.plot import message_figure
 from sim.figures.style import DOUBTFUL, SETTINGS, escape_label
 from sim.study.catalogue import FIGURES
+from sim.study.figure_spec import FigureSpec
 from sim.study.load import load_study
-from sim.study.plot_kinds import FigureSpec, PlotKind, find_kind
+from sim.study.plot_kinds import ROLES, find_kind
 from sim.surrogates.answers import Refusal, caveats_in, require_answer, sentence, with_caveats
 
 #: Resolution of the first picture of an animation, dots per inch.
@@ -67,6 +69,14 @@ class Animation:
     frames: int
     show: Callable[[int], None]
     duration: int = 70
+
+
+def drawing_of(kind: str) -> Drawing:
+    """Return what draws a kind of plot: its own functions, or those that draw all else."""
+    one = find_kind(kind)
+    found: Any = resolve_name(one.drawing) if one.drawing else None
+    roles = {role: getattr(found, role) for role in ROLES if hasattr(found, role)}
+    return Drawing(**{"table": point_table, "notes": point_notes, **roles, **one.own})
 
 
 def find_spec(name: str, plots: Mapping[str, FigureSpec] | None = None) -> FigureSpec:
@@ -155,7 +165,7 @@ def draw(spec: FigureSpec, results: Results) -> Figure:
         return _draw(*_contents(spec, results)[:2])[1]
 
 
-def _draw(data: FigureData, kind: PlotKind) -> tuple[Figure | Animation, Figure]:
+def _draw(data: FigureData, kind: Drawing) -> tuple[Figure | Animation, Figure]:
     """Return what a kind of plot draws, and its picture with the final layout."""
     drawn = kind.draw(data)
     figure = drawn.figure if isinstance(drawn, Animation) else drawn
@@ -192,12 +202,12 @@ def derive_texts(spec: FigureSpec, results: Results) -> tuple[str, str]:
     return _texts(*_contents(spec, results))
 
 
-def _contents(spec: FigureSpec, results: Results) -> tuple[FigureData, PlotKind, pd.DataFrame]:
+def _contents(spec: FigureSpec, results: Results) -> tuple[FigureData, Drawing, pd.DataFrame]:
     """Return the selected data of a figure, its kind, and the plotted data.
 
     Where a question has no answer, or a number is beyond `LARGEST`, the kind says that alone.
     """
-    data, kind = figure_data(results, spec), find_kind(spec.kind)
+    data, kind = figure_data(results, spec), drawing_of(spec.kind)
     if spec.answer.file and results.runs:
         path = results.runs.parent / spec.answer.file
         kind = kind_of_answer(kind, path)
@@ -217,21 +227,14 @@ def _contents(spec: FigureSpec, results: Results) -> tuple[FigureData, PlotKind,
     return data, kind, table
 
 
-def kind_of_answer(kind: PlotKind, path: Path) -> PlotKind:
+def kind_of_answer(kind: Drawing, path: Path) -> Drawing:
     """Return a kind of plot whose errors, on an answer from elsewhere, name its file in a line."""
-
-    def guard(function: Callable[[FigureData], Any]) -> Callable[[FigureData], Any]:
-        def call(data: FigureData) -> Any:
-            with checked_read(path, "whole answer", replaceable=False):
-                return function(data)
-
-        return call
-
-    draw, table, notes = map(guard, (kind.draw, kind.table, kind.notes))
-    return replace(kind, draw=draw, table=table, notes=notes)
+    guard = checked_read(path, "whole answer", replaceable=False)
+    roles = {role: guard(getattr(kind, role)) for role in ("draw", "table", "notes")}
+    return kind._replace(**roles)
 
 
-def with_doubts(kind: PlotKind, caveats: Sequence[str]) -> PlotKind:
+def with_doubts(kind: Drawing, caveats: Sequence[str]) -> Drawing:
     """Return a kind of plot that tells the caveats of the answer it shows.
 
     They stand beneath the picture, in the first paragraph of its caption, and in its data.
@@ -252,23 +255,22 @@ def with_doubts(kind: PlotKind, caveats: Sequence[str]) -> PlotKind:
         first, *others = kind.notes(data) or [""]
         return [f"{first} {sentence(caveats)}".strip(), *others]
 
-    return replace(
-        kind, draw=draw, notes=notes, table=lambda data: with_caveats(kind.table(data), caveats)
-    )
+    def table(data: FigureData) -> pd.DataFrame:
+        return with_caveats(kind.table(data), caveats)
+
+    return kind._replace(draw=draw, notes=notes, table=table)
 
 
-def _message_kind(kind: PlotKind, text: str) -> PlotKind:
-    """Return a kind of plot that shows a message in place of data."""
+def _message_kind(kind: Drawing, text: str) -> Drawing:
 
     def draw_message(data: FigureData) -> Figure | Animation:
         figure = message_figure(escape_label(text))
         return Animation(figure, 1, lambda number: None) if data.spec.animated else figure
 
-    return replace(kind, draw=draw_message, notes=lambda data: [f"Nothing is drawn: {text}."])
+    return kind._replace(draw=draw_message, notes=lambda data: [f"Nothing is drawn: {text}."])
 
 
-def _texts(data: FigureData, kind: PlotKind, table: pd.DataFrame) -> tuple[str, str]:
-    """Return the plotted data as CSV, and the caption."""
+def _texts(data: FigureData, kind: Drawing, table: pd.DataFrame) -> tuple[str, str]:
     csv = table.to_csv(index=False, float_format="%.10g")
     return csv, caption(data, kind.notes(data)) + "\n"
 

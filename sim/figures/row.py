@@ -13,13 +13,11 @@ from sim.base.errors import InputError
 from sim.figures.caption import velocity_text
 from sim.figures.data import FigureData, split_curves
 from sim.figures.spheres import Scene
-from sim.figures.style import COLOURS, DOTTED, PALE, escape_label, place_legend
+from sim.figures.style import COLOURS, DOTTED, PALE, escape_label, legend_above
 from sim.parameters import SYSTEMS, default_of
 from sim.parameters.roles import start_parameters
 from sim.parameters.words import PROTOCOLS, setting
 from sim.study.plot_kinds import LARGEST_PORTION, SHARE
-
-PIXELS = 640
 
 #: How the profile of a replicate is drawn.
 _REPLICATE: dict[str, Any] = {"alpha": PALE, "linewidth": 0.7, "zorder": 1.5}
@@ -43,7 +41,6 @@ def notes(data: FigureData) -> list[str]:
 
 
 def _regimes(row: Mapping[str, Any]) -> str:
-    """Return how many replicates of a point are in which regime."""
     counts = Counter(row["regimes"]).most_common()
     return ", ".join(f"{count} {regime}" for regime, count in counts)
 
@@ -87,13 +84,14 @@ def draw(data: FigureData) -> Figure:
         suffix = f", {label}" if len(flows) > 1 else ""
         for axes, name in zip(panels, ("velocity", "packing"), strict=True):
             if index == 0:
-                _draw_instantaneous(axes, values, name)
+                latest, look = values[f"{name}_instantaneous"], {"label": "instantaneous"}
+                axes.plot(latest, values["z"], color=COLOURS[0], linewidth=1.0, **look)
             _draw_averages(axes, values, name, colour, suffix)
     _finish(panels, data.rows.iloc[0])
     if flows:
         panels[0].plot([], [], label="each replicate", color=COLOURS[0], **_REPLICATE)
         _draw_configuration(right.subplots(), data, flows[0][1])
-        place_legend(figure, panels[0])
+        legend_above(figure, *panels[0].get_legend_handles_labels())
     return figure
 
 
@@ -116,11 +114,6 @@ def profile(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
     return pd.DataFrame(columns)[: int(np.searchsorted(filled, SHARE)) + 1]
 
 
-def _draw_instantaneous(axes: Axes, values: pd.DataFrame, name: str) -> None:
-    latest = values[f"{name}_instantaneous"]
-    axes.plot(latest, values["z"], color=COLOURS[0], linewidth=1.0, label="instantaneous")
-
-
 def _draw_averages(axes: Axes, values: pd.DataFrame, name: str, colour: str, suffix: str) -> None:
     """Draw the time averages of the replicates and their mean; its suffix names one of several."""
     for each in _replicates(values, name):
@@ -135,7 +128,6 @@ def _replicates(values: pd.DataFrame, name: str) -> list[str]:
 
 
 def _finish(panels: np.ndarray, row: Mapping[str, Any]) -> None:
-    """Name the axes of the two profiles."""
     velocity, packing = panels
     unit = float(np.sqrt(row["gravity"] * row["diameter"]))
     top = velocity.secondary_xaxis("top", functions=(lambda v: v / unit, lambda v: v * unit))
@@ -156,8 +148,9 @@ def _draw_configuration(axes: Axes, data: FigureData, row: Mapping[str, Any]) ->
         axes.set_axis_off()
         return
     position, speed = state["position"].values, state["particle_velocity"].values[:, 0]
-    scene = Scene(row, state, position[:, 2], speed, PIXELS)
-    scene.show(axes, scene.picture(position, speed))
+    scene = Scene(row, state, position[:, 2], speed)
+    scene.prepare(axes)
+    scene.draw(axes, position, speed)
     axes.set_xlabel("(c)")
 
 
@@ -166,20 +159,16 @@ def table(data: FigureData) -> pd.DataFrame:
     parts = []
     for label, row in _flows(data):
         values = profile(data, row)
-        parts.append(
-            pd.DataFrame(
-                {
-                    "point": row["point"],
-                    "flow": label,
-                    "depth [1]": row["depth"],
-                    "completed replicates": row["completed"],
-                    "regime": row["regime"],
-                    "height [σ]": values["z"],
-                    **_headed(values, "velocity", "m s-1"),
-                    **_headed(values, "packing", "1"),
-                }
-            )
-        )
+        columns = {
+            "point": row["point"],
+            "flow": label,
+            "depth [1]": row["depth"],
+            "completed replicates": row["completed"],
+            "regime": row["regime"],
+            "height [σ]": values["z"],
+        }
+        columns |= _headed(values, "velocity", "m s-1") | _headed(values, "packing", "1")
+        parts.append(pd.DataFrame(columns))
     return pd.concat(parts) if parts else pd.DataFrame(columns=["point", "flow"])
 
 

@@ -1,4 +1,4 @@
-"""Points scattered in several parameters: an observable against a parameter or another one."""
+"""Points scattered in several parameters, one against another, and means along each of them."""
 
 from dataclasses import replace
 from typing import Any
@@ -12,11 +12,12 @@ from matplotlib.figure import Figure
 from sim.base.statistics import student_half_width
 from sim.figures.axes import NONE, limit_axis
 from sim.figures.caption import not_drawn, point_notes
-from sim.figures.data import FigureData, quantity_table
+from sim.figures.data import Drawing, FigureData, parameter_unit, quantity_table
 from sim.figures.plot import (
+    MOST_COLUMNS,
+    PANEL_SIZE,
     append_foreign_data,
     draw_foreign_data,
-    foreign_data_notes,
     foreign_values,
     label_axes,
     observed_quantity,
@@ -24,15 +25,7 @@ from sim.figures.plot import (
     write_no_data,
 )
 from sim.figures.style import COLOURS, PALE, explain_markers, is_undecided
-from sim.figures.variables import (
-    Colours,
-    Variable,
-    colour,
-    known_rows,
-    legend,
-    observable,
-    parameter,
-)
+from sim.figures.variables import Variable, colour, legend, observable, parameter, rows_with_values
 from sim.study.plot_kinds import REGIME
 from sim.study.plottable import numbers
 
@@ -42,7 +35,7 @@ FEWEST_FOR_MEAN = 12
 
 def draw(data: FigureData) -> Figure:
     """Draw a marker per point with its intervals, and the running mean of many points."""
-    (x, _), (y, _) = coordinates(data)
+    x, y = coordinates(data)
     figure, shown = panels(data)
     shade = colour(data)
     for axes, rows in shown:
@@ -54,28 +47,26 @@ def draw(data: FigureData) -> Figure:
             draw_running_mean(axes, x.values[moving.index], y.values[moving.index], log=y.log)
     write_no_data(shown, y.name)
     if shade:
-        Colours(shade).explain(figure, [axes for axes, _ in shown])
+        shade.explain_colours(figure, shown)
     foreign = draw_foreign_data(data, shown)
     for axes, _ in shown:
-        for axis, (variable, quantity) in zip("xy", coordinates(data), strict=True):
+        for axis, variable in (("x", x), ("y", y)):
             variable.scale(axes, axis)
             if not variable.log and not variable.choices:
-                known = variable.values[drawable(data, data.rows).index]
-                half_widths = quantity.half_width[known.index] if quantity else NONE
-                limit_axis(axes, axis, known, half_widths, foreign_values(data, axis))
+                values = variable.values[drawable(data, data.rows).index]
+                of = variable.quantity
+                half_widths = of.half_width[values.index] if of else NONE
+                limit_axis(axes, axis, values, half_widths, foreign_values(data, axis))
     label_axes(figure, shown, x.label, y.label)
     legend(data, figure, shown, foreign=foreign)
     return figure
 
 
-def coordinates(data: FigureData) -> list[tuple[Variable, Any]]:
-    """Return what is on x and on y, each with its quantity, which of a parameter is ``None``."""
+def coordinates(data: FigureData) -> list[Variable]:
+    """Return what is on x and on y."""
     spec = data.spec
     if spec.axes:
-        x: tuple[Variable, Any] = (
-            parameter(data, spec.axes[0], log="x" in spec.log),
-            None,
-        )
+        x = parameter(data, spec.axes[0], log="x" in spec.log)
     else:
         x = observable(data, "second", "x")
     return [x, observable(data, "show", "y")]
@@ -83,9 +74,8 @@ def coordinates(data: FigureData) -> list[tuple[Variable, Any]]:
 
 def drawable(data: FigureData, rows: pd.DataFrame) -> pd.DataFrame:
     """Return the completed points that have a value of all that is shown."""
-    variables = [*(variable for variable, _ in coordinates(data)), colour(data)]
-    known = known_rows(data, filter(None, variables))
-    return rows[rows.index.isin(known.index)]
+    shown = rows_with_values(data, filter(None, [*coordinates(data), colour(data)]))
+    return rows[rows.index.isin(shown.index)]
 
 
 def averaged(rows: pd.DataFrame) -> pd.DataFrame:
@@ -99,11 +89,10 @@ def has_mean(rows: pd.DataFrame, x: Variable) -> bool:
 
 
 def _draw_bars(axes: Axes, data: FigureData, rows: pd.DataFrame) -> None:
-    """Draw the 95 % intervals of observables, thin and grey."""
-    (x, of_x), (y, of_y) = coordinates(data)
-    for key, quantity in (("xerr", of_x), ("yerr", of_y)):
-        half = None if quantity is None else quantity.half_width[rows.index].dropna()
-        if half is not None and len(half):
+    x, y = coordinates(data)
+    for key, quantity in (("xerr", x.quantity), ("yerr", y.quantity)):
+        half = quantity.half_width[rows.index].dropna() if quantity else NONE
+        if len(half):
             look: dict[str, Any] = {"ecolor": "#9a9a9a", "elinewidth": 0.6, "capsize": 0}
             look |= {key: half, "fmt": "none", "zorder": 1.5}
             axes.errorbar(x.values[half.index], y.values[half.index], **look)
@@ -124,7 +113,7 @@ def draw_points(
     colours = (
         np.tile(to_rgba(COLOURS[1]), (len(rows), 1))
         if shade is None
-        else Colours(shade).of(shade.values[rows.index])
+        else shade.colours(shade.values[rows.index])
     )
     is_pale = is_undecided(rows).to_numpy()
     is_open = (rows["regime"] != "steady").to_numpy() & ~is_pale
@@ -158,11 +147,11 @@ def table(data: FigureData) -> pd.DataFrame:
 
 def notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on the running mean, bars, markers and gaps."""
-    pairs, rows = coordinates(data), drawable(data, data.rows)
-    quantities = [quantity for _, quantity in pairs if quantity is not None]
-    panel, x = data.spec.panels, pairs[0][0]
+    (x, y), rows = coordinates(data), drawable(data, data.rows)
+    quantities = [one.quantity for one in (x, y) if one.quantity]
+    panel = data.spec.panels
     parts = [part for _, part in rows.groupby(panel)] if panel else [rows]
-    kind = "mean of the logarithm" if pairs[1][0].log else "mean"
+    kind = "mean of the logarithm" if y.log else "mean"
     line = (
         f"Line: {kind} over {GROUPS}; band: its 95 % interval (Student). Points that accelerate "
         "take no part."
@@ -172,7 +161,6 @@ def notes(data: FigureData) -> list[str]:
         *point_notes(replace(data, rows=rows), quantities),
         *([line] if any(has_mean(averaged(part), x) for part in parts) else []),
         *not_drawn(completed - len(rows), "without a value"),
-        *foreign_data_notes(data),
     ]
 
 
@@ -202,14 +190,14 @@ def binned_means(x: pd.Series, y: pd.Series, *, log: bool = False) -> pd.DataFra
         the ends ``low`` and ``high`` of Student's 95 % interval (not-a-number for one point), and
         the number of ``points``.
     """
-    known = pd.DataFrame({"x": x, "y": np.log(y) if log else y}).dropna()
-    if known["x"].nunique() * _OF_ONE_VALUE <= len(known):
-        groups = known["x"]
+    points = pd.DataFrame({"x": x, "y": np.log(y) if log else y}).dropna()
+    if points["x"].nunique() * _OF_ONE_VALUE <= len(points):
+        groups = points["x"]
     else:
-        number = int(np.clip(round(len(known) ** 0.5), _FEWEST, _MOST))
-        groups = pd.qcut(known["x"].rank(method="first"), number, labels=False)
+        number = int(np.clip(round(len(points) ** 0.5), _FEWEST, _MOST))
+        groups = pd.qcut(points["x"].rank(method="first"), number, labels=False)
     rows = []
-    for _, group in known.groupby(groups):
+    for _, group in points.groupby(groups):
         mean, half = group["y"].mean(), float(student_half_width(group["y"].to_numpy()))
         ends = np.array([mean, mean - half, mean + half])
         values = np.exp(ends) if log else ends
@@ -224,3 +212,86 @@ def draw_running_mean(axes: Axes, x: pd.Series, y: pd.Series, *, log: bool) -> N
         means["x"], means["low"], means["high"], color="#000000", alpha=0.13, linewidth=0, zorder=1
     )
     axes.plot(means["x"], means["mean"], color="#333333", linewidth=1.6, zorder=2.5)
+
+
+# Main effects: means over groups of points along each of several parameters.
+
+
+def _draw_effects(data: FigureData) -> Figure:
+    """Draw a panel per parameter, all with the same vertical axis."""
+    y = observable(data, "show", "y")
+    variables, rows = (
+        [parameter(data, name) for name in data.spec.axes],
+        averaged(rows_with_values(data, [y])),
+    )
+    down = -(-len(variables) // MOST_COLUMNS)
+    across = -(-len(variables) // down)
+    size = (PANEL_SIZE[0] * across * 0.85 + 0.8, PANEL_SIZE[1] * down + 0.3)
+    figure = Figure(figsize=size, layout="constrained")
+    grid = figure.subplots(down, across, sharey=True, squeeze=False)
+    for axes, x in zip(grid.flat, variables, strict=False):
+        _draw_effect(axes, x, y, rows)
+        axes.set_xlabel(x.label)
+    for axes in grid.flat[len(variables) :]:
+        axes.set_visible(False)
+    y.scale(grid[0, 0], "y")
+    if not y.log:
+        limit_axis(grid[0, 0], "y", y.values[rows.index])
+    figure.supylabel(y.label, fontsize=10)
+    write_no_data([(grid[0, 0], data.rows)], y.name)
+    return figure
+
+
+def _draw_effect(axes: Axes, x: Variable, y: Variable, rows: pd.DataFrame) -> None:
+    at = x.values[rows.index]
+    axes.plot(at, y.values[rows.index], ".", color="#bbbbbb", markersize=3, zorder=1)
+    means = binned_means(at, y.values[rows.index], log=y.log)
+    axes.errorbar(
+        means["x"],
+        means["mean"],
+        yerr=[means["mean"] - means["low"], means["high"] - means["mean"]],
+        color=COLOURS[1],
+        marker="o",
+        linestyle="none" if x.choices else "-",
+        elinewidth=1.0,
+        zorder=3,
+    )
+    x.scale(axes, "x")
+
+
+def _effects_table(data: FigureData) -> pd.DataFrame:
+    y = observable(data, "show", "y")
+    heading = y.quantity.label if y.quantity else ""
+    unit = heading[heading.index("[") :]
+    rows, parts = averaged(rows_with_values(data, [y])), []
+    for x in [parameter(data, name) for name in data.spec.axes]:
+        means = binned_means(x.values[rows.index], y.values[rows.index], log=y.log)
+        if x.choices:
+            for column in ("from", "to", "x"):
+                means[column] = [x.text(value) for value in means[column]]
+        means.insert(0, "unit of the parameter", parameter_unit(data.spec.system, x.name))
+        means.insert(0, "parameter", x.name)
+        parts.append(means)
+    headings = {
+        "x": "mean of the parameter",
+        "mean": heading,
+        "low": f"lower end of 95 % interval {unit}",
+        "high": f"upper end of 95 % interval {unit}",
+    }
+    return pd.concat(parts).rename(columns=headings)
+
+
+def _effects_notes(data: FigureData) -> list[str]:
+    y = observable(data, "show", "y")
+    rows = rows_with_values(data, [y])
+    missing = int((data.rows["completed"] > 0).sum()) - len(rows)
+    kind = "mean of the logarithm" if y.log else "mean"
+    return [
+        f"Markers: {kind} over {GROUPS}, with its 95 % interval (Student); grey dots: the points.",
+        "All other parameters are averaged over.",
+        *not_drawn(len(rows) - len(averaged(rows)), "without a steady mean, as they accelerate"),
+        *not_drawn(missing, "without a value"),
+    ]
+
+
+MAIN_EFFECTS = Drawing(_draw_effects, _effects_table, _effects_notes)

@@ -22,7 +22,7 @@ _ROW, _FRAME = 0.42, 1.3
 _MOST_PAIRS = 15
 
 
-def draw_indices(data: FigureData) -> Figure:
+def _draw_indices(data: FigureData) -> Figure:
     """Draw a bar of the first-order and of the total index of each parameter."""
     table = _table(data)
     total, first = (_of(table, index) for index in ("total", "first"))
@@ -39,14 +39,12 @@ def draw_indices(data: FigureData) -> Figure:
     return figure
 
 
-def indices_table(data: FigureData) -> pd.DataFrame:
-    """Return the indices, row by row."""
+def _indices_table(data: FigureData) -> pd.DataFrame:
     table = _table(data)
     return _with_headings(table[table["index"] != "interaction"], "1").drop(columns="other")
 
 
-def indices_notes(data: FigureData) -> list[str]:
-    """Return the sentences of the caption of bars of indices."""
+def _indices_notes(data: FigureData) -> list[str]:
     table = _table(data)
     return [
         "First order: the share of the variance that goes away when the parameter is known. Total: "
@@ -58,7 +56,6 @@ def indices_notes(data: FigureData) -> list[str]:
 
 
 def _sum_note(row: pd.Series) -> str:
-    """Return what the sum of the first-order indices says of interactions."""
     text = f"First-order indices sum to {row['value']:.2f} ({row['low']:.2f} to {row['high']:.2f})"
     if row["high"] < 1:
         return f"{text}; what they lack of 1 is from interactions."
@@ -76,7 +73,7 @@ def _negligible_note(table: pd.DataFrame) -> list[str]:
     return [f"Below {NEGLIGIBLE:g}, interval included: {', '.join(names)}."] if len(names) else []
 
 
-def draw_interactions(data: FigureData) -> Figure:
+def _draw_interactions(data: FigureData) -> Figure:
     """Draw a bar of the second-order index of each pair of parameters, the largest first."""
     rows = _of(_table(data), "interaction").sort_values("value", ascending=False)[:_MOST_PAIRS]
     figure, axes = _bars(len(rows))
@@ -88,13 +85,11 @@ def draw_interactions(data: FigureData) -> Figure:
     return figure
 
 
-def interactions_table(data: FigureData) -> pd.DataFrame:
-    """Return the interactions, row by row."""
+def _interactions_table(data: FigureData) -> pd.DataFrame:
     return _with_headings(_of(_table(data), "interaction"), "1")
 
 
-def interactions_notes(data: FigureData) -> list[str]:
-    """Return the sentences of the caption of bars of interactions."""
+def _interactions_notes(data: FigureData) -> list[str]:
     table = _table(data)
     pairs = len(_of(table, "interaction"))
     more = [f"The largest {_MOST_PAIRS} of {pairs} pairs."] if pairs > _MOST_PAIRS else []
@@ -106,7 +101,7 @@ def interactions_notes(data: FigureData) -> list[str]:
     ]
 
 
-def draw_screening(data: FigureData) -> Figure:
+def _draw_screening(data: FigureData) -> Figure:
     """Draw mean size against deviation of the effects of each parameter."""
     table = _table(data)
     means, deviations = (_of(table, index).set_index("parameter") for index in ("mu_star", "sigma"))
@@ -137,13 +132,11 @@ def draw_screening(data: FigureData) -> Figure:
     return figure
 
 
-def screening_table(data: FigureData) -> pd.DataFrame:
-    """Return the effects, row by row."""
+def _screening_table(data: FigureData) -> pd.DataFrame:
     return _with_headings(_table(data), data.spec.answer.unit).drop(columns="other")
 
 
-def screening_notes(data: FigureData) -> list[str]:
-    """Return the sentences of the caption of a screening."""
+def _screening_notes(data: FigureData) -> list[str]:
     return [
         "Effect: change of the observable when the parameter goes from one end of its range to the "
         "other, the others held. Far right: it matters. High above the dotted line: the effect "
@@ -161,7 +154,6 @@ def _of(table: pd.DataFrame, index: str) -> pd.DataFrame:
 
 
 def _bars(rows: int) -> tuple[Figure, Axes]:
-    """Return a figure with room for so many rows of bars."""
     figure = Figure(figsize=(SINGLE_SIZE[0], _FRAME + _ROW * max(rows, 2)), layout="constrained")
     return figure, figure.subplots()
 
@@ -185,7 +177,6 @@ def _name_rows(axes: Axes, names: Sequence[str]) -> None:
 
 
 def _sample_notes(table: pd.DataFrame) -> list[str]:
-    """Return sentences on intervals and lost blocks."""
     first = table.iloc[0]
     if np.isfinite(first["error"]):
         return [
@@ -205,12 +196,11 @@ def _sample_notes(table: pd.DataFrame) -> list[str]:
 
 
 def _with_headings(table: pd.DataFrame, unit: str) -> pd.DataFrame:
-    """Return a table with units in its headings."""
     headings = {"low": "lower end of 95 % interval", "high": "upper end of 95 % interval"}
     named = {name: f"{headings.get(name, name)} [{unit}]" for name in ("value", "low", "high")}
     return table.rename(columns=named | {"left_out": "blocks left out"})
 
 
-INDICES = Drawing(draw_indices, indices_table, indices_notes)
-INTERACTIONS = Drawing(draw_interactions, interactions_table, interactions_notes)
-SCREENING = Drawing(draw_screening, screening_table, screening_notes)
+INDICES = Drawing(_draw_indices, _indices_table, _indices_notes)
+INTERACTIONS = Drawing(_draw_interactions, _interactions_table, _interactions_notes)
+SCREENING = Drawing(_draw_screening, _screening_table, _screening_notes)

@@ -1,57 +1,106 @@
-"""Pictures of shaded spheres, seen without perspective."""
+"""Particles as circles, those nearest to the viewer last, and the flow of spheres down a plane."""
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
+from matplotlib.collections import EllipseCollection
 from matplotlib.colors import Normalize
 
 from sim.study.plot_kinds import LARGEST_PORTION
 
-#: Share of ambient light, and the direction to the light source: right, up, toward the viewer.
-AMBIENT = 0.45
-LIGHT = np.array([-0.45, 0.70, 0.55]) / np.linalg.norm([-0.45, 0.70, 0.55])
+COLOURS = colormaps["viridis"]
+DARK = "#222222"
 
-#: Spheres darken towards their outline, where the surface normal along the view is below this.
-RIM = 0.35
+#: Of a shaded sphere: circles that it is drawn as, brightness of the outermost, and how far the
+#: innermost one is towards the light, to the right and up, in radii.
+_CIRCLES, _RIM = 6, 0.35
+_LIGHT = np.array([-0.3, 0.45])
 
-FLOOR_COLOUR = np.array([0.86, 0.84, 0.80])
+#: Where the viewer of a chute stands, degrees: a little down the slope and above.
+AZIMUTH, ELEVATION = -16.0, 14.0
 
-#: Brightness in a shadow, and the depth behind a lit surface, in radii, up to which there is none.
-SHADOW, BIAS = 0.72, 0.25
+_FLOOR, _GLUED = (0.86, 0.84, 0.80), (0.6, 0.6, 0.6, 1.0)
 
-#: Pixels are drawn this many times finer along each side; their mean has smooth edges.
-FINENESS = 2
-
-
-class View(NamedTuple):
-    """Unit vectors (3,) to the right and up in the picture, and from the scene to the viewer."""
-
-    right: np.ndarray
-    up: np.ndarray
-    toward: np.ndarray
+_TEXT: dict[str, Any] = {"color": DARK, "fontsize": 8.5}
+_ARROW: dict[str, Any] = {
+    **{"arrowstyle": "-|>", "color": DARK, "linewidth": 1.2, "shrinkA": 0, "shrinkB": 0}
+}
 
 
-class Frame(NamedTuple):
-    """The shown part of the picture's plane, m."""
+def draw_particles(
+    axes: Axes,
+    place: np.ndarray,
+    size: np.ndarray,
+    colour: np.ndarray,
+    depth: np.ndarray | None = None,
+    *,
+    shaded: bool = False,
+    **look: Any,
+) -> EllipseCollection:
+    """Draw particles to scale.
 
-    left: float
-    right: float
-    bottom: float
-    top: float
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where to draw; its unit is that of places and sizes.
+    place, size, colour : numpy.ndarray
+        Centres (N, 2), diameters (N,), and colours (N, 4), red, green, blue and opacity.
+    depth : numpy.ndarray, optional
+        How near to the viewer they are (N,); the nearer ones hide the others.
+    shaded : bool
+        Whether they look like spheres in a light, not like discs.
+    **look
+        Options of the circles, as their edges.
+    """
+    if depth is not None:
+        order = np.argsort(depth, kind="stable")
+        place, size, colour = place[order], size[order], colour[order]
+    if shaded:
+        inward = np.linspace(0, 1, _CIRCLES, endpoint=False)[:, None]
+        moved = place[:, None] + size[:, None, None] / 2 * inward * _LIGHT
+        bright = np.append(np.repeat(_RIM + (1.15 - _RIM) * inward**0.5, 3, axis=1), inward >= 0, 1)
+        colour = np.clip(colour[:, None] * bright, 0, 1).reshape(-1, 4)
+        place, size = moved.reshape(-1, 2), (size[:, None] * (1 - inward[:, 0])).ravel()
+        look = {"linewidths": 0, "rasterized": True} | look
+    circles = EllipseCollection(
+        size,
+        size,
+        np.zeros_like(size),
+        units="xy",
+        offsets=place,
+        offset_transform=axes.transData,
+        facecolors=colour,
+        **look,
+    )
+    axes.add_collection(circles)
+    return circles
 
 
-def view_from(azimuth: float, elevation: float, slope: float = 0.0) -> View:
-    """Return the view of a viewer who looks along y, with x to the right and z up.
+def across_sides(x: np.ndarray, size: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return indices and places along x of particles in a period.
+
+    Particles across one of its sides are at both. ``x`` and ``size`` are (N,).
+    """
+    x = np.mod(x, period)
+    sides = [np.flatnonzero(x < size / 2), np.flatnonzero(x > period - size / 2)]
+    index = np.concatenate([np.arange(len(x)), *sides])
+    shift = np.repeat([0.0, period, -period], [len(x), *map(len, sides)])
+    return index, x[index] + shift
+
+
+def view_from(azimuth: float, elevation: float, slope: float = 0.0) -> np.ndarray:
+    """Return the unit vectors (3, 3) to the right and up in a picture, and toward the viewer.
 
     Parameters
     ----------
     azimuth, elevation : float
-        Angle of the viewer round towards negative x, and angle above the horizontal, degrees.
+        Angle of the viewer, who looks along y with z up, round towards negative x, and angle above
+        the horizontal, degrees.
     slope : float
         Angle by which x points below the horizontal of the picture, degrees.
     """
@@ -59,177 +108,7 @@ def view_from(azimuth: float, elevation: float, slope: float = 0.0) -> View:
     right = np.array([np.cos(a), -np.sin(a), 0.0])
     toward = np.array([-np.sin(a) * np.cos(e), -np.cos(a) * np.cos(e), np.sin(e)])
     level = np.stack([right, np.cross(toward, right), toward])
-    inclined = np.array([[np.cos(s), 0, np.sin(s)], [0, 1, 0], [-np.sin(s), 0, np.cos(s)]])
-    return View(*(level @ inclined))
-
-
-def project(view: View, points: np.ndarray) -> np.ndarray:
-    """Return coordinates of points (..., 3) in a view: to the right, up, and toward the viewer."""
-    return points @ np.stack(view, axis=-1)
-
-
-def frame_around(view: View, points: np.ndarray, margin: float) -> Frame:
-    """Return the smallest frame that shows all points (..., 3) with a margin (m) around them."""
-    flat = project(view, points).reshape(-1, 3)[:, :2]
-    (left, bottom), (right, top) = flat.min(axis=0) - margin, flat.max(axis=0) + margin
-    return Frame(left, right, bottom, top)
-
-
-def picture(
-    view: View,
-    frame: Frame,
-    pixel: float,
-    position: np.ndarray,
-    radius: np.ndarray,
-    colour: np.ndarray,
-    *,
-    floor: np.ndarray | None = None,
-) -> np.ndarray:
-    """Return a picture of shaded spheres, the nearest in front.
-
-    Parameters
-    ----------
-    view : View
-        Direction of the view.
-    frame : Frame
-        Shown part of the picture's plane.
-    pixel : float
-        Side of a pixel, m.
-    position, radius, colour : numpy.ndarray
-        Centres (N, 3) and radii (N,), m, and colours (N, 3), red, green and blue from 0 to 1.
-    floor : numpy.ndarray, optional
-        Corners of a floor at z = 0: least and largest x and y (2, 2), m.
-
-    Returns
-    -------
-    numpy.ndarray
-        (H, W, 4) from the top down, red, green, blue and opacity as bytes.
-    """
-    height, width = _size(frame, pixel)
-    flat = _pixels(frame, height * FINENESS, width * FINENESS)
-    centre = project(view, position)
-    owner, depth = _nearest(flat, centre, radius)
-    rgb = _shade(flat, centre, radius, colour, owner)
-    if floor is not None:
-        ground = _depth_of_floor(view, flat, floor)
-        rgb[ground > depth] = FLOOR_COLOUR
-        depth = np.maximum(depth, ground)
-    is_covered = np.isfinite(depth)
-    rgb[is_covered] *= _shadow_brightness(
-        np.column_stack([flat[is_covered], depth[is_covered]]), centre, radius, pixel
-    )[:, None]
-    # Colours are weighted by opacity, so that the background does not darken edges.
-    layers = np.concatenate([rgb * is_covered[..., None], is_covered[..., None]], axis=-1)
-    mean = layers.reshape(height, FINENESS, width, FINENESS, 4).mean(axis=(1, 3))
-    mean[..., :3] /= np.maximum(mean[..., 3:], 1e-9)
-    return np.round(255 * np.clip(mean, 0, 1)).astype(np.uint8)
-
-
-def _size(frame: Frame, pixel: float) -> tuple[int, int]:
-    """Return the height and the width of a picture in pixels."""
-    size = frame.top - frame.bottom, frame.right - frame.left
-    return max(1, round(size[0] / pixel)), max(1, round(size[1] / pixel))
-
-
-def _pixels(frame: Frame, height: int, width: int) -> np.ndarray:
-    """Return the positions of the centres of the pixels (H, W, 2), from the top down."""
-    x = frame.left + (np.arange(width) + 0.5) * (frame.right - frame.left) / width
-    y = frame.top - (np.arange(height) + 0.5) * (frame.top - frame.bottom) / height
-    return np.stack(np.meshgrid(x, y), axis=-1)
-
-
-def _nearest(
-    flat: np.ndarray, centre: np.ndarray, radius: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the sphere that each pixel shows (H, W), -1 for none, and its depth (H, W), m.
-
-    The depth grows toward the viewer and is minus infinity without a sphere.
-    """
-    owner = np.full(flat.shape[:2], -1)
-    depth = np.full(owner.shape, -np.inf)
-    x, y = flat[0, :, 0], flat[:, 0, 1]
-    for i, ((right, up, toward), r) in enumerate(zip(centre, radius, strict=True)):
-        columns = slice(*np.searchsorted(x, (right - r, right + r)))
-        rows = slice(*np.searchsorted(-y, (-up - r, -up + r)))
-        squared = r * r - (x[columns] - right) ** 2 - (y[rows, None] - up) ** 2
-        near = np.where(squared > 0, toward + np.sqrt(np.maximum(squared, 0)), -np.inf)
-        nearer = near > depth[rows, columns]
-        depth[rows, columns][nearer] = near[nearer]
-        owner[rows, columns][nearer] = i
-    return owner, depth
-
-
-def _shade(
-    flat: np.ndarray,
-    centre: np.ndarray,
-    radius: np.ndarray,
-    colour: np.ndarray,
-    owner: np.ndarray,
-) -> np.ndarray:
-    """Return the colour of each pixel (H, W, 3) by Lambert's law, darker at outlines."""
-    rgb = np.zeros((*owner.shape, 3))
-    is_covered = owner >= 0
-    spheres = owner[is_covered]
-    aside = (flat[is_covered] - centre[spheres, :2]) / radius[spheres, None]
-    toward = np.sqrt(np.clip(1 - (aside**2).sum(axis=1), 0, 1))
-    facing = np.column_stack([aside, toward]) @ LIGHT
-    bright = AMBIENT + (1 - AMBIENT) * np.clip(facing, 0, 1)
-    bright *= np.clip(0.4 + 0.6 * toward / RIM, 0, 1)
-    rgb[is_covered] = colour[spheres] * bright[:, None]
-    return rgb
-
-
-def _depth_of_floor(view: View, flat: np.ndarray, floor: np.ndarray) -> np.ndarray:
-    """Return the depth (m) of the floor in each pixel, minus infinity outside it."""
-    plane = flat @ np.stack([view.right, view.up])
-    near = -plane[..., 2] / view.toward[2]
-    on_floor = (plane + near[..., None] * view.toward)[..., :2]
-    inside = ((on_floor > floor[0]) & (on_floor < floor[1])).all(axis=-1)
-    return np.where(inside, near, -np.inf)
-
-
-def _shadow_brightness(
-    points: np.ndarray, centre: np.ndarray, radius: np.ndarray, pixel: float
-) -> np.ndarray:
-    """Return the brightness (M,) of points (M, 3) under shadows, in coordinates of the view.
-
-    A point is in a shadow where a sphere is nearer to the light. This follows from a depth map of
-    the spheres as the light sees them.
-    """
-    if not len(radius):
-        return np.ones(len(points))
-    right = np.cross([0.0, 1.0, 0.0], LIGHT)
-    right /= np.linalg.norm(right)
-    lamp = View(right, np.cross(LIGHT, right), LIGHT)
-    projected = project(lamp, points)
-    frame = frame_around(lamp, centre, 2 * radius.max())
-    flat = _pixels(frame, *_size(frame, pixel / FINENESS))
-    _, depth = _nearest(flat, project(lamp, centre), radius)
-    height, width = depth.shape
-    column = (projected[:, 0] - frame.left) / (frame.right - frame.left) * width
-    row = (frame.top - projected[:, 1]) / (frame.top - frame.bottom) * height
-    # No sphere casts a shadow at the edge of the frame or beyond, so indices may be clipped.
-    row, column = (
-        np.clip(index, 0, size - 1).astype(int) for index, size in ((row, height), (column, width))
-    )
-    return np.where(depth[row, column] > projected[:, 2] + BIAS * radius.max(), SHADOW, 1.0)
-
-
-#: Where the viewer stands: a little down the slope and above.
-AZIMUTH, ELEVATION = -16.0, 14.0
-
-COLOURS = colormaps["viridis"]
-_GLUED_COLOUR = np.array([0.6, 0.6, 0.6])
-
-DARK = "#222222"
-_TEXT: dict[str, Any] = {"color": DARK, "fontsize": 8.5}
-_ARROW: dict[str, Any] = {
-    "arrowstyle": "-|>",
-    "color": DARK,
-    "linewidth": 1.2,
-    "shrinkA": 0,
-    "shrinkB": 0,
-}
+    return level @ np.array([[np.cos(s), 0, np.sin(s)], [0, 1, 0], [-np.sin(s), 0, np.cos(s)]])
 
 
 class Scene:
@@ -245,83 +124,62 @@ class Scene:
         Heights (m) for which the pictures need room, of any shape.
     speeds : numpy.ndarray
         Velocities down the slope (m/s) that span the range of colours, of any shape.
-    pixels : int
-        Height or width of the pictures in pixels, whichever is larger.
     """
 
     def __init__(
-        self,
-        row: Mapping[str, Any],
-        state: xr.Dataset,
-        heights: np.ndarray,
-        speeds: np.ndarray,
-        pixels: int,
+        self, row: Mapping[str, Any], state: xr.Dataset, heights: np.ndarray, speeds: np.ndarray
     ):
         self.diameter = float(row["diameter"])
-        self.cell = np.full(2, row["cell"] * self.diameter)
+        self.cell = np.full(2, row["cell"], float)
         self.shown_size = self.cell * (1.0, 0.5 if row["depth"] <= LARGEST_PORTION else 1.0)
-        self.radius = state["radius"].values
-        glued = state["fixed"].values if "fixed" in state else np.zeros(len(self.radius))
+        self.size = 2 * state["radius"].values / self.diameter
+        glued = state["fixed"].values if "fixed" in state else np.zeros(len(self.size))
         self.is_glued = glued.astype(bool)
         self.view = view_from(AZIMUTH, ELEVATION, row["angle"])
-        margin = self.diameter * np.array([[-1.0], [1.0]])
-        self.floor = np.array([np.zeros(2), self.shown_size]) + margin
-        (x0, y0), (x1, y1) = self.floor
-        top = float(heights.max(initial=0.0))
-        corners = [(x, y, z) for x in (x0, x1) for y in (y0, y1) for z in (0.0, top)]
-        self.frame = frame_around(self.view, np.array(corners), 0.5 * self.diameter)
-        left, right, bottom, upper = self.frame
-        self.pixel = max(right - left, upper - bottom) / pixels
+        self.top = float(heights.max(initial=0.0)) / self.diameter
         # The least range gives spheres at rest one colour despite rounding errors.
         slow, fast = np.percentile(speeds, (1, 99))
         fast = max(fast, slow + 0.05 * np.sqrt(row["gravity"] * self.diameter))
         self.range = float(slow), float(fast)
         self.norm = Normalize(*self.range)
 
-    def picture(self, position: np.ndarray, speed: np.ndarray) -> np.ndarray:
-        """Return the picture (H, W, 4) of spheres at ``position`` (N, 3), m, coloured by ``speed``.
+    def draw(self, axes: Axes, position: np.ndarray, speed: np.ndarray) -> EllipseCollection:
+        """Draw spheres at ``position`` (N, 3), m, coloured by ``speed`` (N,), m/s.
 
-        ``speed`` (N,) is in m/s. Spheres are drawn at their periodic images in the cell. Those
-        glued to the plane are grey.
+        Spheres are at their periodic images in the cell. Those glued to the plane are grey.
         """
-        wrapped = position.copy()
-        wrapped[:, :2] %= self.cell
-        is_shown = (wrapped[:, :2] < self.shown_size).all(axis=1)
-        colour = np.where(self.is_glued[:, None], _GLUED_COLOUR, COLOURS(self.norm(speed))[:, :3])
-        return picture(
-            self.view,
-            self.frame,
-            self.pixel,
-            wrapped[is_shown],
-            self.radius[is_shown],
-            colour[is_shown],
-            floor=self.floor,
+        place = position / self.diameter
+        place[:, :2] %= self.cell
+        is_shown = (place[:, :2] < self.shown_size).all(axis=1)
+        colour = np.where(self.is_glued[:, None], _GLUED, COLOURS(self.norm(speed)))[is_shown]
+        seen = place[is_shown] @ self.view.T
+        return draw_particles(
+            axes, seen[:, :2], self.size[is_shown], colour, seen[:, 2], shaded=True, zorder=2
         )
 
-    def show(self, axes: Axes, image: np.ndarray) -> Any:
-        """Show a picture in units of σ, with arrows of flow and gravity, scale bar and colour bar.
-
-        Returns the image in the axes; animations replace its data by the next picture.
-        """
-        left, right, bottom, top = np.array(self.frame) / self.diameter
-        shown = axes.imshow(image, extent=(left, right, bottom, top), interpolation="bilinear")
-        axes.set(xticks=[], yticks=[], anchor="W")
+    def prepare(self, axes: Axes) -> None:
+        """Draw the plane, arrows of flow and gravity, scale bar and colour bar, in units of σ."""
+        axes.set(xticks=[], yticks=[], anchor="W", aspect="equal")
         axes.spines[:].set_visible(False)
-        self._draw_arrows(axes)
-        bar = axes.figure.colorbar(
-            ScalarMappable(self.norm, COLOURS), ax=axes, shrink=0.55, aspect=22, pad=0.02
-        )
-        bar.set_label("velocity of spheres u (m/s)")
-        bar.outline.set_visible(False)
-        return shown
+        axes.grid(visible=False)
+        (x0, y0), (x1, y1) = -np.ones(2), self.shown_size + 1
+        ground = np.array([(x0, y0, 0), (x1, y0, 0), (x1, y1, 0), (x0, y1, 0)]) @ self.view.T
+        axes.fill(*ground[:, :2].T, color=_FLOOR, zorder=1)
+        above = ground + self.top * self.view[:, 2]
+        corners = np.concatenate([ground, above])[:, :2]
+        self._draw_arrows(axes, *(corners.min(axis=0) - 0.5), *(corners.max(axis=0) + 0.5))
+        shades = ScalarMappable(self.norm, COLOURS)
+        look: dict[str, Any] = {"shrink": 0.55, "aspect": 22}
+        label = "velocity of spheres u (m/s)"
+        axes.figure.colorbar(shades, ax=axes, pad=0.02, label=label, **look)
 
-    def _draw_arrows(self, axes: Axes) -> None:
+    def _draw_arrows(
+        self, axes: Axes, left: float, bottom: float, right: float, top: float
+    ) -> None:
         """Draw arrows of the flow (in front of the plane) and of gravity, and a bar of 5 σ."""
-        left, right, bottom, top = np.array(self.frame) / self.diameter
         length = 0.17 * max(right - left, top - bottom)
-        start = self.floor[0] + self.diameter * np.array([1.0, -1.3])
-        path = [(*start, 0.0), (start[0] + length * self.diameter, start[1], 0.0)]
-        (x0, y0, _), (x1, y1, _) = project(self.view, np.array(path)) / self.diameter
+        path = np.array([(0, -2.3, 0), (length, -2.3, 0)]) @ self.view.T
+        (x0, y0, _), (x1, y1, _) = path
         axes.annotate("", (x1, y1), (x0, y0), arrowprops=_ARROW, annotation_clip=False)
         axes.text(x0, y0 - 0.02 * length, "flow ", ha="right", va="top", **_TEXT)
         aside = right - 0.3 * length

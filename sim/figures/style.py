@@ -3,7 +3,7 @@
 import math
 import re
 import textwrap
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,8 +16,8 @@ from matplotlib.transforms import offset_copy
 
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import PROTOCOLS, setting
+from sim.study.figure_spec import FigureSpec, Measure, Style
 from sim.study.plot_contents import name_in_words, parameter_phrase
-from sim.study.plot_kinds import FigureSpec
 
 #: Okabe and Ito's colours, told apart by colour-blind readers, darkest first.
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
@@ -108,9 +108,9 @@ class CurveStyle:
     marker: str = "o"
 
 
-def prescribed_style(look: Mapping[str, str]) -> CurveStyle:
+def prescribed_style(look: Style | Measure) -> CurveStyle:
     """Return the style that a paper's figure prescribes: colour and dashes by name, and marker."""
-    return CurveStyle(NAMED[look["colour"]], PATTERNS[look["dashes"]], look.get("marker", "o"))
+    return CurveStyle(NAMED[look.colour or "black"], PATTERNS[look.dashes or "solid"], look.marker)
 
 
 def cycle_style(index: int) -> CurveStyle:
@@ -131,27 +131,6 @@ ENTRY_WIDTH = 32
 
 #: Rows of a legend for which a figure has room, and the height that each further row adds, inches.
 FREE_ROWS, ROW_HEIGHT = 3, 0.17
-
-
-def canvas(width: float = 5.6, height: float = 3.9) -> tuple[Figure, Axes]:
-    """Return a new figure (size in inches) with one set of axes.
-
-    It belongs to no window system and needs no closing.
-    """
-    figure = Figure(figsize=(width, height), layout="constrained")
-    return figure, figure.subplots()
-
-
-def place_legend(figure: Figure, axes: Axes, title: str = "") -> None:
-    """Put the legend above the axes: entries with lines first, then those with markers only."""
-    # Their type is any artist, but all entries are lines or markers. Of one label the first counts.
-    handles, labels = axes.get_legend_handles_labels()
-    entries: dict[Any, Any] = dict(zip(labels[::-1], handles[::-1], strict=True))
-    labels = sorted(
-        dict.fromkeys(labels),
-        key=lambda label: (label in MEANINGS, entries[label].get_linestyle() == "None"),
-    )
-    legend_above(figure, [entries[label] for label in labels], labels, title)
 
 
 def legend_above(
@@ -237,9 +216,7 @@ def name_protocols(axes: Axes, system: str) -> None:
 Look = Callable[[dict[str, object], int], tuple[CurveStyle, str]]
 
 
-def look_of(
-    spec: FigureSpec, keys: Sequence[str], measure: Mapping[str, Any] | None = None
-) -> Look:
+def look_of(spec: FigureSpec, keys: Sequence[str], measure: Measure | None = None) -> Look:
     """Return a function that returns style and legend entry of each curve of a paper's figure.
 
     Parameters
@@ -249,28 +226,27 @@ def look_of(
     keys : sequence of str
         Parameters that name a curve. The legend entry ends with the settings of all other
         parameters that distinguish curves.
-    measure : mapping, optional
+    measure : Measure, optional
         One of several measures: it has a style of its own, and its ``entry`` follows the settings;
         or ``dashes`` alone instead of those of the curve.
     """
-    styles, own = spec.styles, measure or {}
+    styles = {style.at: style for style in spec.styles}
 
     def look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
         named = {key: names[key] for key in keys}
         value = tuple(named.values()) if len(named) != 1 else next(iter(named.values()))
-        if "colour" in own:
-            style = prescribed_style(own)
+        entry = styles[value].entry if value in styles else ""
+        entry = entry or spec.entry.format(**named) or settings(spec.system, named.items())
+        rest = settings(spec.system, (item for item in names.items() if item[0] not in named))
+        measured = ""
+        if measure and measure.colour:
+            style, measured = prescribed_style(measure), measure.entry
         elif value in styles:
             style = prescribed_style(styles[value])
         else:
             style = cycle_style(index + len(styles))
-        if "dashes" in own:
-            style = replace(style, dashes=PATTERNS[own["dashes"]])
-        entry = styles.get(value, {}).get("entry") or (
-            spec.entry.format(**named) if spec.entry else settings(spec.system, named.items())
-        )
-        rest = settings(spec.system, (item for item in names.items() if item[0] not in named))
-        measured = own.get("entry") if "colour" in own else ""
+        if measure and measure.dashes:
+            style = replace(style, dashes=PATTERNS[measure.dashes])
         return style, ", ".join(filter(None, (entry, rest, measured)))
 
     return look

@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from sim.base.errors import percent, upper_first
+from sim.base.errors import upper_first
 from sim.base.files import file_version
 from sim.base.statistics import MANY, student
-from sim.figures.data import FigureData
-from sim.parameters import SYSTEMS, field_info
+from sim.figures.data import FigureData, parameter_heading
 from sim.parameters.words import setting
 from sim.study.design import Axis
 from sim.surrogates.predictor import counted_probability
@@ -59,7 +58,6 @@ def _steps(axis: Axis, count: int) -> np.ndarray:
 
 
 def _middle(axis: Axis) -> float:
-    """Return the middle of the range of a parameter, to three digits."""
     return float(f"{_steps(axis, 3)[1]:.3g}")
 
 
@@ -126,8 +124,7 @@ def agreement_rows(surrogate: Surrogate) -> pd.DataFrame:
     rows = rows[rows["in_mean"]].drop(columns="in_mean")
     rows = rows.rename(columns={"mean": "run", "half_width": "run_half_width"})
     return rows.assign(
-        predicted=predicted["mean"].values,
-        predicted_half_width=normal * predicted["error"].values,
+        predicted=predicted["mean"].values, predicted_half_width=normal * predicted["error"].values
     )
 
 
@@ -144,28 +141,26 @@ _OF_OBSERVABLE = {
 
 def with_units(surrogate: Surrogate, rows: pd.DataFrame) -> pd.DataFrame:
     """Return a table with units in its headings."""
-    declared = field_info(SYSTEMS[surrogate.system])
     headings = {name: f"{words} [{surrogate.unit}]" for name, words in _OF_OBSERVABLE.items()}
-    for axis in surrogate.axes:
-        unit = declared[axis.name].scale or declared[axis.name].unit
-        headings[axis.name] = f"{axis.name} [{unit}]" if unit else axis.name
+    names = [axis.name for axis in surrogate.axes]
+    headings |= {name: parameter_heading(surrogate.system, name) for name in names}
     headings["probability"] = f"probability of {' or '.join(surrogate.mean_regimes)}"
     return rows.rename(columns=headings)
 
 
 def basis_note(surrogate: Surrogate, *shown: str) -> str:
-    """Return the sentences on points and error of the mean, and on parameters that are held."""
+    """Return the sentences on points and error of the mean, and on parameters on no axis."""
     return f"{upper_first(surrogate.basis)}. {held_note(surrogate, *shown)}".strip()
 
 
 def held_note(surrogate: Surrogate, *shown: str) -> str:
     """Return the sentence on the parameters that are not on an axis."""
-    held = [
+    others = [
         setting(surrogate.system, axis.name, _middle(axis))
         for axis in surrogate.numeric
         if axis.name not in shown
     ]
-    return f"Held: {', '.join(held)}." if held else ""
+    return f"Held: {', '.join(others)}." if others else ""
 
 
 def regime_note(surrogate: Surrogate, where: str) -> str:
@@ -176,12 +171,4 @@ def regime_note(surrogate: Surrogate, where: str) -> str:
     return (
         f"{where} another regime ({' or '.join(others)}) is likelier than "
         f"{' or '.join(surrogate.mean_regimes)}."
-    )
-
-
-def error_note(surrogate: Surrogate) -> str:
-    """Return the sentence on the error of a surrogate."""
-    return (
-        f"Error of the surrogate: {percent(surrogate.error)} of the mean size of the "
-        f"observable, from {len(surrogate.process.y)} points, each predicted from the others."
     )

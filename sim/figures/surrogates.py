@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
+from sim.base.errors import percent
 from sim.figures.axes import set_log
 from sim.figures.data import Drawing, FigureData, observable_text
 from sim.figures.plot import SINGLE_SIZE, parameter_label, wrap_label
@@ -19,7 +20,6 @@ from sim.figures.surrogate_rows import (
     NEAR,
     agreement_rows,
     basis_note,
-    error_note,
     find_axis,
     find_surrogate,
     near_rows,
@@ -45,7 +45,7 @@ _BOUNDARY: dict[str, Any] = {"color": "black", "linewidth": 1.8}
 _PANEL, _MOST_BANDS = 0.7, 13
 
 
-def draw_section(data: FigureData) -> Figure:
+def _draw_section(data: FigureData) -> Figure:
     """Draw the mean along a parameter with its 95 % band, and the runs near it."""
     surrogate, axis = find_surrogate(data), find_axis(data, "x")
     figure = Figure(figsize=SINGLE_SIZE, layout="constrained")
@@ -71,8 +71,7 @@ def draw_section(data: FigureData) -> Figure:
     return figure
 
 
-def section_table(data: FigureData) -> pd.DataFrame:
-    """Return the section and the runs near it, row by row, units in the headings."""
+def _section_table(data: FigureData) -> pd.DataFrame:
     surrogate, axis = find_surrogate(data), find_axis(data, "x")
     parts = []
     for chosen in shown_settings(surrogate):
@@ -83,8 +82,7 @@ def section_table(data: FigureData) -> pd.DataFrame:
     return with_units(surrogate, rows[names])
 
 
-def section_notes(data: FigureData) -> list[str]:
-    """Return the sentences of the caption of a section."""
+def _section_notes(data: FigureData) -> list[str]:
     surrogate, axis = find_surrogate(data), find_axis(data, "x")
     runs = "Circles: the runs with their 95 % intervals."
     if len(surrogate.numeric) > 1:
@@ -96,7 +94,7 @@ def section_notes(data: FigureData) -> list[str]:
     return [basis_note(surrogate, axis.name), runs, dashed]
 
 
-def draw_surface(data: FigureData) -> Figure:
+def _draw_surface(data: FigureData) -> Figure:
     """Draw the mean over two parameters, a panel for each choice, with runs and regimes."""
     surrogate, x, y = find_surrogate(data), find_axis(data, "x"), find_axis(data, "y")
     every = shown_settings(surrogate)
@@ -124,9 +122,7 @@ def draw_surface(data: FigureData) -> Figure:
         axes.set_xlabel(parameter_label(surrogate.system, x.name))
         axes.grid(visible=False)
     panels[0].set_ylabel(parameter_label(surrogate.system, y.name))
-    bar = figure.colorbar(filled, ax=list(panels), pad=0.02)
-    bar.set_label(_label(surrogate))
-    bar.outline.set_visible(False)
+    figure.colorbar(filled, ax=list(panels), pad=0.02, label=_label(surrogate))
     _explain_marks(figure, panels, surrogate)
     return figure
 
@@ -149,16 +145,14 @@ def _explain_marks(figure: Figure, panels: Sequence[Axes], surrogate: Surrogate)
     legend_above(figure, list(entries.values()), list(entries))
 
 
-def surface_table(data: FigureData) -> pd.DataFrame:
-    """Return the map, row by row, units in the headings."""
+def _surface_table(data: FigureData) -> pd.DataFrame:
     surrogate, x, y = find_surrogate(data), find_axis(data, "x"), find_axis(data, "y")
     parts = [surface_rows(surrogate, x, y, chosen) for chosen in shown_settings(surrogate)]
     names = [*(one.name for one in surrogate.axes), "mean", "half_width", "probability"]
     return with_units(surrogate, pd.concat(parts, ignore_index=True)[names])
 
 
-def surface_notes(data: FigureData) -> list[str]:
-    """Return the sentences of the caption of a map."""
+def _surface_notes(data: FigureData) -> list[str]:
     surrogate = find_surrogate(data)
     basis = basis_note(surrogate, data.spec.answer.x, data.spec.answer.y)
     dots = "Dots: all runs, wherever their other parameters are."
@@ -166,7 +160,7 @@ def surface_notes(data: FigureData) -> list[str]:
     return [basis, dots, line]
 
 
-def draw_agreement(data: FigureData) -> Figure:
+def _draw_agreement(data: FigureData) -> Figure:
     """Draw each run against what the others predict of it."""
     surrogate = find_surrogate(data)
     rows = agreement_rows(surrogate)
@@ -188,28 +182,26 @@ def draw_agreement(data: FigureData) -> Figure:
     return figure
 
 
-def agreement_table(data: FigureData) -> pd.DataFrame:
-    """Return runs and predictions, row by row, units in the headings."""
+def _agreement_table(data: FigureData) -> pd.DataFrame:
     surrogate = find_surrogate(data)
     return with_units(surrogate, agreement_rows(surrogate))
 
 
-def agreement_notes(data: FigureData) -> list[str]:
-    """Return the sentences of the caption of predicted against run."""
+def _agreement_notes(data: FigureData) -> list[str]:
     surrogate = find_surrogate(data)
-    notes = [
+    scatter = (
+        "Too few points have two replicates: how far initial states differ is estimated from how "
+        "far the runs are from a smooth surface."
+    )
+    return [
         "Bars: 95 % intervals of the runs (vertical) and of the predictions (horizontal).",
         f"{100 * surrogate.coverage:.0f} % of the runs are within the interval of their prediction "
         f"before it is widened: by {surrogate.process.widening:.2f} for few points, and by more "
         "beside runs that the others do not expect.",
-        error_note(surrogate),
+        f"Error of the surrogate: {percent(surrogate.error)} of the mean size of the observable, "
+        f"from {len(surrogate.process.y)} points, each predicted from the others.",
+        scatter * surrogate.process.has_scatter,
     ]
-    if surrogate.process.has_scatter:
-        notes.append(
-            "Too few points have two replicates: how far initial states differ is estimated from "
-            "how far the runs are from a smooth surface."
-        )
-    return notes
 
 
 def _label(surrogate: Surrogate) -> str:
@@ -217,6 +209,6 @@ def _label(surrogate: Surrogate) -> str:
     return wrap_label(text)
 
 
-SECTION = Drawing(draw_section, section_table, section_notes)
-SURFACE = Drawing(draw_surface, surface_table, surface_notes)
-AGREEMENT = Drawing(draw_agreement, agreement_table, agreement_notes)
+SECTION = Drawing(_draw_section, _section_table, _section_notes)
+SURFACE = Drawing(_draw_surface, _surface_table, _surface_notes)
+AGREEMENT = Drawing(_draw_agreement, _agreement_table, _agreement_notes)

@@ -83,23 +83,14 @@ def read_time_series(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
         run.require_whole(path)
         completed = np.flatnonzero(np.asarray(run["status"]) == "completed")
         time, values = np.asarray(run["time"]), np.asarray(run[observable.source])
-    value_scale = scale_of_point(data, row, observable.unit)
+    scales = scale_of_point(data, row, "s"), scale_of_point(data, row, observable.unit)
     parts = []
     for number in completed:
         is_known = np.isfinite(values[number])
-        times, value = (
-            average_successive(time[is_known]),
-            average_successive(values[number][is_known]),
-        )
-        parts.append(
-            pd.DataFrame(
-                {
-                    "replicate": number,
-                    "time": times / scale_of_point(data, row, "s"),
-                    "value": value / value_scale,
-                }
-            )
-        )
+        both = (_averaged(each[is_known]) for each in (time, values[number]))
+        columns = (each / scale for each, scale in zip(both, scales, strict=True))
+        named = dict(zip(("time", "value"), columns, strict=True))
+        parts.append(pd.DataFrame({"replicate": number} | named))
     return pd.concat(parts) if parts else pd.DataFrame(columns=["replicate", "time", "value"])
 
 
@@ -109,14 +100,13 @@ def _point_amounts(system: str, row: Mapping[str, Any]) -> dict[str, float]:
     return amounts(model.model_construct(**{name: row[name] for name in model.model_fields}))
 
 
-def average_successive(values: np.ndarray) -> np.ndarray:
+def _averaged(values: np.ndarray) -> np.ndarray:
     """Average groups of successive values, so that at most `MOST_VALUES` remain."""
     size = -(-len(values) // MOST_VALUES) or 1
     return values[: len(values) // size * size].reshape(-1, size).mean(axis=1)
 
 
 def _averaging_start(data: FigureData, row: Mapping[str, Any]) -> float:
-    """Return the mean over the replicates of a point of the time at which averaging begins."""
     starts = data.results.dataset["average_start"].sel(point=row["point"]).values
     return float(np.nanmean(starts)) / scale_of_point(data, row, "s")
 
@@ -140,7 +130,6 @@ def notes(data: FigureData) -> list[str]:
 
 
 def _notes_on_logarithms(data: FigureData) -> list[str]:
-    """Return the caption note on the values omitted from a logarithmic axis."""
     time, value = table(data).iloc[:, -2:].to_numpy(float).T
     shown = above_zero(data, "x", time) + above_zero(data, "y", value)
     lost = int(np.isnan(shown).sum())

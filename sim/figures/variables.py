@@ -40,8 +40,9 @@ from sim.figures.style import (
     settings,
 )
 from sim.parameters import SYSTEMS
+from sim.study.figure_spec import FigureSpec
 from sim.study.plot_contents import has_logarithmic_values
-from sim.study.plot_kinds import REGIME, FigureSpec
+from sim.study.plot_kinds import REGIME
 from sim.study.plottable import numbers
 
 #: Colours of numbers; the palest are left out, as points lie on white, or on black once inverted.
@@ -71,6 +72,8 @@ class Variable:
         The values of a choice; empty for numbers.
     log : bool
         Whether its axis is logarithmic.
+    quantity : Quantity or None
+        Of an observable: its intervals and its heading.
     """
 
     name: str
@@ -78,6 +81,7 @@ class Variable:
     values: pd.Series
     choices: tuple[str, ...] = ()
     log: bool = False
+    quantity: Quantity | None = None
 
     def scale(self, axes: Axes, axis: str) -> None:
         """Set the scale of an axis, and the ticks of choices."""
@@ -90,6 +94,37 @@ class Variable:
             along.set_major_locator(FixedLocator(range(len(self.choices))))
             along.set_ticklabels([escape_label(name) for name in self.choices])
             getattr(axes, f"set_{axis}lim")(-0.5, len(self.choices) - 0.5)
+
+    @property
+    def norm(self) -> Normalize:
+        """From values to the range of the colours."""
+        values = self.values.dropna()
+        if values.empty:
+            return Normalize(0, 1)
+        return (LogNorm if self.log else Normalize)(values.min(), values.max())
+
+    def colours(self, values: pd.Series) -> np.ndarray:
+        """Return the colours (N, 4) of values that are known."""
+        if not self.choices:
+            return np.asarray(SHADES(self.norm(values.to_numpy(float))))
+        palette = [to_rgba(self._colour(number)) for number in range(len(self.choices))]
+        return np.array([palette[int(value)] for value in values]).reshape(-1, 4)
+
+    def _colour(self, number: int) -> str:
+        named = NAMED_COLOURS[1:] + NAMED_COLOURS[:1]
+        return REGIME_COLOURS.get(self.choices[number], named[number % len(named)])
+
+    def explain_colours(self, figure: Figure, shown: Panels) -> None:
+        """Put a colour bar beside panels, or an entry per choice into the legend of the first."""
+        panels = [axes for axes, _ in shown]
+        for number, choice in enumerate(self.choices):
+            look: dict[str, Any] = {"color": self._colour(number), "linestyle": "none"}
+            panels[0].plot([], [], marker="o", label=escape_label(choice), **look)
+        if not self.choices:
+            shades = ScalarMappable(self.norm, SHADES)
+            bar = figure.colorbar(shades, ax=panels, pad=0.02, label=self.label)
+            if self.log:
+                set_log(bar.ax, "y")
 
     def text(self, value: float) -> str:
         """Write a value as ticks do."""
@@ -110,18 +145,14 @@ def is_number(system: str, name: str) -> bool:
     return SYSTEMS[system].model_fields[name].annotation in (int, float)
 
 
-def parameters(data: FigureData) -> list[Variable]:
-    """Return the parameters on the axes of a figure that shows several."""
-    return [parameter(data, name) for name in data.spec.axes]
-
-
-def observable(data: FigureData, option: str, axis: str) -> tuple[Variable, Quantity]:
-    """Return the observable that an option names, and its intervals; 0 and less have no log."""
+def observable(data: FigureData, option: str, axis: str) -> Variable:
+    """Return the observable that an option names; 0 and less have no log."""
     shown = numbers(data.spec.system)[getattr(data.spec, option)]
     quantity = observed_quantity(data, option)
     log = axis in data.spec.log
     values = quantity.value.where(quantity.value > 0) if log else quantity.value
-    return Variable(shown.name, observable_label(data, shown), values, log=log), quantity
+    label = observable_label(data, shown)
+    return Variable(shown.name, label, values, log=log, quantity=quantity)
 
 
 def colour(data: FigureData) -> Variable | None:
@@ -130,59 +161,20 @@ def colour(data: FigureData) -> Variable | None:
     if name == REGIME:
         return _choice(REGIME, REGIME, data.rows["regime"])
     if name in numbers(data.spec.system):
-        return observable(data, "colour", "colour")[0]
+        return observable(data, "colour", "colour")
     return parameter(data, name, log="colour" in data.spec.log) if name else None
 
 
-def known_rows(data: FigureData, variables: Iterable[Variable]) -> pd.DataFrame:
+def rows_with_values(data: FigureData, variables: Iterable[Variable]) -> pd.DataFrame:
     """Return the completed points that have a value of each variable."""
-    known = [variable.values.notna() for variable in variables]
-    return data.rows[(data.rows["completed"] > 0) & np.logical_and.reduce(known)]
+    has_value = [variable.values.notna() for variable in variables]
+    return data.rows[(data.rows["completed"] > 0) & np.logical_and.reduce(has_value)]
 
 
 def _choice(name: str, label: str, values: pd.Series) -> Variable:
     choices = sorted(set(values))
     numbered = values.map({value: float(number) for number, value in enumerate(choices)})
     return Variable(name, label, numbered, tuple(choices))
-
-
-@dataclass(frozen=True)
-class Colours:
-    """The colours of a variable, and what explains them: a colour bar, or entries of a legend."""
-
-    variable: Variable
-
-    @property
-    def norm(self) -> Normalize:
-        """From values to the range of the colours."""
-        known = self.variable.values.dropna()
-        if known.empty:
-            return Normalize(0, 1)
-        return (LogNorm if self.variable.log else Normalize)(known.min(), known.max())
-
-    def of(self, values: pd.Series) -> np.ndarray:
-        """Return the colours (N, 4) of values that are known."""
-        if not self.variable.choices:
-            return np.asarray(SHADES(self.norm(values.to_numpy(float))))
-        palette = [to_rgba(self._named(number)) for number in range(len(self.variable.choices))]
-        return np.array([palette[int(value)] for value in values]).reshape(-1, 4)
-
-    def _named(self, number: int) -> str:
-        named = NAMED_COLOURS[1:] + NAMED_COLOURS[:1]
-        return REGIME_COLOURS.get(self.variable.choices[number], named[number % len(named)])
-
-    def explain(self, figure: Figure, axes: list[Axes]) -> None:
-        """Put a colour bar beside axes, or an entry per choice into the legend of the first."""
-        if self.variable.choices:
-            for number, choice in enumerate(self.variable.choices):
-                look: dict[str, Any] = {"color": self._named(number), "linestyle": "none"}
-                axes[0].plot([], [], marker="o", label=escape_label(choice), **look)
-            return
-        bar = figure.colorbar(ScalarMappable(self.norm, SHADES), ax=axes, pad=0.02)
-        bar.set_label(self.variable.label)
-        bar.outline.set_visible(False)
-        if self.variable.log:
-            set_log(bar.ax, "y")
 
 
 #: Most entries of a legend, beside those of foreign data.
@@ -205,7 +197,7 @@ def shared_look(data: FigureData, named: Sequence[str]) -> Look:
         label = settings(system, ((name, names[name]) for name in keys if name in names))
         if number is None:
             return cycle_style(indices.get(label, index)), label
-        (shade,) = Colours(number).of(pd.Series([names[number.name]]))
+        (shade,) = number.colours(pd.Series([names[number.name]]))
         return CurveStyle(to_hex(shade), "-"), label
 
     return look
@@ -259,7 +251,7 @@ def legend(
     spec = data.spec
     is_named = is_prescribed(spec) or bool(spec.quantities or spec.show == REGIME)
     if not is_named and (number := number_of_curves(data, named)) is not None:
-        Colours(number).explain(figure, [axes for axes, _ in shown])
+        number.explain_colours(figure, shown)
         entries = {}
     if len(entries) > MOST_ENTRIES and not is_named:
         entries = {f"{len(entries):,} curves, which the data names": Line2D([], [], linestyle="")}

@@ -443,13 +443,13 @@ def _corners(frames: Frames) -> np.ndarray:
 
 def write_webp(path: Path, frames: Frames) -> None:
     """Write an endless animation of up to `MOST_FRAMES` frames, seen along y, in diameters."""
-    from sim.figures.run import ParticleFrames, animation
+    from sim.figures.animation import ParticleFrames, run_animation
 
     chosen = np.unique(np.linspace(0, len(frames.times) - 1, MOST_FRAMES).astype(int))
     places = tuple(frames._places[number] for number in chosen)
     shown = [*replace(frames, times=frames.times[chosen], _places=places)]
     diameter = 2 * float(frames.radius.mean())
-    content = animation(
+    content = run_animation(
         ParticleFrames(
             np.stack([frame.position for frame in shown]) / diameter,
             np.stack([frame.velocity[:, 0] for frame in shown]),

@@ -19,10 +19,10 @@ from sim.figures.caption import first_clause
 from sim.parameters import NUMERICAL, SYSTEMS
 from sim.parameters.variables import mask_failed
 from sim.study.feed import plot_entry
+from sim.study.figure_spec import FigureSpec, written
 from sim.study.model import Point
 from sim.study.plot_contents import PlotContents
 from sim.study.plot_file import PlotFile
-from sim.study.plot_kinds import FigureSpec, written
 from sim.study.plottable import find_observable, numbers
 from sim.surrogates.answers import answer_name, caveats_in, refusal_in, sentence
 from sim.surrogates.storage import answer_files, find_surrogate
@@ -94,7 +94,8 @@ class LabelledResults(datasets.Results):
         if series and series not in every:
             raise _grid_error("series", series, one_of(series, every))
         shown = (series,) if series else tuple(every)
-        spec = FigureSpec("grid", "curves", "", system, "", series=shown, show=observable)
+        keys: dict[str, Any] = {"kind": "curves", "system": system, "series": shown}
+        spec = FigureSpec.model_construct(name="grid", y=observable, **keys)
         data = figure_data(self, spec)
         names = varying_parameters(data.rows, list(SYSTEMS[system].model_fields))
         _require_grid(data.rows, names)

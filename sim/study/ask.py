@@ -8,10 +8,10 @@ from pathlib import Path
 from sim.base.errors import count_text
 from sim.study.calibration import CalibrateFile
 from sim.study.catalogue import FIGURES
+from sim.study.figure_spec import Answer, FigureSpec
 from sim.study.file import StudyFile
 from sim.study.model import Study
 from sim.study.plot_contents import name_in_words, parameter_phrase
-from sim.study.plot_kinds import Answer, FigureSpec
 from sim.study.plottable import numbers
 from sim.study.sensitivity import SensitivityFile
 from sim.study.surrogate import Place, Question, SurrogateFile
@@ -134,14 +134,13 @@ def _picture(question: Question, kind: str, x: str = "", y: str = "", **words: s
             words[f"{key}_phrase"] = parameter_phrase(of.system, name)
     title, lead = (text.format_map(words) for text in PICTURES[kind])
     noun = "surrogate " if isinstance(question, SurrogateFile) else ""
-    return FigureSpec(
+    return FigureSpec.model_construct(
         name="-".join((question.name, *filter(None, (x, y)))) if x else f"{question.name}-{kind}",
         kind=kind,
-        paper="",
         system=of.system,
         title=f"{title}, {noun}{question.name}",
         lead=lead,
-        series=(of.series,),
+        series=[of.series],
         answer=Answer(
             question.file, of.observable, observable.unit, of.mean_regimes, question.settings, x, y
         ),

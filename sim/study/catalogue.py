@@ -3,7 +3,7 @@
 from collections import UserDict
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, Field, ValidationError, model_validator
 
@@ -14,16 +14,9 @@ from sim.base.yaml import read_yaml
 from sim.parameters import SYSTEMS
 from sim.parameters.common import broken_rule
 from sim.study.entries import Strict, Text
+from sim.study.figure_spec import FigureSpec
 from sim.study.papers import Paper, papers
-from sim.study.plot_file import PlotFile
-from sim.study.plot_kinds import (
-    CREEP,
-    LARGEST_PORTION,
-    SHARE,
-    TALLEST,
-    FigureSpec,
-    kinds,
-)
+from sim.study.plot_kinds import CREEP, LARGEST_PORTION, SHARE, TALLEST, kinds
 from sim.study.plottable import find_observable, require_parameter
 
 #: Keys of the figures of all kinds.
@@ -41,81 +34,16 @@ _LIMITS = {
 }
 
 
-def _one_or_tuple(value: Any) -> Any:
-    values = value if isinstance(value, list) else [value]
-    if not all(isinstance(one, bool | int | float | str) for one in values):
-        raise broken_rule("", value, "a value of a parameter, or a list of values")
-    return tuple(values) if isinstance(value, list) else value
-
-
 def _require_kind(kind: str) -> str:
     if kind not in kinds():
         raise broken_rule("", kind, one_of(kind, kinds()))
     return kind
 
 
-_Values = Annotated[Any, AfterValidator(_one_or_tuple)]
+class FigureFile(FigureSpec):
+    """A figure of a paper, as its file has it. Words in braces in its texts are filled in."""
 
-
-class _Look(Strict):
-    """Look of a curve, by the names of `sim.figures.style`; a measure may leave it open."""
-
-    colour: Literal["black", "blue", "red", "green", "pink", "orange"] = "black"
-    dashes: Literal["solid", "short_dash", "long_dash", "dash_dot", "dotted", "none"] = "solid"
-    marker: str = ""
-    entry: Text = Field("", description="its entry in the legend, or a measure's part of entries")
-
-
-class Style(_Look):
-    """Look of the curve that has the values ``at`` of ``curves``, in their order."""
-
-    at: _Values
-
-
-class Measure(_Look):
-    """A measure of the dataset that a figure shows."""
-
-    name: str
-    over: str = Field("", description="parameter that it is divided by")
-    label: Text = Field(description="what it is, for headings, with its unit in brackets")
-
-
-class FigureFile(PlotFile):
-    """A figure of a paper. Words in braces in its texts are filled in."""
-
-    kind: Annotated[str, AfterValidator(_require_kind)] = Field(
-        "curves", description="kind of plot, see `sim.figures.kinds`"
-    )
-    title: Text
-    about: Text = Field(description="figure of the paper, or what of the paper it is about")
-    vary: list[str] = Field([], description="parameters, on no axis, that the points must vary")
-    labels: dict[Literal["x", "y", "right"], Text] = Field({}, description="labels of the axes")
-    widest: float = Field(0, description="largest relative interval that a line joins, 0 for any")
-    levels: list[float] = Field([], description="values to compare with")
-    level: Text = Field("", description="their entry in the legend")
-    quantities: list[Measure] = []
-    alike: list[str] = Field([], description="parameters that do not tell curves apart")
-    relative: bool = Field(
-        False, description="whether velocity and frequency of the belt become shares of its own"
-    )
-    styles: list[Style] = []
-    entry: Text = Field("", description="pattern of the entries in the legend")
-    flat: bool = Field(False, description="whether profiles have the height along x")
-    theory: Literal["", "least_friction", "largest_angle", "lift_off"] = Field(
-        "", description="line of theory on a map of regimes"
-    )
-    creep: bool = Field(False, description="whether flows that creep have a marker of their own")
-    point: Literal["", "slowest", "none"] = Field(
-        "", description="which of several points is shown; of a map of regimes maybe `none`"
-    )
-    where: dict[str, _Values] = Field({}, description="values that a point must have to be drawn")
-    words: dict[str, Text] = Field(
-        {}, description="texts for the braces, besides those of the file"
-    )
-    lead: Text = Field(description="first sentence of the caption: what is drawn")
-    named: list[str] = Field(description="parameters whose values the details give")
-    says: Text = Field(description="sentence of the caption: what the paper says")
-    details: Text = Field("", description="first sentences of the details: definitions, methods")
+    kind: Annotated[str, AfterValidator(_require_kind)] = "curves"
 
     @model_validator(mode="after")
     def _require_keys_of_figures(self) -> Self:
@@ -123,6 +51,9 @@ class FigureFile(PlotFile):
         if self.system not in systems:
             allowed = f"a kind of the {self.system}; this is one of the {', '.join(systems)}"
             raise broken_rule("kind", self.kind, allowed)
+        for key in ("title", "about", "lead", "named", "says"):
+            if key not in self.model_fields_set:
+                raise broken_rule(key, None, "text")
         for key in sorted(self.model_fields_set - {*self.keys_of_kind}):
             allowed = f"a key of {self.kind}: {', '.join(self.keys_of_kind)}"
             raise broken_rule(key, getattr(self, key), allowed)
@@ -148,28 +79,7 @@ class FigureFile(PlotFile):
     @property
     def keys_of_kind(self) -> tuple[str, ...]:
         """Names of all its keys."""
-        return *KEYS_OF_ALL, *(self.keys.of_papers or (*self.keys.every, "log"))
-
-    @property
-    def shown(self) -> dict[str, Any]:
-        """What a figure shows, by the attributes of its specification."""
-        return super().shown | {
-            "labels": self.labels,
-            "levels": tuple(self.levels),
-            "level": self.level,
-            "quantities": tuple(one.model_dump(exclude_unset=True) for one in self.quantities),
-            "styles": {
-                style.at: style.model_dump(exclude_unset=True, exclude={"at"})
-                for style in self.styles
-            },
-            "entry": self.entry,
-            "point": self.point,
-            "widest": self.widest,
-            "relative": self.relative,
-            "flat": self.flat,
-            "theory": self.theory,
-            "creep": self.creep,
-        }
+        return *KEYS_OF_ALL, *(self.keys.of_papers.split() or (*self.keys.every, "log"))
 
 
 class PaperFigures(Strict):
@@ -220,20 +130,12 @@ def _spec(
     texts = _fill(
         figure.model_dump(include={"title", "lead", "says", "details"}), words, source, key
     )
-    return FigureSpec(
-        name=figure.name,
-        paper=f"{paper.quote}, {figure.about}",
-        system=figure.system,
-        title=texts["title"],
-        axes=(*figure.axis_names, *filter(None, (figure.panels,)), *figure.vary),
-        curves=tuple(name for name in figure.curves or () if name not in figure.vary),
-        where=figure.where,
-        alike=tuple(figure.alike),
-        lead=texts["lead"],
-        named=tuple(figure.named),
-        says=texts["says"],
-        details=texts["details"],
-        **figure.shown,
+    return figure.model_copy(
+        update={
+            **texts,
+            "paper": f"{paper.quote}, {figure.about}",
+            "vary": [*filter(None, (figure.panels,)), *figure.vary],
+        }
     )
 
 

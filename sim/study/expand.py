@@ -171,7 +171,7 @@ class _Family:
             figures = [
                 name
                 for name in self.entry.figures
-                if draft.other_readings <= set(FIGURES[name].curves)
+                if draft.other_readings <= set(FIGURES[name].groups)
             ]
             yield self._parameters(draft), figures
 

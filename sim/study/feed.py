@@ -9,6 +9,7 @@ from sim.base.errors import InputError
 from sim.base.messages import one_of
 from sim.parameters import NUMERICAL, SYSTEMS, Parameters, canonical_number, field_info, roles
 from sim.study.catalogue import FIGURES
+from sim.study.figure_spec import FigureSpec, written
 from sim.study.file import StudyFile
 from sim.study.model import Point, Study
 from sim.study.plot_contents import (
@@ -18,7 +19,7 @@ from sim.study.plot_contents import (
     same_plane,
     varying_parameters,
 )
-from sim.study.plot_kinds import FigureSpec, plugin_code, written
+from sim.study.plot_kinds import plugin_code
 
 
 def feed(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
@@ -84,24 +85,18 @@ def _require_known_names(
 
 def plot_entry(contents: PlotContents, series: Sequence[str]) -> FigureSpec:
     """Return the figure entry of a plot of some series; raise ``InputError`` as `feed` does."""
-    plot, second = contents.plot, contents.second
     contents.require_drawable()
-    spec = FigureSpec(
-        name=plot.name,
-        paper="",
-        system=contents.system,
-        title=plot.title or default_title(contents),
-        axes=contents.axes,
-        curves=contents.groups,
-        lead=caption_lead(contents),
-        named=_caption_parameters(contents.system, contents.parameters),
-        series=tuple(series),
-        second=second.name if second else "",
-        scattered=contents.suits_scatter,
-        beside=contents.beside,
-        plugin=plugin_code(plot.kind),
-        **plot.shown | {"log": contents.log},
-    )
+    follows = {
+        "title": contents.plot.title or default_title(contents),
+        "lead": caption_lead(contents),
+        "named": _caption_parameters(contents.system, contents.parameters),
+        "series": list(series),
+        "log": contents.log,
+        "foreign": contents.beside,
+        "scattered": contents.suits_scatter,
+        "plugin": plugin_code(contents.plot.kind),
+    }
+    spec = contents.spec.model_copy(update=follows)
     _require_distinct_positions(spec, contents.points, contents.source, contents.place)
     return spec
 
@@ -141,7 +136,7 @@ def _require_distinct_positions(
 
 
 def _settings(spec: FigureSpec, parameters: Parameters) -> str:
-    names = dict.fromkeys((*spec.axes, *spec.curves))
+    names = dict.fromkeys((*spec.axes, *spec.groups))
     return ", ".join(f"{name} = {written(getattr(parameters, name))}" for name in names)
 
 
@@ -164,7 +159,7 @@ def _series_note(first: Point, second: Point) -> str:
 _NOT_IN_CAPTION = {"system", "protocol", "start_from"}
 
 
-def _caption_parameters(system: str, points: Sequence[Parameters]) -> tuple[str, ...]:
+def _caption_parameters(system: str, points: Sequence[Parameters]) -> list[str]:
     """Return the parameters in a caption: part of ids, varied, or different from the default."""
     model = SYSTEMS[system]
     rows, always = field_info(model), {*roles.id_parts(model), "transient", "average"}
@@ -180,4 +175,4 @@ def _caption_parameters(system: str, points: Sequence[Parameters]) -> tuple[str,
     if all(map(same_plane, points)):
         # The plane has the friction of the particles.
         chosen -= {"friction_plane"}
-    return tuple(name for name in rows if name in chosen and name not in _NOT_IN_CAPTION)
+    return [name for name in rows if name in chosen and name not in _NOT_IN_CAPTION]

@@ -11,7 +11,8 @@ from sim.base.additions import Plugin
 from sim.parameters import Parameters
 from sim.study.design import Axis, DesignFile
 from sim.study.entries import DecideFile
-from sim.study.plot_kinds import FigureSpec, Shown
+from sim.study.figure_spec import FigureSpec
+from sim.study.plot_kinds import Shown
 from sim.study.refine import further_rounds
 from sim.study.surrogate import MOST_ROUNDS, Question, SurrogateFile
 
@@ -193,7 +194,7 @@ class Study:
         lists = [one.figures for one in self.boundaries] + [one.figures for one in self.surrogates]
         names = {boundary.name for boundary in self.boundaries}
         names |= {one.series for one in self.surrogates}
-        has_series = any(not names.isdisjoint(spec.series) for spec in self._time_series)
+        has_series = any(not names.isdisjoint(spec.series or ()) for spec in self._time_series)
         return Need(self.particles_shown(chain(*lists)), True, has_series)
 
     @cached_property

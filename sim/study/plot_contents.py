@@ -11,10 +11,11 @@ from typing import Any
 from sim.base.errors import Allowed, InputError
 from sim.base.messages import near
 from sim.parameters import NUMERICAL, SYSTEMS, Parameters, field_info
+from sim.study.figure_spec import DataSet, FigureSpec, written
 from sim.study.measured import PURE, MeasuredTable, read_measured
 from sim.study.model import Point
 from sim.study.plot_file import MAX_MAGNITUDE, BesideFile, PlotFile, allowed_on_logarithmic
-from sim.study.plot_kinds import REGIME, written
+from sim.study.plot_kinds import REGIME
 from sim.study.plottable import (
     Observable,
     every_name,
@@ -22,31 +23,6 @@ from sim.study.plottable import (
     require_parameter,
     require_stored,
 )
-
-#: Label; points (x, y), or (x, y, error of y), in the units of the plot; whether a line joins them.
-DataSet = tuple[str, tuple[tuple[float, ...], ...], bool]
-
-
-def data_sets(plot: PlotFile, folder: Path, unit_on: Callable[[str], str]) -> tuple[DataSet, ...]:
-    """Return the data beside a plot.
-
-    Parameters
-    ----------
-    plot : PlotFile
-        The plot.
-    folder : Path
-        Folder of its files.
-    unit_on : callable
-        Function: axis, ``"x"`` or ``"y"`` → its unit as UDUNITS reads it; empty for a natural one.
-
-    Raises
-    ------
-    InputError
-        For a file that cannot be read, and for columns and numbers that cannot be drawn.
-    """
-    return tuple(
-        (data.name, _points(plot, data, folder, unit_on), data.line) for data in plot.beside or ()
-    )
 
 
 def _points(
@@ -58,40 +34,26 @@ def _points(
     table = read_measured(folder / data.file)
     columns = [_column(plot, table, axis, getattr(data, axis), unit_on(axis)) for axis in "xy"]
     if data.yerr:
-        columns.append(_errors(table, data.yerr, unit_on("y")))
+        columns.append(_column(plot, table, "y", data.yerr, unit_on("y"), are_errors=True))
     if data.line and len(table.lines) < 2:
         raise InputError.of_value(table.path, "", "1 row", "at least two rows for a line")
     return tuple(zip(*columns, strict=True))
 
 
 def _column(
-    plot: PlotFile, table: MeasuredTable, axis: str, name: str, unit: str
+    plot: PlotFile, table: MeasuredTable, axis: str, name: str, unit: str, are_errors: bool = False
 ) -> tuple[float, ...]:
-    """Return the numbers of a column on an axis with a unit."""
-    table.require_column(name, f"for the axis {axis}")
-    _require_no_unit(table, name, unit)
-    allowed = (
-        allowed_on_logarithmic(axis)
-        if axis in plot.log
-        else f"a number of size up to {MAX_MAGNITUDE:g}"
-    )
-    low = plot.least(axis)
-    return table.numbers(name, unit or PURE, low=low, high=MAX_MAGNITUDE, allowed=allowed)
-
-
-def _errors(table: MeasuredTable, name: str, unit: str) -> tuple[float, ...]:
-    """Return the numbers of a column of errors."""
-    table.require_column(name, "the errors of y")
-    _require_no_unit(table, name, unit)
-    allowed = f"an error in [0, {MAX_MAGNITUDE:g}]"
-    return table.numbers(name, unit or PURE, low=0, high=MAX_MAGNITUDE, allowed=allowed)
-
-
-def _require_no_unit(table: MeasuredTable, name: str, unit: str) -> None:
-    """Raise ``InputError`` where a heading has a unit, but the axis a natural one."""
+    """Return the numbers of a column on an axis with a unit, or errors of such."""
+    table.require_column(name, "the errors of y" if are_errors else f"for the axis {axis}")
     if table.units[name] and not unit:
         allowed = "no unit, for a plot with units: natural"
         raise InputError.of_value(table.path, f"unit of column {name}", table.units[name], allowed)
+    low, allowed = plot.least(axis), f"a number of size up to {MAX_MAGNITUDE:g}"
+    if axis in plot.log:
+        allowed = allowed_on_logarithmic(axis)
+    if are_errors:
+        low, allowed = 0, f"an error in [0, {MAX_MAGNITUDE:g}]"
+    return table.numbers(name, unit or PURE, low=low, high=MAX_MAGNITUDE, allowed=allowed)
 
 
 #: Maximum number of panels of a plot.
@@ -141,35 +103,13 @@ class PlotContents:
         return [point.parameters for point in self.points]
 
     @cached_property
-    def observable(self) -> Observable | None:
-        """The observable, ``None`` on a map of regimes."""
-        if self.plot.observable == REGIME == self.plot.keys.usual:
-            return None
-        return self._observable(self.plot.keys.observable, self.plot.observable)
-
-    @cached_property
-    def second(self) -> Observable | None:
-        """The second observable, ``None`` if a parameter is on that axis, or may be.
-
-        A name of neither kind is refused later, with the parameters.
-        """
-        plot, keys, key = self.plot, self.plot.keys, self.plot.keys.second
-        name = getattr(plot, key) if key else None
-        if name is None or (key in keys.axes and name not in every_name()):
-            return None
-        if name == plot.observable:
-            raise self.error(key, name, f"an observable other than {keys.observable}")
-        return self._observable(key, name)
-
-    @cached_property
-    def axes(self) -> tuple[str, ...]:
-        """Parameters on its axes."""
-        if not self.plot.keys.several:
-            return () if self.second else self.plot.axis_names
-        named = getattr(self.plot, self.plot.keys.several)
-        if named is None:
-            named = [name for name in self._varied() if name not in self.groups]
-        return tuple(named)
+    def spec(self) -> FigureSpec:
+        """The plot with its system, and all parameters that vary where it shows several of them."""
+        spec = FigureSpec.model_construct(**vars(self.plot) | {"system": self.system})
+        if not spec.keys.several or spec.parameters is not None:
+            return spec
+        names = [name for name in self._varied() if name not in spec.groups]
+        return spec.model_copy(update={"parameters": names})
 
     def _varied(self) -> list[str]:
         """Return the parameters that vary, without a friction of the plane that is no other."""
@@ -177,133 +117,118 @@ class PlotContents:
         is_same = all(map(same_plane, self.parameters))
         return [name for name in names if name != "friction_plane" or not is_same]
 
+    @cached_property
+    def observables(self) -> dict[str, Observable]:
+        """The observables that it shows, by key; its points keep them.
+
+        A name of no observable is refused with the parameters.
+        """
+        spec, keys = self.spec, self.spec.keys
+        shows_regimes = spec.show == REGIME == keys.usual
+        named: dict[str, str] = {} if shows_regimes else {keys.observable: spec.show}
+        for key in filter(None, (keys.second, "colour")):
+            name, may_be_parameter = getattr(spec, key), key in (*keys.axes, "colour")
+            if name and (name in every_name() or not may_be_parameter) and key != keys.observable:
+                if key == keys.second and name == spec.show:
+                    raise self.error(key, name, f"an observable other than {keys.observable}")
+                named[key] = name
+        found: dict[str, Observable] = {}
+        for key, name in named.items():
+            found[key] = find_observable(spec.kind, key, name, self.system, self.error)
+            require_stored(found[key], self.points, partial(self.error, key, name))
+        return found
+
     @property
     def coloured(self) -> str:
         """The parameter that colours tell apart, empty if it is something else or nothing."""
-        name = "" if self.plot.keys.observable == "colour" else self.plot.colour or ""
-        return "" if name == REGIME or name in every_name() else name
+        keys, name = self.spec.keys, self.spec.colour or ""
+        is_other = keys.observable == "colour" or "colour" in self.observables or name == REGIME
+        return "" if is_other else name
 
     @property
-    def log(self) -> tuple[str, ...]:
+    def log(self) -> list[str]:
         """Logarithmic axes: those named, and x of curves whose values are spread so."""
-        named = tuple(self.plot.log)
-        if self.plot.kind != "curves" or not self.axes or "x" in named:
+        spec, named = self.spec, list[str](self.plot.log)
+        if spec.kind != "curves" or not spec.axes or "x" in named:
             return named
-        values = (getattr(point, self.axes[0]) for point in self.parameters)
-        return ("x", *named) if has_logarithmic_values(values) else named
+        values = (getattr(point, spec.axes[0]) for point in self.parameters)
+        return ["x", *named] if has_logarithmic_values(values) else named
 
     @cached_property
     def suits_scatter(self) -> bool:
         """Whether curves would have hardly more than one point each, as those of a design."""
-        plot, points = self.plot, self.parameters
-        if plot.kind != "curves" or not self.axes or len(points) < MIN_SCATTERED:
+        axes, points = self.spec.axes, self.parameters
+        if self.spec.kind != "curves" or not axes or len(points) < MIN_SCATTERED:
             return False
-        names = [name for name in self._varied() if name not in self.axes]
+        names = [name for name in self._varied() if name not in axes]
         groups = {tuple(getattr(point, name) for name in names) for point in points}
         return len(groups) > SCATTERED_SHARE * len(points)
-
-    @property
-    def groups(self) -> tuple[str, ...]:
-        """Parameters that tell curves and panels apart."""
-        return (*(self.plot.curves or ()), *([self.plot.panels] if self.plot.panels else ()))
 
     @cached_property
     def beside(self) -> tuple[DataSet, ...]:
         """Data that are not of the study."""
-        return data_sets(self.plot, Path(self.source).parent, self._unit_on)
+        plot, folder = self.plot, Path(self.source).parent
+        return tuple(
+            (one.name, _points(plot, one, folder, self._unit_on), one.line)
+            for one in plot.beside or ()
+        )
 
     def _unit_on(self, axis: str) -> str:
         """Return the unit of an axis as UDUNITS reads it; empty for a natural one."""
-        keys = self.plot.keys
-        named: dict[str, Observable | None] = {
-            keys.observable: self.observable,
-            keys.second: self.second,
-        }
-        if getattr(self.plot, axis) in self.axes:
-            unit = field_info(SYSTEMS[self.system])[getattr(self.plot, axis)].unit
-        else:
-            observable = named.get(axis)
-            # Profiles without an observable there have the height.
-            unit = observable.unit if observable else "m"
-            if self.plot.units == "natural" and unit != PURE:
-                return ""
-        return unit
+        name = getattr(self.plot, axis)
+        if name in self.spec.axes:
+            return field_info(SYSTEMS[self.system])[name].unit
+        # Profiles without an observable there have the height.
+        unit = self.observables[axis].unit if axis in self.observables else "m"
+        return "" if self.plot.units == "natural" and unit != PURE else unit
 
     def require_drawable(self) -> None:
         """Raise ``InputError`` for what the points do not keep or vary, or what hides a point."""
-        places: dict[str, str] = {}
+        spec, places, varied = self.spec, dict[str, str](), varying_parameters(self.parameters)
         named = self._parameters_by_key()
         for key, name in named:
-            keys = self.plot.keys
-            alternatives = keys.shows(self.system) if key == keys.second else ()
-            varied = varying_parameters(self.parameters)
+            alternatives = spec.keys.shows(self.system) if key == spec.keys.second else ()
             require_parameter(key, name, self.system, alternatives, self.error, varied)
-            self._require_varied(key, name)
+            values = {getattr(point, name) for point in self.parameters}
+            if len(values) < 2:
+                allowed = "a parameter that the points vary"
+                allowed += f": {near(name, varied)}" if varied else ""
+                got = f"{name}, which is {_value_text(values.pop())} throughout"
+                raise self.error(key, got, allowed)
         for key, name in named:
             if name in places:
                 raise self.error(key, name, f"a parameter other than {places[name]}")
             places[name] = key
-        self._require_few_panels()
-        self._require_few_axes()
-        self._require_colour()
+        if spec.panels:
+            count = len({getattr(point, spec.panels) for point in self.parameters})
+            if count > MAX_PANELS:
+                allowed = f"a parameter of at most {MAX_PANELS} values"
+                raise self.error("panels", f"{spec.panels} with {count} values", allowed)
+        if (key := spec.keys.several) and not 0 < len(spec.axes) <= spec.keys.most:
+            allowed = f"1 to {spec.keys.most} parameters that the points vary"
+            raise self.error(key, ", ".join(spec.axes) or None, allowed)
         self._require_logarithms()
         self._require_distinct_map_points()
 
-    def _observable(self, key: str, name: str) -> Observable:
-        """Return the observable that a key of the plot names, if its points keep it."""
-        observable = find_observable(self.plot.kind, key, name, self.system, self.error)
-        require_stored(observable, self.points, partial(self.error, key, name))
-        return observable
-
     def _parameters_by_key(self) -> list[tuple[str, str]]:
         """Return pairs of a key of the plot and the parameter that it names."""
-        plot = self.plot
-        axes = [(key, getattr(plot, key)) for key in ("x", "y") if getattr(plot, key) in self.axes]
-        curves = [
-            (f"curves[{number}]" if len(plot.curves or []) > 1 else "curves", name)
-            for number, name in enumerate(plot.curves or [])
-        ]
-        several = [
-            (f"{plot.keys.several}[{number}]", name)
-            for number, name in enumerate(self.axes if plot.keys.several else ())
-        ]
-        others = [("panels", plot.panels or ""), ("colour", self.coloured)]
-        return [*axes, *several, *curves, *((key, name) for key, name in others if name)]
-
-    def _require_varied(self, key: str, name: str) -> None:
-        values = {getattr(point, name) for point in self.parameters}
-        if len(values) < 2:
-            vary = varying_parameters(self.parameters)
-            allowed = "a parameter that the points vary" + (f": {near(name, vary)}" if vary else "")
-            got = f"{name}, which is {_value_text(values.pop())} throughout"
-            raise self.error(key, got, allowed)
-
-    def _require_few_panels(self) -> None:
-        if self.plot.panels:
-            count = len({getattr(point, self.plot.panels) for point in self.parameters})
-            if count > MAX_PANELS:
-                allowed = f"a parameter of at most {MAX_PANELS} values"
-                raise self.error("panels", f"{self.plot.panels} with {count} values", allowed)
-
-    def _require_few_axes(self) -> None:
-        """Raise an error for more axes than there is room for, or for none."""
-        key, most = self.plot.keys.several, self.plot.keys.most
-        if key and not 0 < len(self.axes) <= most:
-            got = ", ".join(self.axes) or None
-            raise self.error(key, got, f"1 to {most} parameters that the points vary")
-
-    def _require_colour(self) -> None:
-        """Raise an error for a colour that shows an observable which the points do not keep."""
-        name = self.plot.colour
-        if self.plot.keys.observable != "colour" and name in every_name():
-            self._observable("colour", name)
+        spec, keys = self.spec, self.spec.keys
+        # Observables are refused before parameters.
+        axes = set[str](keys.axes) - set(self.observables)
+        others = [(key, getattr(spec, key)) for key in sorted(axes)]
+        several = enumerate(spec.axes if keys.several else ())
+        others += [(f"{keys.several}[{number}]", name) for number, name in several]
+        for number, name in enumerate(spec.by):
+            others.append((f"curves[{number}]" if len(spec.by) > 1 else "curves", name))
+        others += [("panels", spec.panels or ""), ("colour", self.coloured)]
+        return [(key, name) for key, name in others if name]
 
     def _require_logarithms(self) -> None:
         """Raise an error for a logarithmic axis whose parameter is zero or less at some point."""
         for number, axis in enumerate(self.plot.log):
             name = getattr(self.plot, axis)
-            if name in (*self.axes, self.coloured):
-                if not _is_number(self.system, name):
+            if name in (*self.spec.axes, self.coloured):
+                if SYSTEMS[self.system].model_fields[name].annotation not in (int, float):
                     raise self.error(f"log[{number}]", axis, f"no log, as {name} is no number")
                 least = min(getattr(point, name) for point in self.parameters)
                 if least <= 0:
@@ -313,9 +238,9 @@ class PlotContents:
 
     def _require_distinct_map_points(self) -> None:
         """Raise an error for a map that would draw several points at one position."""
-        shown = (*self.axes, *self.groups)
+        shown = (*self.spec.axes, *self.spec.groups)
         points_by_position: dict[tuple[Any, ...], Parameters] = {}
-        for point in self.parameters if self.plot.keys.is_map else ():
+        for point in self.parameters if self.spec.regimes else ():
             position = tuple(getattr(point, name) for name in shown)
             other = points_by_position.setdefault(position, point)
             if other is not point:
@@ -340,8 +265,8 @@ _WIDE = 8.0
 
 def has_logarithmic_values(values: Iterable[float]) -> bool:
     """Return whether values spread over a wide range evenly in their logarithm."""
-    known = list(values)
-    low, middle, high = min(known), median(known), max(known)
+    numbers = list(values)
+    low, middle, high = min(numbers), median(numbers), max(numbers)
     if low <= 0 or high < _WIDE * low:
         return False
     geometric, arithmetic = sqrt(low * high), (low + high) / 2
@@ -351,10 +276,6 @@ def has_logarithmic_values(values: Iterable[float]) -> bool:
 def same_plane(point: Parameters) -> bool:
     """Return whether the plane has no friction of its own."""
     return getattr(point, "friction_plane", 0) == getattr(point, "friction", 0)
-
-
-def _is_number(system: str, name: str) -> bool:
-    return SYSTEMS[system].model_fields[name].annotation in (int, float)
 
 
 def _value_text(value: Any) -> str:
@@ -384,54 +305,46 @@ _MOST_NAMED = 3
 
 def default_title(contents: PlotContents) -> str:
     """Return the default title of a plot, such as ``Velocity against friction, by angle``."""
-    plot = contents.plot
+    spec = contents.spec
     vertical, horizontal = _y_then_x(contents)
-    what = plot.keys.what.format(name_in_words(vertical.name)) if vertical else "regimes"
-    names = [horizontal.name] if horizontal else contents.axes
+    what = spec.keys.what.format(name_in_words(vertical.name)) if vertical else "regimes"
+    names = [name_in_words(name) for name in ([horizontal.name] if horizontal else spec.axes)]
     if len(names) > _MOST_NAMED:
-        over = plot.keys.over.format(f"{len(names)} parameters")
-    else:
-        over = _over_phrase(plot, list(map(name_in_words, names)), horizontal)
-    colour = [] if plot.keys.observable == "colour" else [plot.colour]
-    groups = [name for name in (*(plot.curves or []), *colour, plot.panels) if name]
-    title = f"{what} {over}" + (f", by {in_words(map(name_in_words, groups))}" if groups else "")
+        names = [f"{len(names)} parameters"]
+    colour = "" if spec.keys.observable == "colour" else spec.colour
+    groups = [name_in_words(name) for name in (*spec.by, colour, spec.panels) if name]
+    title = f"{what} {_over_phrase(spec, names, horizontal)}"
+    title += f", by {in_words(groups)}" if groups else ""
     return title[0].upper() + title[1:]
 
 
 def caption_lead(contents: PlotContents) -> str:
     """Return the first sentence of the caption of a plot."""
-    plot, system = contents.plot, contents.system
+    spec, phrase = contents.spec, partial(parameter_phrase, contents.system)
     vertical, horizontal = _y_then_x(contents)
-    what = (
-        f"{name_in_words(vertical.name).capitalize()}: {vertical.meaning}"
-        if vertical
-        else "Regimes"
-    )
-    against = (
-        [f"{name_in_words(horizontal.name)} ({horizontal.meaning})"]
-        if horizontal
-        else [parameter_phrase(system, name) for name in contents.axes]
-    )
-    parts = [f"{what}, {_over_phrase(plot, against, horizontal)}"]
-    if plot.curves:
-        parts.append("curves: " + ", ".join(parameter_phrase(system, name) for name in plot.curves))
-    if plot.colour and plot.keys.observable != "colour":
+    what, against = "Regimes", [phrase(name) for name in spec.axes]
+    if vertical:
+        what = f"{name_in_words(vertical.name).capitalize()}: {vertical.meaning}"
+    if horizontal:
+        against = [f"{name_in_words(horizontal.name)} ({horizontal.meaning})"]
+    parts = [f"{what}, {_over_phrase(spec, against, horizontal)}"]
+    if spec.by:
+        parts.append("curves: " + ", ".join(map(phrase, spec.by)))
+    if spec.colour and spec.keys.observable != "colour":
         coloured = contents.coloured
-        colour = parameter_phrase(system, coloured) if coloured else name_in_words(plot.colour)
-        parts.append(f"colour: {colour}")
-    if plot.panels:
-        parts.append(f"panels: {parameter_phrase(system, plot.panels)}")
+        parts.append(f"colour: {phrase(coloured) if coloured else name_in_words(spec.colour)}")
+    if spec.panels:
+        parts.append(f"panels: {phrase(spec.panels)}")
     return "; ".join(parts) + "."
 
 
 def _y_then_x(contents: PlotContents) -> tuple[Observable | None, Observable | None]:
-    """Return both observables as (y, x)."""
-    observable, second = contents.observable, contents.second
-    is_turned = second and contents.plot.keys.second == "y"
-    return (second, observable) if is_turned else (observable, second)
+    """Return what is shown, and the observable that it is shown against, if any."""
+    shown = contents.observables
+    if "x" in shown and "y" in shown:
+        return shown["y"], shown["x"]
+    return shown.get(contents.spec.keys.observable), None
 
 
-def _over_phrase(plot: PlotFile, names: list[str], horizontal: Observable | None) -> str:
-    """Return the part of a title that begins with "over" or "against"."""
-    pattern = plot.keys.over if horizontal is None else "against {}"
-    return pattern.format(in_words(names))
+def _over_phrase(spec: FigureSpec, names: list[str], horizontal: Observable | None) -> str:
+    return (spec.keys.over if horizontal is None else "against {}").format(in_words(names))

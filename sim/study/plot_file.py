@@ -307,18 +307,3 @@ class PlotFile(Strict):
     def axis_names(self) -> tuple[str, ...]:
         """Names on the axes that show parameters; at a second key it may be an observable."""
         return tuple(getattr(self, key) for key in self.keys.axes)
-
-    @property
-    def shown(self) -> dict[str, Any]:
-        """What a figure shows whatever its points are, by the attributes of its specification."""
-        return {
-            "kind": self.kind,
-            "show": self.observable,
-            "colour": self.colour or "",
-            "between": tuple(self.between or ()),
-            "panels": self.panels or "",
-            "by": tuple(self.curves or ()),
-            "units": self.units,
-            "fit": self.fit or "",
-            "log": tuple(self.log),
-        }

@@ -3,25 +3,16 @@
 Those that ship stand in `sim.figures.kinds`. Nothing imports it by a statement.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from functools import wraps
 from importlib import import_module
-from pkgutil import resolve_name
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal
 
-from sim.base.additions import (
-    AdditionError,
-    add,
-    additions,
-    attribute_errors_to,
-    is_of_talus,
-    shipped,
-)
+from sim.base.additions import AdditionError, add, additions, attribute_errors_to, shipped
 from sim.base.errors import in_short, printable
 from sim.base.plugins import require_function, require_one_of, with_declared_types
-from sim.parameters import NUMERICAL, SYSTEMS, Parameters
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -80,8 +71,8 @@ class Keys:
         Axes that can be logarithmic.
     others : tuple of str
         Further keys.
-    of_papers : tuple of str
-        Keys of papers' figures, where these take others; `sim.study.catalogue` says what they mean.
+    of_papers : str
+        Keys of papers' figures, where these take others, as `sim.study.figure_spec` says.
     systems : tuple of str
         Systems of which papers can have figures of the kind, empty for all.
     what, over : str
@@ -101,7 +92,7 @@ class Keys:
     most: int = 12
     log: tuple[Literal["x", "y", "colour"], ...] = ()
     others: tuple[Literal["curves", "colour", "panels", "between", "beside", "fit"], ...] = ()
-    of_papers: tuple[str, ...] = ()
+    of_papers: str = ""
     systems: tuple[str, ...] = ()
     what: str = "{}"
     over: str = "against {}"
@@ -121,37 +112,28 @@ class Keys:
         return len(self.axes) == 2
 
 
-def _point_table(data: Any) -> "pd.DataFrame":
-    return resolve_name("sim.figures.data:point_table")(data)
-
-
-def _point_notes(data: Any) -> list[str]:
-    return resolve_name("sim.figures.caption:point_notes")(data)
+#: Roles of the functions of the data of a figure: the picture, the data behind it with units in the
+#: headings, the sentences of the caption, and the data with the points to draw only.
+ROLES = "draw", "table", "notes", "select"
 
 
 @dataclass(frozen=True)
 class PlotKind:
-    """A kind of plot: its keys, and functions of the data of a figure, which include its entry.
+    """A kind of plot.
 
     Attributes
     ----------
     keys : Keys
         The keys that it takes.
-    draw : callable
-        Returns the picture or the animation.
-    table : callable
-        Returns the data behind the picture, units in the headings.
-    notes : callable
-        Returns the sentences of the caption on error bars, markers and the like.
-    select : callable
-        Returns the data with the points to draw only; gets at least one point.
+    drawing : str
+        Module, or object in one, that has its functions by their `ROLES`; imported to draw.
+    own : mapping
+        Functions of a plug-in, in place of those.
     """
 
     keys: Keys
-    draw: OfData = field(repr=False)
-    table: "Callable[[Any], pd.DataFrame]" = _point_table
-    notes: Callable[[Any], list[str]] = _point_notes
-    select: OfData = lambda data: data
+    drawing: str = ""
+    own: Mapping[str, OfData] = field(default_factory=dict, repr=False)
 
 
 def plot_kind(
@@ -183,77 +165,37 @@ def plot_kind(
     select : callable, optional
         Function that returns the data with the points to draw only.
     """
-    given = {"table": table, "notes": notes, "select": select}
-    functions = {role: function for role, function in given.items() if function is not None}
     if keys is None:
         require_one_of(f"plot {name}: like", like, study_kinds())
         base = find_kind(like)
-        # Nothing draws data beside the plot of a plug-in, or fits a law to it.
-        others = tuple(key for key in base.keys.others if key not in ("beside", "fit"))
-        base = replace(base, keys=replace(base.keys, others=others))
     elif like or not isinstance(keys, Keys):
         raise AdditionError(
             f"plot {name}: keys is of type Keys, without like: got {in_short(keys)}"
         )
-    elif not is_of_talus():
-        keys = _usable(f"plot {name}: keys", keys)
-    for role, function in functions.items():
+    else:
+        base = PlotKind(with_declared_types(f"plot {name}: keys", keys))
+    # Nothing draws data beside the plot of a plug-in, or fits a law to it.
+    others = tuple(key for key in base.keys.others if key not in ("beside", "fit"))
+    given: dict[str, OfData | None] = {"table": table, "notes": notes, "select": select}
+    own = {role: function for role, function in given.items() if function is not None}
+    for role, function in own.items():
         require_function(f"plot {name}: {role}", function, takes=1)
     if notes:
-        functions["notes"] = lambda data: [printable(note) for note in notes(data)]
+        own["notes"] = lambda data: [printable(note) for note in notes(data)]
 
     def register(draw: Drawing) -> Drawing:
         require_function(f"plot {name}", draw, takes=1)
-        own: dict[str, Any] = {
-            role: _attributed(name, role, one) for role, one in (functions | {"draw": draw}).items()
-        }
-        add(PLOT, name, replace(base, **own) if keys is None else PlotKind(keys, **own))
+        every = (own | {"draw": draw}).items()
+        functions = {role: _attributed(name, role, function) for role, function in every}
+        add(PLOT, name, PlotKind(replace(base.keys, others=others), base.drawing, functions))
         return draw
 
     return register
 
 
-def _usable(what: str, keys: Keys) -> Keys:
-    """Return the keys of a plug-in's kind; refuse values that no plot has, or that nothing draws.
-
-    Raises
-    ------
-    AdditionError
-        For the first of them, with the attribute of `Keys` and what is allowed.
-    """
-
-    def require(key: str, value: Any, allowed: str, *, holds: bool) -> None:
-        if not holds:
-            raise AdditionError(f"{what}.{key}: got {in_short(value)}; allowed: {allowed}")
-
-    keys = with_declared_types(what, keys)
-    once = len(set(keys.axes)) == len(keys.axes) and keys.observable not in keys.axes
-    require("axes", keys.axes, "each key once, and not that of the observable", holds=once)
-    second = not keys.second or keys.second != keys.observable
-    require("second", keys.second, "another key than that of the observable", holds=second)
-    has_colour = keys.observable == "colour" or "colour" not in keys.log
-    require("log", keys.log, "colour only where it is the key of the observable", holds=has_colour)
-    # Nothing draws data beside the plot of a plug-in.
-    require("others", keys.others, "curves, panels, between", holds="beside" not in keys.others)
-    for name in keys.systems:
-        require("systems", name, f"one of {', '.join(SYSTEMS)}", holds=name in SYSTEMS)
-    for key in ("what", "over"):
-        text = getattr(keys, key)
-        is_pattern = text.isprintable() and not set("{}") & set(text.replace("{}", "", 1))
-        require(key, text, "one line of text, with {} for the names", holds=is_pattern)
-    for system in SYSTEMS:
-        shown = keys.shows(system)
-        are_observables = isinstance(shown, Mapping) and all(
-            isinstance(name, str) and hasattr(one, "meaning") for name, one in shown.items()
-        )
-        allowed = "a function: system -> observables by name, as talus.study.plottable.numbers"
-        require("shows", shown, allowed, holds=are_observables)
-    return keys
-
-
 def _attributed(name: str, role: str, function: OfData) -> OfData:
     """Return a function whose errors name the plug-in of a kind, and its place there."""
-    method, what = ("", "") if is_of_talus() else _RETURNED.get(role, ("", ""))
+    method, what = _RETURNED.get(role, ("", ""))
 
     @wraps(function)
     def call(data: Any) -> Any:
@@ -306,206 +248,3 @@ CREEP = 0.1
 
 #: Greatest height of the beads in an animation (⟨d⟩); few beads of a gas fly higher.
 TALLEST = 24.0
-
-
-class Answer(NamedTuple):
-    """The answer that a figure shows: its file, and the observable with its unit.
-
-    ``regimes`` are those that count, ``settings`` those of the question, and ``x`` and ``y`` the
-    parameters on the axes.
-    """
-
-    file: str = ""
-    observable: str = ""
-    unit: str = ""
-    regimes: tuple[str, ...] = ()
-    settings: tuple[Any, ...] = ()
-    x: str = ""
-    y: str = ""
-
-
-@dataclass(frozen=True)
-class FigureSpec:
-    """A figure as plain data: numbers, texts, and tuples and mappings of them.
-
-    Attributes
-    ----------
-    name : str
-        Name in study files, targets and file names.
-    kind : str
-        Kind of plot, see `sim.study.plot_kinds`.
-    paper : str
-        Figure of the paper it reproduces, or what it is about in it; empty for a study's own plot.
-    system : str
-        System of all the points that feed it.
-    title : str
-        One line for tables and the report.
-    axes : tuple of str
-        Parameters that must take at least two values among those points; curves are drawn along the
-        first.
-    curves : tuple of str
-        Parameters that tell the paper's curves apart; a study may vary them or not.
-    alike : tuple of str
-        Parameters that do not tell curves apart: points that differ in them are on one curve.
-    where : mapping
-        Values that parameters of a point must have to be drawn, or tuples of values of which each
-        must have one; others of a series that feeds the figure are left out.
-    lead : str
-        First sentence of the caption: what is drawn.
-    named : tuple of str
-        Parameters whose values the details give.
-    says : str
-        Sentence of the caption: what the paper says that the figure shows.
-    details : str
-        First sentences of the details: definitions and methods.
-    series : tuple of str
-        Series whose points feed it, where the study says so itself; those of the catalogue are fed
-        by the series that name them.
-    show, second, colour : str
-        The observable that is shown; a second one, where no parameter is on its axis; and what
-        colours show. Each may be empty.
-    by, panels : tuple of str, str
-        Parameters that the keys ``curves`` and ``panels`` name.
-    units : str
-        Units of observables, ``"si"`` or ``"natural"``.
-    log : tuple of str
-        Logarithmic axes.
-    between : tuple of float
-        Lowest and highest height of profiles, in diameters; empty for all.
-    beside : tuple
-        Data that are not of the study: label, points (x, y) or (x, y, error of y) in the units of
-        the axes, and whether a line joins them.
-    fit : str
-        Law that is fitted to each curve.
-    scattered : bool
-        Whether points hardly share curves, as those of a design.
-    labels : mapping
-        Labels of the axes ``"x"`` and ``"y"``, in place of names and units.
-    levels, level : tuple of float, str
-        Values to compare with, and their entry in the legend.
-    quantities : tuple of mapping
-        Measures of the dataset that are shown in place of the velocity.
-    styles, entry : mapping, str
-        Looks of curves by the values of their parameters, and pattern of the other entries.
-    point : str
-        Which of several points is shown.
-    widest : float
-        Largest half width of an interval, relative to its value, that a line joins; 0 for any.
-    relative : bool
-        Whether velocity and frequency of the belt are shares of its own.
-    flat : bool
-        Whether profiles have the height along x, and end where particles are few.
-    theory, creep : str, bool
-        Line of theory on a map of regimes, and whether its flows that creep have a marker.
-    answer : Answer
-        The answer that it shows.
-    plugin : str
-        Code hash of the plug-in that adds its kind.
-    """
-
-    name: str
-    kind: str
-    paper: str
-    system: str
-    title: str
-    axes: tuple[str, ...] = ()
-    curves: tuple[str, ...] = ()
-    alike: tuple[str, ...] = ()
-    where: Mapping[str, Any] = field(default_factory=dict)
-    lead: str = ""
-    named: tuple[str, ...] = ()
-    says: str = ""
-    details: str = ""
-    series: tuple[str, ...] = ()
-    show: str = ""
-    second: str = ""
-    colour: str = ""
-    by: tuple[str, ...] = ()
-    panels: str = ""
-    units: str = "si"
-    log: tuple[str, ...] = ()
-    between: tuple[float, ...] = ()
-    beside: tuple[Any, ...] = ()
-    fit: str = ""
-    scattered: bool = False
-    labels: Mapping[str, str] = field(default_factory=dict)
-    levels: tuple[float, ...] = ()
-    level: str = ""
-    quantities: tuple[Mapping[str, str], ...] = ()
-    styles: Mapping[Any, Mapping[str, str]] = field(default_factory=dict)
-    entry: str = ""
-    point: str = ""
-    widest: float = 0.0
-    relative: bool = False
-    flat: bool = False
-    theory: str = ""
-    creep: bool = False
-    answer: Answer = field(default_factory=Answer)
-    plugin: str = ""
-
-    @property
-    def keys(self) -> Keys:
-        """The keys of its kind of plot."""
-        return find_kind(self.kind).keys
-
-    @property
-    def regimes(self) -> bool:
-        """Whether it shows regimes and the boundaries found between them, not velocities."""
-        return self.keys.is_map
-
-    @property
-    def particles(self) -> Shown:
-        """What it shows of the particles, which the dataset then keeps."""
-        return self.keys.particles
-
-    @property
-    def animated(self) -> bool:
-        """Whether it moves: a GIF with a poster instead of a picture."""
-        return self.keys.animated
-
-    @property
-    def draws_curves(self) -> bool:
-        """Whether points are joined to curves, on which each has a place of its own."""
-        return bool(self.axes) and not self.regimes
-
-    @property
-    def taken(self) -> dict[str, str]:
-        """Values in ``where`` in words, by parameter."""
-        return {name: ", ".join(map(written, _tuple(value))) for name, value in self.where.items()}
-
-    def shows(self, parameters: Parameters) -> bool:
-        """Return whether a point with these parameters is among those drawn."""
-        return all(self.takes(name, parameters) for name in self.where)
-
-    def is_fed_by(self, system: str, series: Iterable[str]) -> bool:
-        """Return whether a point of some series is one of those that a study's own plot shows."""
-        return system == self.system and not set(series).isdisjoint(self.series)
-
-    def takes(self, name: str, parameters: Parameters) -> bool:
-        """Return whether a point is not left out for the parameter ``name`` of ``where``."""
-        return getattr(parameters, name) in _tuple(self.where[name])
-
-    def place(self, parameters: Parameters) -> tuple[Any, ...]:
-        """Return the values that place a point on the curves; points of the same lie on each other.
-
-        Parameters that set how a point is computed do so only where the figure is about them.
-        """
-        own, others = {*self.axes, *self.curves}, {*NUMERICAL, *self.alike}
-        names = type(parameters).model_fields
-        return tuple(
-            getattr(parameters, name) for name in names if name in own or name not in others
-        )
-
-    @property
-    def suffixes(self) -> tuple[str, str, str, str]:
-        """Of its files: picture, picture that scales or moves, data behind it, caption."""
-        return ".png", ".gif" if self.animated else ".svg", ".csv", ".caption.txt"
-
-
-def _tuple(value: Any) -> tuple[Any, ...]:
-    return value if isinstance(value, tuple) else (value,)
-
-
-def written(value: Any) -> str:
-    """Write a value of a parameter for people."""
-    return value if isinstance(value, str) else f"{value:g}"

@@ -157,7 +157,7 @@ def _figures() -> list[str]:
         only = [f"{key} {each}" for key, each in other.items()]
         if len(other) < len(spec.taken):
             only.append("…")
-        curves = f" ({', '.join(spec.curves)})" if spec.curves else ""
+        curves = f" ({', '.join(spec.groups)})" if spec.groups else ""
         vary = ", ".join(spec.axes) + curves
         row = (f"`{name}`", spec.title, vary, "; ".join(only))
         rows.setdefault(f"the {spec.system}", {})[name] = row

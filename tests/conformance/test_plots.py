@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
-from pkgutil import resolve_name
 from xml.etree import ElementTree
 
 import numpy as np
@@ -16,11 +15,11 @@ from PIL import Image
 
 from sim.dataset.build import build
 from sim.figures import animation
-from sim.figures.kinds import DRAWINGS
 from sim.figures.render import find_spec, render
 from sim.study.catalogue import FIGURES
+from sim.study.figure_spec import FigureSpec
 from sim.study.load import load_study
-from sim.study.plot_kinds import FigureSpec, Keys, find_kind, kinds, study_kinds
+from sim.study.plot_kinds import Keys, find_kind, kinds, study_kinds
 from tests import conformance  # noqa: F401  (loads the plug-ins)
 from tests.figures import made_belt, made_chute
 from tests.made.figures import make_built_regimes, make_built_study
@@ -121,8 +120,6 @@ def found(tmp_path_factory) -> Callable[[str], tuple[FigureSpec, Path]]:
 @pytest.fixture(autouse=True)
 def small(monkeypatch) -> None:
     """Let pictures of animations, which take long, be few and small."""
-    monkeypatch.setattr(animation, "CHUTE_PIXELS", 50)
-    monkeypatch.setattr(animation, "BELT_PIXELS", 50)
     monkeypatch.setattr(animation, "FRAMES", 3)
     monkeypatch.setattr(animation, "EVERY", 13)
 
@@ -211,12 +208,6 @@ def test_a_number_that_no_axis_holds_is_told(wanted, value, found, tmp_path):
     assert (
         "Nothing is drawn: a number of its data is beyond 1e+100." in caption.read_text()
     ) == is_huge
-
-
-@pytest.mark.parametrize("drawing", DRAWINGS.values())
-def test_what_draws_a_kind_has_its_functions(drawing):
-    found = resolve_name(drawing)
-    assert all(callable(getattr(found, role)) for role in ("draw", "table", "notes"))
 
 
 def test_every_kind_is_drawn():

@@ -13,10 +13,9 @@ from matplotlib.lines import Line2D
 
 from sim.dataset.results import Results, load_results
 from sim.figures.data import FigureData, figure_data
-from sim.figures.render import Animation, derive_texts, find_spec, render
+from sim.figures.render import Animation, derive_texts, drawing_of, find_spec, render
 from sim.figures.style import SETTINGS
 from sim.study.catalogue import FIGURES
-from sim.study.plot_kinds import find_kind
 
 _loaded = cache(load_results)
 
@@ -29,12 +28,12 @@ def data_of_figure(name: str, results: Results | Path) -> FigureData:
 def picture(data: FigureData) -> Figure | Animation:
     """Return a figure as its kind draws the points of the data."""
     with mpl.rc_context(SETTINGS):
-        return find_kind(data.spec.kind).draw(data)
+        return drawing_of(data.spec.kind).draw(data)
 
 
 def drawn(name: str, results: Results | Path) -> tuple[Any, FigureData]:
     """Return a figure as its kind draws it, and its data."""
-    data = find_kind(FIGURES[name].kind).select(data_of_figure(name, results))
+    data = drawing_of(FIGURES[name].kind).select(data_of_figure(name, results))
     return picture(data), data
 
 
@@ -46,7 +45,12 @@ def texts(name: str, dataset: Path) -> tuple[pd.DataFrame, str]:
 
 def table(data: FigureData) -> pd.DataFrame:
     """Return the plotted data of a figure."""
-    return find_kind(data.spec.kind).table(data)
+    return drawing_of(data.spec.kind).table(data)
+
+
+def notes(data: FigureData) -> str:
+    """Return the sentences of a caption on a kind of plot."""
+    return " ".join(drawing_of(data.spec.kind).notes(data))
 
 
 def without_particles(data: FigureData) -> FigureData:

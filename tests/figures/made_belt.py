@@ -118,10 +118,7 @@ def made_series(parameters: BeltParameters) -> dict[str, tuple]:
     power = np.where(cycles <= 10, 2, 1) / parameters.frequency
     dims = ("replicate", "time")
     return {
-        "base_occupancy": (
-            dims,
-            np.outer(1 + SPREAD, np.full(SAMPLES, 1 / parameters.frequency)),
-        ),
+        "base_occupancy": (dims, np.outer(1 + SPREAD, np.full(SAMPLES, 1 / parameters.frequency))),
         "wave_power": (dims, np.outer(1 + SPREAD, power)),
         "belt_phase": (dims, np.tile(2 * np.pi * (cycles % 1), (SPREAD.size, 1))),
     }
@@ -151,10 +148,7 @@ def made_particles(parameters: BeltParameters) -> dict[str, tuple]:
             ("replicate", "frame", "particle", "axis"),
             alike(np.broadcast_to([speed, -0.5 * speed], frames.shape)),
         ),
-        "radius": (
-            ("replicate", "particle"),
-            alike(diameter / 2 * np.linspace(0.5, 1.5, beads)),
-        ),
+        "radius": (("replicate", "particle"), alike(diameter / 2 * np.linspace(0.5, 1.5, beads))),
     }
 
 

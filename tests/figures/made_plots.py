@@ -12,8 +12,8 @@ from sim.dataset.results import COLUMNS, Results
 from sim.figures.data import figure_data
 from sim.parameters import ChuteParameters
 from sim.parameters.laws import LAW
+from sim.study.figure_spec import FigureSpec
 from sim.study.load import load_study, parse_study
-from sim.study.plot_kinds import FigureSpec
 from tests.figures.drawing import picture, table
 from tests.made.results import MadePoint, made_point, made_results
 from tests.made.runs import write_run

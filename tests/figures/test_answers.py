@@ -6,17 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from sim.base.errors import InputError
-from sim.figures.figure_records import current_record
-from sim.study.plot_kinds import find_kind
-from tests.figures.drawing import picture, table
+from tests.figures.drawing import notes, picture, table
 from tests.figures.test_plot_texts import shown_texts
-from tests.made.answers import (
-    picture_data,
-    write_calibration,
-    write_effects,
-    write_indices,
-)
+from tests.made.answers import picture_data, write_calibration, write_effects, write_indices
 from tests.surrogates.made_calibration import ANGLES, RANGES
 
 
@@ -33,7 +25,7 @@ def folder(tmp_path_factory) -> Path:
 
 def drawn(folder, kind, answer):
     data = picture_data(folder, kind, answer)
-    return picture(data), table(data), " ".join(find_kind(kind).notes(data))
+    return picture(data), table(data), notes(data)
 
 
 def test_indices_are_bars_with_the_largest_total_on_top(folder):
@@ -100,22 +92,3 @@ def test_what_fits_nowhere_is_said_in_place_of_a_posterior(folder, kind):
     else:
         assert "no parameters in the ranges fit" in [t.get_text() for t in figure.axes[0].texts]
         assert rows["outcome"].tolist() == ["no fit"] and np.isfinite(rows["probability [1]"]).all()
-
-
-def test_a_missing_answer_is_told(folder):
-    for kind, name in (("indices", "none.csv"), ("posterior", "none.nc")):
-        with pytest.raises(InputError, match=f"{name}: no such .*; rerun the study to make it"):
-            picture(picture_data(folder, kind, name))
-
-
-def test_a_picture_is_old_where_any_row_of_its_answer_has_changed(tmp_path):
-    """A table has no seal at its end; that of a dataset tells it from others."""
-    (tmp_path / "dataset.nc").write_bytes(b"sealed")
-    spec = picture_data(tmp_path, "indices", write_indices(tmp_path)).spec
-    for suffix in spec.suffixes:
-        (tmp_path / f"made{suffix}").write_text("drawn")
-    before = current_record(spec, tmp_path / "dataset.nc", tmp_path, "code")
-    assert before and before == current_record(spec, tmp_path / "dataset.nc", tmp_path, "code")
-    path = tmp_path / "indices.csv"
-    path.write_text(path.read_text().replace("friction", "fraction", 1))
-    assert current_record(spec, tmp_path / "dataset.nc", tmp_path, "code") != before

@@ -3,36 +3,26 @@
 import numpy as np
 import pandas as pd
 import pytest
-import xarray as xr
 from matplotlib.colors import to_rgb
 from scipy.stats import t
 
-from sim.base.errors import InputError
 from sim.dataset.results import load_results
 from sim.figures.plot import completed_rows
 from sim.figures.profiles import THIN, means
 from sim.figures.style import DASH_DOT, DOTTED, LONG_DASH, SHORT_DASH
 from sim.parameters import BeltParameters
-from tests.figures.drawing import dashes, data_of_figure, draw, drawn, texts
+from tests.figures.drawing import dashes, data_of_figure, drawn
 from tests.figures.made_belt import SPREAD, plateau, transport
-from tests.made.netcdf import ROUNDING, store
+from tests.made.netcdf import ROUNDING
 
 FREQUENCIES = {"f = 10 Hz": "-", "f = 20 Hz": LONG_DASH, "f = 60 Hz": DASH_DOT, "f = 80 Hz": DOTTED}
-ANGLES = {"α = π/2": DOTTED, "α = π/3": DASH_DOT, "α = π/4": "-", "α = π/6": SHORT_DASH}
 DAMPINGS = {
     "(γ, γ$_s$) = (10g, 10g)": SHORT_DASH,
     "(γ, γ$_s$) = (0, 50g)": DASH_DOT,
     "(γ, γ$_s$) = (50g, 100g)": "-",
+    "(γ, γ$_s$) = (10g, 10g), fast start": LONG_DASH,
 }
-STYLES = {
-    "gallas_2a": FREQUENCIES,
-    "gallas_2b": ANGLES,
-    "gallas_2c": DAMPINGS,
-    "gallas_3a": FREQUENCIES,
-    "gallas_3b": ANGLES,
-    "gallas_3c": DAMPINGS | {"(γ, γ$_s$) = (10g, 10g), fast start": LONG_DASH},
-}
-HEADINGS = {"2": "number density [⟨d⟩-2]", "3": "mean velocity [m s-1]"}
+STYLES = {"gallas_2a": FREQUENCIES, "gallas_3c": DAMPINGS}
 HALF_WIDTH = t.ppf(0.975, 2) * SPREAD.std(ddof=1) / 3**0.5
 
 
@@ -59,22 +49,13 @@ def test_lines_have_the_dashes_of_the_paper(name, belt_dataset):
 
 
 @pytest.mark.parametrize("name", STYLES)
-def test_every_flow_has_a_colour_of_its_own(name, belt_dataset):
-    figure, _ = drawn(name, belt_dataset)
-    entries = [line for line in figure.axes[0].get_lines() if "=" in line.get_label()]
-    assert len({line.get_color() for line in entries}) == len(STYLES[name])
-
-
-@pytest.mark.parametrize("name", STYLES)
 def test_the_profiles_are_those_of_the_dataset_in_the_units_of_the_axes(name, belt_dataset):
     _, data = drawn(name, belt_dataset)
     table = profiles(data)
     assert set(table["point"]) == set(data.rows["point"])
     for row in data.rows.to_dict("records"):
         parameters = BeltParameters(
-            frequency=row["frequency"],
-            damping=row["damping"],
-            shear_damping=row["shear_damping"],
+            frequency=row["frequency"], damping=row["damping"], shear_damping=row["shear_damping"]
         )
         expected = plateau(parameters) if name[-2] == "2" else transport(parameters)
         part = table[table["point"] == row["point"]]
@@ -83,21 +64,6 @@ def test_the_profiles_are_those_of_the_dataset_in_the_units_of_the_axes(name, be
         assert part["x_half"].to_numpy() == widths
         assert part["height"].to_numpy() == pytest.approx(np.arange(len(part)) + 0.5)
         assert part["height"].iloc[-1] + 1 > 10 / plateau(parameters) > part["height"].iloc[-1]
-
-
-def test_bands_span_the_interval(belt_dataset):
-    figure, data = drawn("gallas_2b", belt_dataset)
-    for band in figure.axes[0].collections:
-        heights = band.get_paths()[0].vertices[:, 1]
-        middle = plateau(BeltParameters(frequency=60))
-        assert heights.min() == pytest.approx(middle * (1 - HALF_WIDTH), rel=5 * ROUNDING)
-        assert heights.max() == pytest.approx(middle * (1 + HALF_WIDTH), rel=5 * ROUNDING)
-    assert len(figure.axes[0].collections) == len(data.rows)
-
-
-def test_only_the_papers_frequencies_are_drawn(belt_dataset):
-    _, data = drawn("gallas_3a", belt_dataset)
-    assert list(data.rows["frequency"]) == [10, 20, 60, 80]
 
 
 def test_converged_curves_are_pale_beside_the_published_ones(belt_dataset):
@@ -112,34 +78,6 @@ def test_converged_curves_are_pale_beside_the_published_ones(belt_dataset):
     assert labels[-2:] == ["published protocol", "converged protocol"]
     other, _ = drawn("gallas_3a", belt_dataset)
     assert not [line for line in other.axes[0].get_lines() if line.get_alpha()]
-
-
-@pytest.mark.parametrize("name", STYLES)
-def test_data_and_caption(name, belt_dataset):
-    data, text = texts(name, belt_dataset)
-    assert {
-        "point",
-        "frequency [Hz]",
-        "vibration_angle [degree]",
-        "damping [g]",
-        "protocol",
-        "completed replicates",
-        "height above the belt [⟨d⟩]",
-        HEADINGS[name[-2]],
-    } <= set(data)
-    assert len(data) > 10 * data["point"].nunique()
-    assert text.startswith(f"Gallas et al. (1992), Fig. {name[-2:]}. ")
-    for part in (
-        "A_z = 1 ⟨d⟩",
-        "t_av = 45 cycles",
-        "Points: ",
-        "means over the replicates",
-        "The paper: ",
-    ):
-        assert part in text
-    assert "Error bars" not in text
-    assert ("Converged protocol (2 points)" in text) == (name == "gallas_2a")
-    assert ("read as π/2" in text) == (name[-1] == "b")
 
 
 def test_a_slice_that_is_empty_in_a_replicate_has_no_velocity(belt_dataset):
@@ -160,25 +98,3 @@ def test_a_profile_ends_where_it_is_too_thin(belt_dataset):
         density.loc[{"run": point, "slice": place}] = factor * THIN / data.rows["diameter"][0] ** 2
     table = profiles(data)
     assert table[table["point"] == point]["height"].max() == pytest.approx(20.5)
-
-
-def test_a_single_replicate_has_no_band(belt_dataset, tmp_path):
-    with xr.open_dataset(belt_dataset) as opened:
-        dataset = opened.load()
-    dataset["status"][:, 1:] = "failed"
-    path = tmp_path / "dataset.nc"
-    store(dataset, path)
-    with xr.open_dataset(belt_dataset, group="belt") as belt:
-        store(belt.load(), path, mode="a", group="belt")
-    _, data = drawn("gallas_2b", path)
-    assert profiles(data)["x_half"].isna().all()
-    text = draw("gallas_2b", path, tmp_path)[3].read_text()
-    assert "Bands" not in text
-
-
-def test_a_dataset_without_profiles_is_refused(belt_dataset, tmp_path):
-    with xr.open_dataset(belt_dataset) as opened:
-        store(opened.load(), tmp_path / "dataset.nc")
-    with pytest.raises(InputError, match=r"^belt-.*: no number_density in the dataset$"):
-        draw("gallas_2a", tmp_path / "dataset.nc", tmp_path)
-    assert not list(tmp_path.glob("gallas*"))

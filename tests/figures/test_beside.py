@@ -5,10 +5,10 @@ import pytest
 from matplotlib.lines import Line2D
 
 from sim.base.errors import InputError
+from sim.figures.caption import caption
 from sim.figures.map import MARKS
 from sim.figures.plot import _MARKERS
 from sim.figures.style import COLOURS, MARKERS
-from sim.study.plot_kinds import find_kind
 from tests.figures.made_plots import drawn
 from tests.figures.test_plot_texts import shown_texts
 
@@ -32,9 +32,6 @@ SLICES = {"kind": "profiles", "x": "granular_temperature", "y": "packing"}
     ("plot", "x", "y"),
     [
         (OVER, "friction", "mean velocity"),
-        ({"x": "friction", "panels": "angle"}, "friction", "mean velocity"),
-        ({"x": "packing", "y": "shear_depth"}, "packing", "height at which"),
-        (MAP, "friction", "angle"),
         (MAP | {"colour": "velocity"}, "friction", "angle"),
         (HEIGHTS, "packing", "height"),
         (SLICES | {"curves": ["friction", "angle"]}, "granular", "packing"),
@@ -55,7 +52,7 @@ def test_data_beside_are_in_every_panel_the_legend_the_caption_and_the_data(plot
             assert np.all((left <= at[:, 0]) & (at[:, 0] <= right))
             assert np.all((bottom <= at[:, 1]) & (at[:, 1] <= top))
     assert {"_glass $d$", "law"} <= shown_texts(figure)
-    text = " ".join(find_kind(data.spec.kind).notes(data))
+    text = caption(data, [])
     assert "not simulated here: _glass $d$ (markers); law (line)." in text
     assert len(rows) == len(study_rows) + 5 and "not of this study" not in study_rows
     beside = rows[rows["not of this study"].notna()]
@@ -87,23 +84,17 @@ def test_nothing_beside_looks_like_anything_of_a_study():
     assert not set(_MARKERS) & {*MARKERS, *(marker for marker, _, _ in MARKS.values())}
 
 
-def test_what_no_run_knows_is_said_with_data_beside():
-    plot = OVER | {"y": "base_rolling", "beside": [MEASURED]}
-    figure, _, _ = drawn(plot)
-    assert "no run has base rolling" in [text.get_text() for text in figure.axes[0].texts]
-
-
 def test_columns_of_a_file_are_drawn_with_their_errors(tmp_path, monkeypatch):
     (tmp_path / "exp.csv").write_text("mu,V (mm/s),s (mm/s)\n0.35,650,40\n0.58,400,300\n")
     monkeypatch.chdir(tmp_path)
     beside = {"file": "exp.csv", "x": "mu", "y": "V", "yerr": "s"}
     figure, rows, data = drawn(OVER | {"beside": beside})
-    assert data.spec.beside == (("exp", ((0.35, 0.65, 0.04), (0.58, 0.4, 0.3)), False),)
+    assert data.spec.foreign == (("exp", ((0.35, 0.65, 0.04), (0.58, 0.4, 0.3)), False),)
     axes = figure.axes[0]
     (bars,) = axes.collections[-1:]
     np.testing.assert_allclose(bars.get_segments()[1], [[0.58, 0.1], [0.58, 0.7]])
     assert axes.get_ylim()[0] < 0.1
-    assert "exp (markers, bars: its errors)" in " ".join(find_kind("curves").notes(data))
+    assert "exp (markers, bars: its errors)" in caption(data, [])
     assert rows["error, not of this study"].dropna().tolist() == [0.04, 0.3]
     natural = {"units": "natural", "beside": beside | {"yerr": "mu"}}
     with pytest.raises(InputError, match=r"unit of column V: got 'mm/s'; allowed: no unit, for a"):

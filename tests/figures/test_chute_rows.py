@@ -10,7 +10,7 @@ import pytest
 from sim.dataset.results import load_results
 from sim.figures import row
 from sim.figures.style import DOTTED, PALE
-from tests.figures.drawing import dashes, data_of_figure, draw, drawn, picture, without_particles
+from tests.figures.drawing import dashes, data_of_figure, drawn, picture, without_particles
 from tests.figures.made_chute import SPREAD
 from tests.made.netcdf import ROUNDING
 
@@ -22,20 +22,8 @@ def results(chute_dataset):
     return load_results(chute_dataset)
 
 
-@pytest.fixture(autouse=True)
-def small(monkeypatch):
-    monkeypatch.setattr(row, "PIXELS", 60)
-
-
 def lines(axes) -> dict[str, mpl.lines.Line2D]:
     return {line.get_label(): line for line in axes.get_lines()}
-
-
-@pytest.mark.parametrize(("name", "depth"), ROWS.items())
-def test_a_row_shows_the_flow_of_its_depth(results, name, depth):
-    _, data = drawn(name, results)
-    assert set(data.rows["depth"]) == {depth}
-    assert set(data.rows["friction"]) == {0.4}
 
 
 @pytest.mark.parametrize("name", ["walton_1_1", "walton_1_6"])
@@ -49,14 +37,6 @@ def test_instantaneous_profiles_are_solid_and_averages_dotted(results, name):
         assert ratio == pytest.approx(1.5 * (1 + SPREAD[0]), rel=2 * ROUNDING)
         if mean:
             assert found["average"].get_xdata() == pytest.approx(mean, rel=ROUNDING)
-
-
-def test_flows_of_two_stiffnesses_are_told_apart(results):
-    _, data = drawn("walton_1_6", results)
-    stiffer = data.rows.assign(stiffness=1000.0)
-    told = row.notes(replace(data, rows=pd.concat([stiffer, data.rows], ignore_index=True)))
-    assert "(c): the first flow (fixed length, K1 = 100 N/m)" in told[0]
-    assert any(text.startswith("Fixed length, K1 = 1000 N/m: mean velocity") for text in told)
 
 
 def test_heights_are_in_diameters_and_velocities_in_two_units(results):
@@ -87,17 +67,6 @@ def test_every_replicate_is_a_pale_line_within_the_panel_and_there_is_no_band(re
             assert average == pytest.approx(mean, rel=ROUNDING)
 
 
-def test_the_converged_protocol_lies_beside_the_published_one(results):
-    figure, _ = drawn("walton_1_3", results)
-    labels = [line.get_label() for line in figure.axes[0].get_lines()]
-    assert [label for label in labels if not label.startswith("_")] == [
-        "instantaneous",
-        "average, fixed length",
-        "average, converged",
-        "each replicate",
-    ]
-
-
 def test_flows_of_another_cell_come_behind_and_say_so(results):
     data = data_of_figure("walton_1_3", results)
     one = data.rows[data.rows["protocol"] == "published"]
@@ -115,34 +84,8 @@ def test_flows_of_another_cell_come_behind_and_say_so(results):
 def test_deep_flows_show_the_whole_cell_and_others_a_portion(results, name, share):
     flow = data_of_figure(name, results).rows.to_dict("records")[0]
     state = results.particles(flow["point"])
-    scene = row.Scene(flow, state, np.array([1e-2]), np.array([0.0, 1.0]), 60)
-    assert scene.shown_size == pytest.approx(np.array([3e-3, share * 3e-3]))
-
-
-def test_files_tell_units_replicates_protocols_and_the_paper(chute_dataset, tmp_path):
-    files = {path.name: path for path in draw("walton_1_3", chute_dataset, tmp_path)}
-    assert set(files) == {f"walton_1_3{end}" for end in (".png", ".svg", ".csv", ".caption.txt")}
-    caption = files["walton_1_3.caption.txt"].read_text()
-    for text in (
-        "Fig. 1.3",
-        "n = 5",
-        "K1 = 100 N/m",
-        "Fixed length: mean velocity 0.1 ±",
-        "instantaneous profiles and (c): the first flow (fixed length).",
-        "steady; 3 replicates, 3 steady.",
-        "steady; 2 replicates, 2 steady.",
-        "The paper: ",
-    ):
-        assert text in caption
-    table = pd.read_csv(files["walton_1_3.csv"])
-    assert set(table["flow"]) == {"fixed length", "converged"}
-    velocity = table["velocity, cumulative average [m s-1]"]
-    assert velocity[table["flow"] == "fixed length"].to_numpy() == pytest.approx(
-        0.1 * table["height [σ]"][table["flow"] == "fixed length"].to_numpy(), rel=ROUNDING
-    )
-    second = table["velocity, replicate 2 [m s-1]"] / velocity
-    assert second.to_numpy() == pytest.approx(1 + SPREAD[1], rel=0.06)
-    assert table["velocity, replicate 3 [m s-1]"].isna().equals(table["flow"] != "fixed length")
+    scene = row.Scene(flow, state, np.array([1e-2]), np.array([0.0, 1.0]))
+    assert scene.shown_size == pytest.approx(flow["cell"] * np.array([1, share]))
 
 
 def test_a_flow_without_stored_particles_still_has_its_profiles(results):

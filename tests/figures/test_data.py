@@ -20,11 +20,6 @@ def test_replicates_that_agree_by_accident_keep_their_own_intervals():
     assert (half_width, kind) == (pytest.approx(0.3), "replicates")
 
 
-def test_replicates_without_intervals_of_their_own_still_have_students():
-    half_width, _ = mean_interval(np.array([1.0, 2.0, 3.0]), np.array([np.nan, 0.1, 0.1]))
-    assert half_width == pytest.approx(4.30265 / np.sqrt(3), rel=1e-5)
-
-
 def test_a_single_run_has_its_own_interval():
     assert mean_interval(np.array([1.0]), np.array([0.5])) == (0.5, "within run")
 
@@ -47,12 +42,6 @@ def test_curves_are_split_by_keys_and_sorted_along_the_axis():
     assert [list(curve["f"]) for _, curve in curves] == [[20.0, 50.0], [20.0, 50.0]]
 
 
-def test_another_parameter_that_varies_splits_a_curve():
-    rows = table(f=[20.0, 20.0], a=[1.0, 1.0], integrator=["gear", "verlet"])
-    curves = split_curves(rows, "f", ("a",), ("f", "a", "integrator"))
-    assert [names["integrator"] for names, _ in curves] == ["gear", "verlet"]
-
-
 def test_run_lengths_and_a_plane_like_the_particles_split_nothing():
     rows = table(
         depth=[5.0, 20.0, 5.0],
@@ -68,12 +57,6 @@ def test_run_lengths_and_a_plane_like_the_particles_split_nothing():
 def test_a_plane_of_its_own_friction_splits_a_curve():
     rows = table(depth=[5.0, 5.0], friction=[0.4, 0.4], friction_plane=[0.4, 0.6])
     assert len(split_curves(rows, "depth", ("friction",), tuple(rows.columns))) == 2
-
-
-def test_points_that_nothing_tells_apart_are_one_curve():
-    rows = table(f=[3.0, 1.0, 2.0], a=[1.0, 1.0, 1.0], velocity=[0.3, 0.1, 0.2])
-    ((names, curve),) = split_curves(rows, "f", (), ("f", "a"))
-    assert names == {} and curve["velocity"].tolist() == [0.1, 0.2, 0.3]
 
 
 def test_a_parameter_that_a_dataset_does_not_know_yet_tells_no_curves_apart():

@@ -1,19 +1,15 @@
 """Every figure as a reader gets it: files, line styles of the papers, markers, data, caption."""
 
-import csv
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 import xarray as xr
 
-from sim.base.errors import InputError
-from sim.figures.style import DASH_DOT, PALE_MARKER_SIZE, SHORT_DASH
+from sim.figures.style import DASH_DOT, SHORT_DASH
 from sim.study.load import load_study
 from tests.figures import drawing
-from tests.figures.drawing import dashes, data_of_figure, draw, picture
+from tests.figures.drawing import dashes, draw
 from tests.made.figures import make_built_study
 from tests.made.netcdf import store
 from tests.made.runs import FAILURE, is_hurt, is_lost
@@ -46,23 +42,9 @@ def drawn(name: str, dataset_path: Path):
     return figure.axes[0], data.rows
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_data_hold_every_point_with_units(folder, made, name):
-    with (folder / f"{name}.csv").open(newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert [row["point"] for row in rows] == list(load_study(*made).figures[name])
-    assert {"mean velocity [m s-1]", "completed replicates", "regime"} <= set(rows[0])
-    axis = {"walton_2": "depth [1]", "gallas_1c": "shear_damping [g]"}.get(name, "frequency [Hz]")
-    assert all(float(row[axis]) >= 0 for row in rows)
-
-
 STYLES = {
     "gallas_1a": {"α = π/3": DASH_DOT, "α = π/4": "-", "α = π/6": SHORT_DASH},
-    "gallas_1b": {
-        "$A_z$/⟨d⟩ = 1.5": DASH_DOT,
-        "$A_z$/⟨d⟩ = 1": "-",
-        "$A_z$/⟨d⟩ = 0.5": SHORT_DASH,
-    },
+    "gallas_1b": {"$A_z$/⟨d⟩ = 1.5": DASH_DOT, "$A_z$/⟨d⟩ = 1": "-", "$A_z$/⟨d⟩ = 0.5": SHORT_DASH},
     "gallas_1c": {"f = 50 Hz": "-", "f = 20 Hz": LONG_DASH},
 }
 
@@ -72,37 +54,6 @@ def test_lines_have_the_dashes_of_the_paper(dataset_path, name):
     axes, _ = drawn(name, dataset_path)
     legend = {line.get_label(): line for line in axes.get_lines() if "=" in line.get_label()}
     assert {label: dashes(legend[label]) for label in STYLES[name]} == STYLES[name]
-
-
-def test_dampings_of_fig_1b_are_markers_without_lines(dataset_path):
-    axes, _ = drawn("gallas_1b", dataset_path)
-    markers = {
-        line.get_label(): line.get_marker()
-        for line in axes.get_lines()
-        if line.get_label().startswith("(") and line.get_linestyle() == "None"
-    }
-    assert markers == {
-        "(γ, γ$_s$) = (0, 50g)": "^",
-        "(γ, γ$_s$) = (10g, 10g)": "X",
-        "(γ, γ$_s$) = (50g, 100g)": "s",
-    }
-
-
-def test_converged_dampings_of_fig_1b_are_large_pale_markers_of_the_same_look(dataset_path):
-    data = data_of_figure("gallas_1b", dataset_path)
-    converged = data.rows.assign(protocol="converged")
-    both = replace(data, rows=pd.concat([data.rows, converged], ignore_index=True))
-    axes = picture(both).axes[0]
-    markers = [line for line in axes.get_lines() if len(line.get_xdata())]
-    pale = {
-        (line.get_marker(), line.get_color())
-        for line in markers
-        if line.get_alpha() and line.get_markersize() == PALE_MARKER_SIZE
-    }
-    assert pale == {("^", "#009e73"), ("X", "#cc79a7"), ("s", "#e69f00")}
-    plain = {(line.get_marker(), line.get_color()) for line in markers if not line.get_alpha()}
-    assert pale < plain
-    assert {"published protocol", "converged protocol"} < {x.get_label() for x in axes.get_lines()}
 
 
 def marked(axes, face: str) -> int:
@@ -171,14 +122,6 @@ def test_points_that_coincide_stand_side_by_side(dataset_path):
     assert (apart < 4).all()
 
 
-def test_natural_units_stand_on_the_right(dataset_path):
-    axes, _ = drawn("walton_2", dataset_path)
-    (right,) = axes.child_axes
-    right.apply_aspect()
-    axes.figure.draw_without_rendering()
-    assert right.get_ylim()[1] == pytest.approx(axes.get_ylim()[1] / (9.8 * 1e-3) ** 0.5)
-
-
 def test_caption_says_what_is_missing_and_what_the_bars_are(folder, made):
     caption = (folder / "walton_2.caption.txt").read_text()
     points = load_study(*made).points.values()
@@ -192,14 +135,3 @@ def test_caption_says_what_is_missing_and_what_the_bars_are(folder, made):
     single = (folder / "gallas_1c.caption.txt").read_text()
     assert "within the run, without how much initial states differ." in single
     assert "open ones" not in single
-
-
-@pytest.mark.parametrize("name", ["gallas_9", "style"])
-def test_an_unknown_figure_is_refused(dataset_path, tmp_path, name):
-    with pytest.raises(InputError, match="talus schema has all"):
-        draw(name, dataset_path, tmp_path)
-
-
-def test_a_missing_dataset_is_named(tmp_path):
-    with pytest.raises(InputError, match=r"nowhere\.nc"):
-        draw("walton_2", tmp_path / "nowhere.nc", tmp_path)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.study.plot_kinds import find_kind
+from tests.figures.drawing import notes
 from tests.figures.made_plots import drawn
 from tests.made.results import made_point
 
@@ -35,7 +35,7 @@ def flows(law, scatter=0.0, frictions=FRICTIONS, **changes):
 
 def fitted(law, points, **plot):
     figure, rows, data = drawn({"x": "friction", "curves": "angle", "fit": law} | plot, points)
-    return figure, rows, " ".join(find_kind("curves").notes(data))
+    return figure, rows, notes(data)
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -86,9 +86,3 @@ def test_flows_that_accelerate_are_left_out():
     points = flows("linear", frictions=(0.31, 0.41, 0.51), regime="accelerating", acceleration=2.0)
     _, rows, caption = fitted("linear", points)
     assert "flows that accelerate are left out" in caption and "a of the fit" not in rows
-
-
-def test_a_curve_over_an_observable_is_fitted_too():
-    _, rows, caption = fitted("linear", None, x="shear_depth", curves="angle")
-    assert "no fit, as 1 value of x where 3 are needed" in caption
-    assert "a of the fit" not in rows

@@ -1,18 +1,11 @@
 """Logarithmic axes of plots: what has no place there is not drawn, and the caption counts it."""
 
 import numpy as np
-import pandas as pd
 import pytest
 
-from sim.figures.render import render
-from sim.study.load import load_study
-from sim.study.plot_kinds import find_kind
-from tests.figures.made_plots import SIZE, courses, drawn
+from tests.figures.drawing import notes
+from tests.figures.made_plots import SIZE, drawn
 from tests.made.results import made_point
-
-
-def notes(data) -> str:
-    return " ".join(find_kind(data.spec.kind).notes(data))
 
 
 def flows(velocities, **options):
@@ -55,28 +48,6 @@ def test_a_distribution_counts_the_replicates_that_are_not_drawn():
     _, rows, data = drawn(plot, points)
     assert len(rows) == 6 and "replicates not above 0 on a logarithmic axis: 3." in notes(data)
     assert "logarithmic" not in notes(drawn(plot | {"log": []}, points)[2])
-
-
-def test_a_map_tells_what_has_no_colour_on_a_logarithmic_scale():
-    points = [
-        made_point("chute", {"velocity": velocity}, friction=friction, angle=angle)
-        for velocity, (friction, angle) in zip(
-            (1.0, -1.0, 2.0, 3.0), ((0.3, 16), (0.3, 17), (0.4, 16), (0.4, 17)), strict=True
-        )
-    ]
-    plot = {"kind": "map", "x": "friction", "y": "angle", "colour": "velocity"}
-    _, _, logarithmic = drawn(plot | {"log": ["colour"]}, points)
-    assert "Not drawn, without a value (crosses): 1." in notes(logarithmic)
-    assert "Not drawn" not in notes(drawn(plot, points)[2])
-
-
-def test_time_series_are_interrupted_where_they_are_not_above_zero(tmp_path):
-    path, dataset = courses(tmp_path, "log: [y]", velocity=[0.4, -0.5])
-    plot = load_study(path, tmp_path).plots["courses"]
-    _, _, table, text = render(plot, dataset, tmp_path / "figures")
-    values = pd.read_csv(table).iloc[:, -1]
-    lost = int((values <= 0).sum())
-    assert f"values not above 0 on a logarithmic axis: {lost}." in text.read_text()
 
 
 def test_ticks_of_many_powers_are_powers_alone():

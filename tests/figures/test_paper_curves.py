@@ -5,21 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-import xarray as xr
 from matplotlib.collections import FillBetweenPolyCollection
 
-from sim.base.errors import InputError
-from sim.base.statistics import student_half_width
-from sim.figures.caption import parted
 from sim.figures.curves import quantities_by_axis
 from sim.figures.data import quantities
 from sim.figures.family import MOST_BARS
 from sim.figures.style import LONG_DASH, RING, RING_MEANS
-from sim.study.catalogue import FIGURES
-from tests.figures.drawing import dashes, data_of_figure, draw, drawn, picture, table, texts
+from tests.figures.drawing import dashes, data_of_figure, drawn, picture, table, texts
 from tests.figures.made_belt import transport
-from tests.figures.made_chute import SPREAD, overlap
-from tests.made.netcdf import store
+from tests.figures.made_chute import overlap
 
 
 def legend(axes) -> dict[str, object]:
@@ -35,15 +29,6 @@ def curve(axes, colour: str, dash: object = "-") -> dict[float, float]:
         if line.get_color() == colour and dashes(line) == dash
     )
     return dict(zip(line.get_xdata(), line.get_ydata(), strict=True))
-
-
-def test_fig_6_has_the_papers_dashes_and_the_velocities(belt_dataset):
-    figure, _ = drawn("gallas_6", belt_dataset)
-    (axes,) = figure.axes
-    assert legend(axes) == {"f = 80 Hz": "-", "f = 20 Hz": LONG_DASH}
-    for colour, dash, frequency in (("#000000", "-", 80), ("#0072b2", LONG_DASH, 20)):
-        made = {d: 1e-3 * frequency / (1 + d) for d in (0, 0.5, 1.5)}
-        assert curve(axes, colour, dash) == pytest.approx(made)
 
 
 def test_protocols_stand_side_by_side_on_one_scale(belt_dataset):
@@ -101,26 +86,6 @@ def test_onset_is_drawn_against_the_acceleration_and_relative_to_the_belt(belt_d
     assert set(named) == {"$A_z$/⟨d⟩ = 0.5, α = 45°", "$A_z$/⟨d⟩ = 1, α = 45°"}
 
 
-def test_void_is_the_share_of_beads_near_the_belt(belt_dataset):
-    figure, _ = drawn("belt_void", belt_dataset)
-    for colour in ("#000000", "#0072b2"):
-        found = curve(figure.axes[0], colour, "-" if colour == "#000000" else (0, (3, 1.5)))
-        assert found == pytest.approx({15: 1 / 15, 20: 1 / 20, 80: 1 / 80})
-
-
-def test_waves_of_the_first_cycles_stand_beside_the_later_ones(belt_dataset):
-    figure, _ = drawn("density_waves", belt_dataset)
-    early = curve(figure.axes[0], "#0072b2", LONG_DASH)
-    late = curve(figure.axes[0], "#000000")
-    assert early == pytest.approx({f: 2 * late[f] for f in late}, rel=0.15)
-
-
-def test_stiffness_is_a_curve_per_frequency(belt_dataset):
-    figure, _ = drawn("belt_stiffness", belt_dataset)
-    assert list(curve(figure.axes[0], "#000000")) == [500, 1000, 2000]
-    assert figure.axes[0].get_xscale() == "log"
-
-
 @pytest.fixture(scope="module")
 def layers(chute_dataset):
     return data_of_figure("shear_depth", chute_dataset)
@@ -136,46 +101,6 @@ def test_every_material_is_a_curve_over_the_depths(layers):
     curve = max(axes.get_lines(), key=lambda line: len(line.get_xdata()))
     assert list(curve.get_xdata()) == [1.24, 2.5, 5, 10, 20, 40]
     assert list(curve.get_ydata()) == pytest.approx([10 / depth for depth in curve.get_xdata()])
-
-
-def test_heights_have_students_interval_over_replicates(layers):
-    (heights,) = quantities(layers)
-    assert heights.name == "shear_depth"
-    rows = layers.rows.assign(half_width=heights.half_width)
-    rows = rows.set_index(["restitution", "stiffness", "depth"])
-    several, single = rows.loc[(0.85, 100, 5)], rows.loc[(0.7, 100, 5)]
-    assert several["half_width"] == pytest.approx(student_half_width(2 * (1 + SPREAD)))
-    assert pd.isna(single["half_width"])
-
-
-def test_a_dataset_without_the_measure_is_refused(chute_dataset, tmp_path):
-    with xr.open_dataset(chute_dataset) as opened:
-        store(opened.load().drop_vars("shear_depth"), tmp_path / "dataset.nc")
-    with pytest.raises(InputError, match="shear_depth"):
-        draw("shear_depth", tmp_path / "dataset.nc", tmp_path)
-
-
-@pytest.mark.parametrize(
-    ("name", "heading"),
-    [
-        ("gallas_6", "obstacle [⟨d⟩]"),
-        ("protocols_1c", "shear_damping [g]"),
-        ("onset_acceleration", "velocity over the belt's along x [1]"),
-        ("belt_void", "beads within the belt's reach [1]"),
-        ("belt_stiffness", "mean velocity [m s-1]"),
-        ("density_waves", "power in the averaging window [1]"),
-        ("shear_depth", "height of the shearing layer [σ]"),
-    ],
-)
-def test_data_and_caption(name, heading, belt_dataset, chute_dataset):
-    of_belt = FIGURES[name].system == "belt"
-    data, text = texts(name, belt_dataset if of_belt else chute_dataset)
-    assert {heading, "protocol"} < set(data) and data[heading].notna().all()
-    assert any("half width of 95 % interval" in column for column in data)
-    assert "95 %, of the mean over" in text
-    assert ("γ = 50g" if of_belt else "μ = 0.4") in text
-    assert "Converged protocol" not in text or name == "protocols_1c"
-    assert FIGURES[name].says in parted(text)[0] and FIGURES[name].details in text
 
 
 def test_a_crowded_line_has_a_band_and_lines_join_no_open_marker(belt_dataset):

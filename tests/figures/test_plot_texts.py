@@ -13,9 +13,8 @@ from matplotlib.figure import Figure
 from sim.base.errors import InputError
 from sim.base.plugins import load_plugins
 from sim.figures.caption import parameter_lines, parted
-from sim.figures.family import _draw_points
 from sim.figures.render import derive_texts
-from sim.figures.style import SETTINGS, CurveStyle
+from sim.figures.style import SETTINGS
 from tests.figures.made_plots import GRID, drawn, flows, made
 from tests.made.plugins import restore_plugins
 from tests.made.processes import ROOT
@@ -63,12 +62,6 @@ def test_a_caption_is_short_and_the_details_have_the_rest():
     assert [line for line in details if line.startswith("Left out because the run failed: ")]
 
 
-def test_no_interval_is_told_where_none_is_known():
-    unknown, known = {"shear_depth": np.full(1, np.nan)}, {"shear_depth": 0.001}
-    plot = {"x": "friction", "y": "shear_depth"}
-    assert "Intervals" not in caption_of(plot, at_frictions(known, known, unknown, replicates=1))
-
-
 UNKNOWN = {"velocity_error": np.full(3, np.nan)}
 
 
@@ -81,17 +74,7 @@ UNKNOWN = {"velocity_error": np.full(3, np.nan)}
             "without a value: 2",
         ),
         (
-            {"kind": "distribution", "x": "friction", "y": "velocity_error"},
-            at_frictions({}, UNKNOWN, UNKNOWN),
-            "without a value: 2",
-        ),
-        (
             {"kind": "profiles", "x": "velocity", "between": [100, 200]},
-            flows(),
-            "without a value at these heights: 6",
-        ),
-        (
-            {"kind": "profiles", "x": "velocity", "y": "packing", "between": [100, 200]},
             flows(),
             "without a value at these heights: 6",
         ),
@@ -163,13 +146,3 @@ def test_a_caption_names_choices_that_are_not_usual():
     rows = pd.DataFrame({"depth": [3.0, 3.0], "shape": ["disc", "disc"], "rotation": [0.0, 1.0]})
     told = parameter_lines(rows, "conveyor", ("depth", "shape", "rotation"))
     assert told == ["depth: n = 3", "shape disc", "no rotation and rotation"]
-
-
-def test_where_no_interval_is_known_there_is_no_bar():
-    rows = pd.DataFrame({"depth": [1.0, 2.0], "regime": "steady", "quality": "reliable"})
-    values, widths = pd.Series([1.0, 2.0]), {"yerr": pd.Series([0.1, float("nan")])}
-    axes = Figure().subplots()
-    _draw_points(axes, rows, values, "depth", CurveStyle("#000000", "-"), widths)
-    drawn = [bars.lines[2] for bars in axes.containers]
-    ends = [part.get_segments() for bars in drawn for part in bars]
-    assert [len(segments) for segments in ends] == [1, 0, 0]

@@ -13,7 +13,7 @@ from sim.dataset.results import load_results
 from sim.figures.data import scale_of, unit_of
 from sim.figures.render import derive_texts, render
 from sim.study.load import load_study
-from sim.study.plot_kinds import find_kind
+from tests.figures.drawing import notes
 from tests.figures.made_plots import GRID, SIZE, SPEED, courses, drawn, flows
 from tests.made.results import MadePoint, made_point
 
@@ -78,7 +78,7 @@ def test_a_cloud_of_points_is_not_joined_and_choices_tell_curves_apart():
     # Of one replicate the velocity alone has bars, which are upright.
     ends = [part.get_segments() for bars in axes.containers for part in bars.lines[2]]
     assert all(low[0] == high[0] for each in ends for low, high in each)
-    text = " ".join(find_kind(data.spec.kind).notes(data))
+    text = notes(data)
     assert "Points that differ in friction μ and angle θ are not joined." in text
     assert "of measures none where one replicate is known." in text
 
@@ -89,35 +89,11 @@ def test_what_is_not_above_zero_has_no_place_on_a_logarithmic_axis():
     figure, rows, data = drawn({"x": "shear_depth", "panels": "angle", "log": ["x"]}, points)
     assert figure.axes[0].get_xscale() == "log"
     assert [len(one) for axes in figure.axes for one in lines(axes) if len(one)] == [2, 3]
-    assert "on a logarithmic axis: 1." in " ".join(find_kind(data.spec.kind).notes(data))
+    assert "on a logarithmic axis: 1." in notes(data)
     assert len(rows) == 6
 
 
-@pytest.mark.parametrize(
-    ("widest", "ticks"), [(30, {"1", "2", "5", "10", "20"}), (9e4, {"1", "10", "100"})]
-)
-def test_a_logarithmic_axis_of_many_decades_has_a_tick_for_each_alone(widest, ticks):
-    points = flows_of_depths({0.3: (1, 1.1), 0.6: (widest, widest)}, angles=(16,))
-    plot = {"x": "shear_depth", "units": "natural", "log": ["x"]}
-    figure, *_ = drawn(plot, points)
-    (axes,) = figure.axes
-    low, high = axes.get_xlim()
-    shown = {
-        text for text, at in zip(labels(axes), axes.get_xticks(), strict=True) if low <= at <= high
-    }
-    assert ticks <= shown
-    assert len(shown) <= 6
-
-
-def test_what_no_run_knows_leaves_an_empty_plot():
-    unknown = {"velocity": 0.5, "velocity_error": np.full(5, np.nan)}
-    points = [made_point("chute", unknown, friction=mu) for mu in GRID["friction"]]
-    figure, rows, _ = drawn({"x": "friction", "y": "velocity_error"}, points)
-    (axes,) = figure.axes
-    assert axes.texts[0].get_text().startswith("no run has") and len(rows) == 3
-
-
-@pytest.mark.parametrize("number, shape", [(2, (1, 2)), (3, (1, 3)), (4, (2, 2)), (5, (2, 3))])
+@pytest.mark.parametrize("number, shape", [(3, (1, 3)), (5, (2, 3))])
 def test_panels_fill_their_rows_evenly(number, shape):
     points = [
         made_point("chute", {"velocity": 1.0}, friction=friction, angle=15 + angle)
@@ -126,16 +102,6 @@ def test_panels_fill_their_rows_evenly(number, shape):
     ]
     figure, _, _ = drawn({"x": "friction", "panels": "angle"}, points)
     assert figure.axes[0].get_gridspec().get_geometry() == shape
-
-
-def test_panels_share_their_curves_looks():
-    points = [one for one in flows() if one.parameters.friction != 0.3]
-    figure, _, _ = drawn({"x": "angle", "curves": "friction"}, points)
-    (alone,) = figure.axes
-    figure, _, _ = drawn({"x": "friction", "panels": "angle"})
-    assert [axes.get_title() for axes in figure.axes] == ["θ = 16°", "θ = 17°"]
-    assert not figure.legends
-    assert len({line.get_color() for line in alone.lines if len(line.get_xdata()) == 2}) >= 2
 
 
 def test_natural_units_divide_by_what_diameter_gravity_and_mass_make():
@@ -149,14 +115,6 @@ def test_natural_units_divide_by_what_diameter_gravity_and_mass_make():
     point = pd.DataFrame([{"diameter": 2.0, "gravity": 8.0, "mass": 3.0}])
     assert scale_of("W", "natural", point).item() == pytest.approx(3 * 8 * 4)
     assert scale_of("W", "si", point).item() == 1
-
-
-def test_means_of_profiles_are_those_over_the_particles():
-    _, rows, _ = drawn({"x": "friction", "curves": "angle", "y": "packing"})
-    means = rows.filter(like="packing fraction, mean of all particles").iloc[:, 0]
-    assert means.tolist() == pytest.approx([0.6] * 6, rel=1e-3)
-    _, rows, _ = drawn({"x": "friction", "curves": "angle", "y": "granular_temperature"})
-    assert rows.filter(regex=r"^granular.*\[m²/s²\]").iloc[0, 0] == pytest.approx(2, rel=1e-3)
 
 
 def test_profiles_end_above_the_last_particles():
@@ -220,7 +178,7 @@ def test_profiles_against_each_other_have_a_marker_with_bars_in_every_slice():
     assert heat.iloc[0] == pytest.approx(1.1 * 4.875) and heat.iloc[12] == pytest.approx(1.875)
     half = rows.filter(regex="^half width .* packing").iloc[0, 0]
     assert half == pytest.approx(student_half_width(np.array([1, 1.1, 1.2]) * 4.875 / 10))
-    assert "95 % intervals" in " ".join(find_kind(data.spec.kind).notes(data))
+    assert "95 % intervals" in notes(data)
 
 
 def test_profiles_against_each_other_leave_out_slices_that_are_not_known_or_not_between():
@@ -230,33 +188,13 @@ def test_profiles_against_each_other_leave_out_slices_that_are_not_known_or_not_
     assert not [1 for bars in axes.containers for part in bars.lines[2] if part.get_segments()]
     single = [line for line in axes.lines if len(line.get_xdata()) == 2 * 8]
     assert len(single) == 2
-    text = " ".join(find_kind(data.spec.kind).notes(data))
+    text = notes(data)
     assert "Heights shown: 1 to 4 diameters above the base." in text
     assert "of fewer than 3, each is pale." in text
     plain = {"kind": "profiles", "x": "packing", "curves": "friction", "between": [1, 4]}
     _, rows, data = drawn(plain | {"units": "natural"}, sliced(3))
     assert rows["height [σ]"].min() == 1.125 and rows["height [σ]"].max() == 3.875
-    assert "1 to 4 diameters" in " ".join(find_kind(data.spec.kind).notes(data))
-
-
-def test_slices_that_are_not_above_zero_have_no_place_on_logarithmic_axes():
-    figure, rows, data = drawn(SLICES | {"log": ["x", "y"]}, sliced(3, lone=3, surface=0))
-    (axes,) = figure.axes
-    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
-    assert [len(bars.lines[0].get_xdata()) for bars in axes.containers] == [18, 18]
-    lost = len(rows) - 36
-    text = " ".join(find_kind(data.spec.kind).notes(data))
-    assert lost and f"slices not above 0 on a logarithmic axis: {lost}." in text
-
-
-def test_where_no_slice_is_between_it_is_said():
-    figure, rows, _ = drawn(SLICES | {"between": [50, 60]}, sliced(3))
-    text = "no run has granular temperature and packing at these heights"
-    assert text in [one.get_text() for one in figure.axes[0].texts] and rows.empty
-    heights = {"kind": "profiles", "x": "packing", "curves": "friction", "between": [50, 60]}
-    figure, _, _ = drawn(heights, sliced(3))
-    (told,) = figure.axes[0].texts
-    assert told.get_text() == "no run has packing at these heights"
+    assert "1 to 4 diameters" in notes(data)
 
 
 @pytest.mark.parametrize("options", [{"kind": "profiles"}, {"kind": "distribution"}, {}])
@@ -267,16 +205,6 @@ def test_where_no_run_has_finished_nothing_is_said_twice(options):
     x = "velocity" if options.get("kind") == "profiles" else "friction"
     figure, _, data = drawn({"x": x} | options, points)
     assert not data.rows["completed"].any() and not figure.axes[0].texts
-
-
-def test_a_map_shows_regimes_or_a_number():
-    figure, _, _ = drawn({"kind": "map", "x": "friction", "y": "angle"})
-    assert [text.get_text() for text in figure.legends[0].texts] == ["steady"]
-    figure, rows, _ = drawn({"kind": "map", "x": "friction", "y": "angle", "colour": "velocity"})
-    axes, bar = figure.axes
-    assert axes.collections[0].get_array().size == 6 == len(axes.texts)
-    assert bar.get_ylabel() == "velocity\N{NO-BREAK SPACE}(m/s)"
-    assert len(rows) == 6
 
 
 def test_a_distribution_has_a_dot_for_every_replicate():

@@ -8,10 +8,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from sim.figures.map import BOUNDARIES, MARKS, _lanes, boundary_sentences, creeping
-from sim.study.catalogue import FIGURES
+from sim.figures.map import MARKS, _lanes, boundary_sentences, creeping
 from tests.figures import drawing
-from tests.figures.drawing import data_of_figure, picture, texts
+from tests.figures.drawing import data_of_figure, picture
 from tests.made.figures import make_built_regimes
 
 NAMES = ("regimes_friction", "regimes_angle", "belt_onset")
@@ -33,17 +32,6 @@ def line(axes, label: str):
     return next(one for one in axes.get_lines() if one.get_label().startswith(label))
 
 
-def test_these_are_the_figures_of_regimes():
-    assert set(NAMES) == {name for name, spec in FIGURES.items() if spec.regimes}
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_data_and_caption(name, dataset_path):
-    data, text = texts(name, dataset_path)
-    assert "regime" in data and FIGURES[name].paper in text
-    assert "Bars: intervals that hold a boundary" in text and "Error bars" not in text
-
-
 @pytest.mark.parametrize(
     ("name", "y"), [("regimes_friction", "friction"), ("regimes_angle", "angle")]
 )
@@ -55,13 +43,6 @@ def test_every_point_has_the_marker_of_its_regime(name, y, dataset_path):
             zip(part["depth"], part[y], strict=True)
         )
     assert len({(marker, filled) for marker, _, filled in MARKS.values()}) == len(MARKS)
-
-
-def test_undetermined_points_are_hollow(dataset_path):
-    axes, rows, _ = drawn("regimes_friction", dataset_path)
-    assert "undetermined" in set(rows["regime"])
-    assert line(axes, "undetermined").get_markerfacecolor() == "white"
-    assert line(axes, "steady").get_markerfacecolor() != "white"
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -76,15 +57,6 @@ def test_bars_span_the_intervals(name, dataset_path):
     assert {
         (low, high) for low, high in zip(found["low"].round(9), found["high"].round(9), strict=True)
     } <= bars
-
-
-def test_nothing_joins_the_bars(dataset_path):
-    for name, of in (("regimes_friction", "flow"), ("regimes_angle", "acceleration")):
-        axes, _, found = drawn(name, dataset_path)
-        assert (found["of"] == of).sum() > 1
-        lines = [one for one in axes.get_lines() if one.get_color() == BOUNDARIES[of][1].colour]
-        assert lines
-        assert all(len(one.get_xdata()) < 2 for one in lines)
 
 
 def test_bars_of_one_place_stand_side_by_side_and_kinds_differ_in_colour_and_marker(dataset_path):
@@ -121,13 +93,6 @@ def test_flows_that_creep_are_told_from_those_that_flow(dataset_path):
     assert shown.get_markerfacecolor() == "white"
     together = sum(len(line(axes, regime).get_xdata()) for regime in ("accelerating", "arrested"))
     assert together == rows["regime"][2:].isin(("accelerating", "arrested")).sum()
-
-
-def test_lines_of_one_boundary_share_an_entry_of_the_legend(dataset_path):
-    axes, _, _ = drawn("regimes_friction", dataset_path)
-    labels = [one.get_label() for one in axes.get_lines()]
-    for of in ("flow", "acceleration"):
-        assert labels.count(BOUNDARIES[of][0]) == 1
 
 
 def test_lines_of_theory(dataset_path):

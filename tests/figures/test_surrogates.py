@@ -13,8 +13,8 @@ from sim.figures.data import figure_data
 from sim.figures.figure_records import current_record
 from sim.figures.render import find_spec, render
 from sim.report.results import load
+from sim.study.figure_spec import Answer, FigureSpec
 from sim.study.load import load_study
-from sim.study.plot_kinds import Answer, FigureSpec
 from sim.study.surrogate import COUNTED
 from sim.surrogates import inquiries
 from tests.made.results import made_point, made_results
@@ -138,7 +138,9 @@ def test_what_is_no_part_of_an_answer_is_counted_by_what_it_lacks():
     table = pd.DataFrame(columns=COLUMNS)
     results = replace(made, dataset=made.dataset.assign_coords(series=names), boundaries=table)
     answer = Answer("one.nc", "shear_depth", regimes=COUNTED)
-    spec = FigureSpec("one", "section", "", "chute", "", series=("flows",), answer=answer)
+    spec = FigureSpec.model_construct(
+        name="one", kind="section", system="chute", series=["flows"], answer=answer
+    )
     assert answer_sentence(figure_data(results, spec)) == (
         "In the answer: too short to tell 1; left out of it: without a value 2, arrested 1, "
         "slowing 1."

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from sim.figures.data import FigureData
-from sim.study.plot_kinds import Answer, FigureSpec
+from sim.study.figure_spec import Answer, FigureSpec
 from sim.surrogates import storage
 from sim.surrogates.indices import sobol_indices, tabulate
 from sim.surrogates.posterior import calibrate
@@ -21,7 +21,7 @@ BLOCKS = 2**6
 def picture_data(folder: Path, kind: str, answer: str) -> FigureData:
     """Return the data of a picture of an answer in a folder of results."""
     of = Answer(answer, unit="m s-1")
-    spec = FigureSpec("made", kind, "", "chute", "Made", answer=of)
+    spec = FigureSpec.model_construct(name="made", kind=kind, system="chute", answer=of)
     results = SimpleNamespace(runs=folder / "runs")
     return FigureData(spec, pd.DataFrame(), pd.DataFrame(), results)  # type: ignore[arg-type]
 

@@ -18,8 +18,8 @@ from sim.dataset.results import load_results
 from sim.report.claims import read_claims
 from sim.report.page import data_uri, render
 from sim.study.catalogue import FIGURES
+from sim.study.figure_spec import FigureSpec
 from sim.study.load import load_study
-from sim.study.plot_kinds import FigureSpec
 from sim.surrogates.storage import save_surrogate
 from tests.made.figures import make_figures
 from tests.made.once import once
@@ -140,7 +140,8 @@ def register_animation(folder: Path) -> Iterator[str]:
     )
     (folder / f"{ANIMATION}.csv").write_text("point,x [m]\na,1\na,2\n")
     (folder / f"{ANIMATION}.caption.txt").write_text("A made-up animation.\n")
-    spec = FigureSpec(ANIMATION, "animation", "Walton (1993), Sec. 3", "chute", "A flow that moves")
+    words = {"title": "A flow that moves", "paper": "Walton (1993), Sec. 3"}
+    spec = FigureSpec.model_construct(name=ANIMATION, kind="animation", system="chute", **words)
     with patch.dict(FIGURES, {ANIMATION: spec}):
         yield ANIMATION
 

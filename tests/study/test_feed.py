@@ -48,40 +48,11 @@ def test_points_that_feed_no_curve_may_differ_in_anything(parse):
     assert len(parse(NUMERICS | {"figures": []}).points) == 12
 
 
-@pytest.mark.parametrize(
-    ("name", "values"),
-    [
-        ("seed", [1, 2]),
-        ("transient", [20, 45]),
-        ("initial_velocity", [0, 4]),
-        ("samples_per_cycle", [10, 20]),
-    ],
-)
+@pytest.mark.parametrize(("name", "values"), [("seed", [1, 2]), ("initial_velocity", [0, 4])])
 def test_what_no_curve_shows_tells_no_points_apart(parse, name, values):
     series = {"grid": {"frequency": [20, 30], name: values}, "figures": ["gallas_1a"]}
     with pytest.raises(InputError, match=rf"differ in {name} \({values[0]}, {values[1]}\)"):
         parse(series)
-
-
-@pytest.mark.parametrize(
-    ("name", "values"),
-    [
-        ("integrator", ["gear", "verlet"]),
-        ("stiffness", [500, 1000]),
-        ("protocol", ["published", "converged"]),
-        ("beads", [100, 200]),
-        ("prior_frequency", [0, 25]),
-    ],
-)
-def test_what_tells_curves_apart_is_shown(parse, name, values):
-    study = parse({"grid": {"frequency": [20, 30], name: values}, "figures": ["gallas_1a"]})
-    assert len(study.figures["gallas_1a"]) == 4
-
-
-def test_what_goes_along_with_something_shown_is_no_second_point(parse):
-    overrides = [{"when": {"frequency": [20]}, "set": {"steps_per_cycle": 4000}}]
-    series = {"grid": {"frequency": [20, 30]}, "overrides": overrides, "figures": ["gallas_1a"]}
-    assert len(parse(series).figures["gallas_1a"]) == 2
 
 
 def test_a_figure_about_starts_tells_them_apart(parse):
@@ -109,16 +80,6 @@ def test_maps_of_regimes_have_a_marker_for_every_point(parse):
     assert len(parse(series).figures["regimes_angle"]) == 8
 
 
-def test_points_of_parts_are_compared_too(tmp_path):
-    text = "series: [{name: N, system: belt, base: {seed: S}, grid: {frequency: [20, 30]}, "
-    text = "study: N\n" + text + "figures: [gallas_1a]}]\n"
-    (tmp_path / "one.yaml").write_text(text.replace("N", "one").replace("S", "1"))
-    path = tmp_path / "two.yaml"
-    path.write_text(text.replace("N", "two").replace("S", "2") + "parts: [one.yaml]\n")
-    with pytest.raises(InputError, match=r"differ in seed .*series two and one"):
-        load_study(path, tmp_path)
-
-
 @pytest.mark.parametrize(
     ("figure", "name"),
     [
@@ -139,7 +100,7 @@ def test_the_study_tells_apart_what_the_curves_do(figure, name):
     )
     rows = pd.DataFrame([first.model_dump(), second.model_dump()])
     names = [name for name in type(first).model_fields if name not in spec.alike]
-    curves = split_curves(rows, along, spec.curves, tuple(names))
+    curves = split_curves(rows, along, spec.groups, tuple(names))
     assert (spec.place(first) != spec.place(second)) == (len(curves) == 2)
 
 
@@ -148,20 +109,6 @@ def test_points_left_out_are_counted_with_the_values_taken(parse):
     sentence = "gallas_2a leaves out 2 of 4 points: it takes frequency 10, 20, 60, 80"
     assert study.omission_notes == [sentence]
     assert sentence in as_table(study).splitlines()
-
-
-def test_only_what_leaves_points_out_is_named(parse):
-    grid = {"frequency": [20, 80], "obstacle": [0, 1], "vibration_angle": [30, 45]}
-    study = parse({"grid": grid, "figures": ["gallas_6"]})
-    assert study.omission_notes == [
-        "gallas_6 leaves out 4 of 8 points: it takes vibration_angle 45"
-    ]
-
-
-def test_series_of_other_figures_count_nothing_as_left_out(parse):
-    first = {"grid": {"frequency": [10, 60]}, "figures": ["gallas_2a"]}
-    second = {"name": "b", "grid": {"frequency": [15, 25]}, "figures": ["gallas_1a"]}
-    assert parse(first, second).omission_notes == []
 
 
 def test_a_point_left_out_of_a_part_is_counted(tmp_path):
@@ -186,23 +133,12 @@ def test_the_table_warns_of_caveats_known_before_any_run(parse):
     assert "caveat" not in as_table(sound)
 
 
-def test_the_estimate_says_what_is_not_in_it(parse):
-    assert "computing alone, without compilation" in as_table(parse({})).splitlines()[-1]
-
-
 def study_of(readings, **rest):
     return parse_study({"study": "s", "readings": readings} | rest, "study.yaml", None)
 
 
 BELTS = {"name": "a", "system": "belt"}
 MASSES = {"belt": {"damping_mass": ["reduced", "own"]}}
-
-
-def test_every_series_has_the_points_of_each_reading():
-    grid, case = {"frequency": [20, 80]}, {"frequency": 50}
-    found = study_of(MASSES, series=[BELTS | {"grid": grid, "cases": [case]}])
-    points = [(p.parameters.damping_mass, p.parameters.frequency) for p in found.points.values()]
-    assert points == [(mass, f) for mass in ("reduced", "own") for f in (20, 80, 50)]
 
 
 def test_readings_of_several_parameters_combine():
@@ -221,21 +157,11 @@ def test_figures_show_the_first_reading_but_those_that_tell_them_apart():
     assert len(shown["readings_1a"]) == 4
 
 
-def test_a_series_may_have_a_reading_of_its_own():
-    found = study_of(MASSES, series=[BELTS | {"base": {"damping_mass": "own"}}])
-    assert [p.parameters.damping_mass for p in found.points.values()] == ["own"]
-
-
 def test_boundaries_are_looked_for_under_the_first():
     boundary = {"of": "transport", "along": "frequency", "range": [10, 26], "tolerance": 4}
     found = study_of(MASSES, boundaries=[BELTS | boundary])
     assert len(found.boundaries) == 1
     assert {p.parameters.damping_mass for p in found.points.values()} == {"reduced"}
-
-
-def test_other_systems_know_nothing_of_them():
-    found = study_of(MASSES, series=[{"name": "b", "system": "chute"}])
-    assert len(found.points) == 1
 
 
 def test_points_of_all_readings_count_against_the_limit():

@@ -6,9 +6,10 @@ import pytest
 
 from sim.base.errors import InputError
 from sim.base.plugins import load_plugins
+from sim.figures.render import drawing_of
 from sim.parameters import SYSTEMS
 from sim.study.load import Study, parse_study
-from sim.study.plot_kinds import Answer, FigureSpec, find_kind, study_kinds
+from sim.study.plot_kinds import find_kind, study_kinds
 from tests.made.plugins import restore_plugins
 
 SERIES = {
@@ -44,7 +45,6 @@ def test_a_plot_is_an_entry_of_all_points_of_its_series(parse):
     assert (spec.kind, spec.system, spec.axes) == ("curves", "chute", ("friction",))
     assert spec.title == "Velocity against friction, by angle and law"
     assert spec.lead.startswith("Velocity: mean velocity over the averaging window, against")
-    assert eval(repr(spec), {"FigureSpec": FigureSpec, "Answer": Answer}) == spec
     assert study.figures["v"] == tuple(study.points)
     assert all(point.figures == () for point in study.points.values())
 
@@ -52,7 +52,7 @@ def test_a_plot_is_an_entry_of_all_points_of_its_series(parse):
 def test_x_of_curves_may_be_an_observable(parse):
     study = parse(VALID_PLOT | {"x": "shear_depth"})
     spec = study.entries["v"]
-    assert spec.axes == () and spec.curves == ("angle", "law")
+    assert spec.axes == () and spec.groups == ("angle", "law")
     assert (spec.show, spec.second) == ("velocity", "shear_depth")
     assert spec.title == "Velocity against shear depth, by angle and law"
     assert ", against shear depth (height at which the velocity is" in spec.lead
@@ -64,7 +64,7 @@ def test_y_of_profiles_is_another_profile_in_the_same_slices(parse):
     plot = {"name": "p", "kind": "profiles", "x": "granular_temperature", "y": "packing"}
     spec = parse(plot | {"between": [1, 4], "log": ["y"]}).entries["p"]
     assert (spec.show, spec.second) == ("granular_temperature", "packing")
-    assert spec.between == (1.0, 4.0)
+    assert spec.between == [1.0, 4.0]
     assert spec.title == "Packing against granular temperature"
     assert spec.lead.startswith("Packing: packing fraction, against granular temperature (granular")
 
@@ -77,8 +77,7 @@ def test_data_beside_a_plot_are_kept_with_it(parse):
         VALID_PLOT | {"beside": [DATA_BESIDE, DATA_BESIDE | {"label": "law", "line": True}]}
     ).entries["v"]
     points = ((0.3, 1.0), (0.6, 2.5))
-    assert spec.beside == (("Pouliquen (1999)", points, False), ("law", points, True))
-    assert eval(repr(spec), {"FigureSpec": FigureSpec, "Answer": Answer}) == spec
+    assert spec.foreign == (("Pouliquen (1999)", points, False), ("law", points, True))
 
 
 FILE_BESIDE = {"file": "exp.csv", "x": "mu", "y": "V", "yerr": "s"}
@@ -87,13 +86,10 @@ FILE_BESIDE = {"file": "exp.csv", "x": "mu", "y": "V", "yerr": "s"}
 def test_data_beside_may_be_columns_of_a_file_which_belongs_to_the_study(parse, tmp_path):
     (tmp_path / "exp.csv").write_text("mu,V (mm/s),s (mm/s)\n0.3,250,0\n0.5,200,4\n")
     study = parse(VALID_PLOT | {"beside": FILE_BESIDE})
-    assert study.plots["v"].beside == (("exp", ((0.3, 0.25, 0.0), (0.5, 0.2, 0.004)), False),)
+    assert study.plots["v"].foreign == (("exp", ((0.3, 0.25, 0.0), (0.5, 0.2, 0.004)), False),)
     assert study.data == (tmp_path / "exp.csv",) and study.data[0] in study.sources
     one = FILE_BESIDE | {"label": "glass", "line": True}
-    assert parse(VALID_PLOT | {"beside": [one]}).plots["v"].beside[0][::2] == (
-        "glass",
-        True,
-    )
+    assert parse(VALID_PLOT | {"beside": [one]}).plots["v"].foreign[0][::2] == ("glass", True)
 
 
 def test_plots_draw_on_the_series_they_name_and_on_those_of_their_system(parse):
@@ -133,46 +129,42 @@ def test_every_kind_shows_its_usual_observable_of_every_system(parse, kind, syst
     assert spec.title[0].isupper() and spec.lead.endswith(".")
 
 
-def test_a_kind_of_a_plugin_takes_the_keys_that_it_names(parse, tmp_path):
-    path = tmp_path / "own.py"
-    path.write_text(
-        "import sim\nfrom sim.study.plot_kinds import Keys\n"
-        "from sim.study.plottable import numbers\n"
-        "keys = Keys(axes=('x',), observable='y', usual='shear_depth', shows=numbers)\n"
-        "sim.plot_kind('own', keys=keys)(print)\n"
-    )
-    series = ({"name": "a", "system": "chute", "grid": {"friction": [0.3, 0.4]}},)
-    plot = {"name": "v", "kind": "own", "x": "friction"}
-    with restore_plugins():
-        load_plugins(path)
-        spec = parse(plot, series=series).plots["v"]
-        assert spec.title == "Shear depth against friction" and len(spec.plugin) > 6
-        message = error_message(parse, plot | {"panels": "law"}, series=series)
-        assert message == "panels: got 'law'; allowed: a key of own: x, y"
-        message = error_message(parse, plot | {"log": ["x"]}, series=series)
-        assert message.startswith("log[0]: got 'x'; allowed: one of")
+OWN = """
+import sim
+from sim.study.plot_kinds import Keys
+from sim.study.plottable import numbers
+
+keys = Keys(axes=("x",), observable="y", usual="shear_depth", shows=numbers, log=("y",))
+sim.plot_kind("own", keys=keys)(print)
+sim.plot_kind("alike", like="curves")(print)
+sim.plot_kind("mute", like="curves", notes=print, table=print, select=print)(print)
+"""
 
 
-def test_logarithmic_axes_of_a_kind_of_a_plugin_are_those_that_it_names(parse, tmp_path):
+@pytest.fixture
+def own(tmp_path):
+    """Load a plug-in with kinds of plots."""
     path = tmp_path / "own.py"
-    path.write_text(
-        "import sim\nfrom sim.study.plot_kinds import Keys\n"
-        "from sim.study.plottable import numbers\n"
-        "keys = Keys(axes=('x',), observable='y', shows=numbers, log=('y',))\n"
-        "sim.plot_kind('own', keys=keys)(print)\n"
-        "sim.plot_kind('alike', like='curves')(print)\n"
-    )
-    series = ({"name": "a", "system": "chute", "grid": {"friction": [0.3, 0.4]}},)
-    plot = {"name": "v", "kind": "own", "x": "friction"}
+    path.write_text(OWN)
     with restore_plugins():
         load_plugins(path)
-        assert parse(plot | {"log": ["y"]}, series=series).plots["v"].log == ("y",)
-        message = error_message(parse, plot | {"log": ["x"]}, series=series)
-        assert message == "log[0]: got 'x'; allowed: one of y"
-        # Nothing would draw data beside such a plot.
-        beside = {"kind": "alike", "beside": [{"label": "data", "points": [[0.3, 1]]}]}
-        message = error_message(parse, plot | beside, series=series)
-        assert message == "beside: got 'data'; allowed: a key of alike: x, y, curves, panels"
+        yield
+
+
+def test_a_kind_of_a_plugin_takes_the_keys_that_it_names(parse, own):
+    plot = {"name": "v", "kind": "own", "x": "friction"}
+    others = {"series": ({"name": "a", "system": "chute", "grid": {"friction": [0.3, 0.4]}},)}
+    spec = parse(plot | {"log": ["y"]}, **others).plots["v"]
+    assert spec.title == "Shear depth against friction" and len(spec.plugin) > 6
+    assert spec.log == ["y"]
+    # Nothing would draw data beside such a plot.
+    beside = {"kind": "alike", "beside": [{"label": "data", "points": [[0.3, 1]]}]}
+    for change, message in (
+        ({"panels": "law"}, "panels: got 'law'; allowed: a key of own: x, y"),
+        ({"log": ["x"]}, "log[0]: got 'x'; allowed: one of y"),
+        (beside, "beside: got 'data'; allowed: a key of alike: x, y, curves, panels"),
+    ):
+        assert error_message(parse, plot | change, **others) == message
 
 
 @pytest.mark.parametrize(
@@ -184,19 +176,10 @@ def test_logarithmic_axes_of_a_kind_of_a_plugin_are_those_that_it_names(parse, t
         ("notes", "'NoneType' object is not iterable"),
     ],
 )
-def test_what_functions_of_a_plugin_return_is_checked(tmp_path, role, why):
-    path = tmp_path / "own.py"
-    path.write_text(
-        "import sim\n"
-        "def nothing(data): pass\n"
-        "options = {'table': nothing, 'notes': nothing, 'select': nothing}\n"
-        "sim.plot_kind('own', like='curves', **options)(nothing)\n"
-    )
-    with restore_plugins():
-        load_plugins(path)
-        function = getattr(find_kind("own"), role)
-        with pytest.raises(InputError, match=rf"plug-in own.py .*: plot own v: TypeError: {why}"):
-            function(SimpleNamespace(spec=SimpleNamespace(name="v")))
+def test_what_functions_of_a_plugin_return_is_checked(own, role, why, capsys):
+    function = getattr(drawing_of("mute"), role)
+    with pytest.raises(InputError, match=rf"plug-in own.py .*: plot mute v: TypeError: {why}"):
+        function(SimpleNamespace(spec=SimpleNamespace(name="v")))
 
 
 SCATTER = {"name": "s", "kind": "scatter", "x": "friction"}

@@ -1,7 +1,6 @@
 """Answers of a study with made-up runs, some refused: their numbers, and what every view tells."""
 
 import ast
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +15,7 @@ from sim.claims.verdict_files import write as write_claims
 from sim.dataset.build import build as build_dataset
 from sim.dataset.rounds import read_round
 from sim.figures import render
+from sim.figures.data import Drawing
 from sim.figures.plot import message_figure
 from sim.figures.render import draw_figures
 from sim.report import page
@@ -24,7 +24,6 @@ from sim.report.predict import predict
 from sim.report.runs import run_rows, varied_parameters
 from sim.report.status import as_text, survey
 from sim.study.load import load_study
-from sim.study.plot_kinds import Keys, PlotKind
 from sim.surrogates import answers, inquiries, storage
 from sim.surrogates.answers import (
     Refusal,
@@ -308,12 +307,10 @@ def test_every_view_tells_the_caveat(folder, view):
 
 def test_a_new_kind_of_picture_tells_it_without_knowing(folder, monkeypatch, tmp_path):
     table = pd.DataFrame({"value": [1.0]})
-    new = PlotKind(
-        Keys(), lambda data: message_figure("new"), lambda data: table, lambda data: ["New."]
-    )
-    monkeypatch.setattr(render, "find_kind", lambda name: new)
+    new = Drawing(lambda data: message_figure("new"), lambda data: table, lambda data: ["New."])
+    monkeypatch.setattr(render, "drawing_of", lambda name: new)
     spec = render.find_spec("speed-agreement", _study(folder).plots)
-    render.render(replace(spec, name="new"), folder / "dataset.nc", tmp_path)
+    render.render(spec.model_copy(update={"name": "new"}), folder / "dataset.nc", tmp_path)
     for suffix in ("svg", "csv", "caption.txt"):
         assert DOUBT in (tmp_path / f"new.{suffix}").read_text()
 

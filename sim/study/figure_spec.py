@@ -1,0 +1,204 @@
+"""A figure as it is drawn: the keys of its file, and what follows from its points."""
+
+from collections.abc import Iterable
+from typing import Annotated, Any, Literal, NamedTuple
+
+from pydantic import AfterValidator, Field
+
+from sim.parameters import NUMERICAL, Parameters
+from sim.parameters.common import broken_rule
+from sim.study.entries import Strict, Text
+from sim.study.plot_file import PlotFile
+from sim.study.plot_kinds import Shown
+
+#: Data beside a plot: label; points (x, y), or (x, y, error of y), in the units of the plot;
+#: whether a line joins them.
+DataSet = tuple[str, tuple[tuple[float, ...], ...], bool]
+
+
+class Answer(NamedTuple):
+    """The answer that a figure shows: its file, and the observable with its unit.
+
+    ``regimes`` are those that count, ``settings`` those of the question, and ``x`` and ``y`` the
+    parameters on the axes.
+    """
+
+    file: str = ""
+    observable: str = ""
+    unit: str = ""
+    regimes: tuple[str, ...] = ()
+    settings: tuple[Any, ...] = ()
+    x: str = ""
+    y: str = ""
+
+
+def _one_or_tuple(value: Any) -> Any:
+    values = value if isinstance(value, list) else [value]
+    if not all(isinstance(one, bool | int | float | str) for one in values):
+        raise broken_rule("", value, "a value of a parameter, or a list of values")
+    return tuple(values) if isinstance(value, list) else value
+
+
+_Values = Annotated[Any, AfterValidator(_one_or_tuple)]
+
+
+class _Look(Strict):
+    """Look of a curve, by the names of `sim.figures.style`; a measure may leave it open."""
+
+    colour: Literal["black", "blue", "red", "green", "pink", "orange"] | None = None
+    dashes: Literal["solid", "short_dash", "long_dash", "dash_dot", "dotted", "none"] | None = None
+    marker: str = "o"
+    entry: Text = Field("", description="its entry in the legend, or a measure's part of entries")
+
+
+class Style(_Look):
+    """Look of the curve that has the values ``at`` of ``curves``, in their order."""
+
+    at: _Values
+
+
+class Measure(_Look):
+    """A measure of the dataset that a figure shows."""
+
+    name: str
+    over: str = Field("", description="parameter that it is divided by")
+    label: Text = Field(description="what it is, for headings, with its unit in brackets")
+
+
+class FigureSpec(PlotFile):
+    """A figure: the keys of a plot, those of papers' figures, and what follows from its points.
+
+    What follows is no key: ``paper`` is the figure of the paper it reproduces, or what it is about
+    in it, and empty for a study's own plot; ``foreign`` are the data beside it; ``scattered`` is
+    whether points hardly share curves, as those of a design; ``answer`` is the answer that it
+    shows; and ``plugin`` is the code hash of the plug-in that adds its kind.
+    """
+
+    about: Text = Field("", description="figure of the paper, or what of the paper it is about")
+    vary: list[str] = Field([], description="parameters, on no axis, that the points must vary")
+    labels: dict[Literal["x", "y", "right"], Text] = Field({}, description="labels of the axes")
+    widest: float = Field(0, description="largest relative interval that a line joins, 0 for any")
+    levels: list[float] = Field([], description="values to compare with")
+    level: Text = Field("", description="their entry in the legend")
+    quantities: list[Measure] = []
+    alike: list[str] = Field([], description="parameters that do not tell curves apart")
+    relative: bool = Field(
+        False, description="whether velocity and frequency of the belt become shares of its own"
+    )
+    styles: list[Style] = []
+    entry: Text = Field("", description="pattern of the entries in the legend")
+    flat: bool = Field(False, description="whether profiles have the height along x")
+    theory: Literal["", "least_friction", "largest_angle", "lift_off"] = Field(
+        "", description="line of theory on a map of regimes"
+    )
+    creep: bool = Field(False, description="whether flows that creep have a marker of their own")
+    point: Literal["", "slowest", "none"] = Field(
+        "", description="which of several points is shown; of a map of regimes maybe `none`"
+    )
+    where: dict[str, _Values] = Field({}, description="values that a point must have to be drawn")
+    words: dict[str, Text] = Field(
+        {}, description="texts for the braces, besides those of the file"
+    )
+    lead: Text = Field("", description="first sentence of the caption: what is drawn")
+    named: list[str] = Field([], description="parameters whose values the details give")
+    says: Text = Field("", description="sentence of the caption: what the paper says")
+    details: Text = Field("", description="first sentences of the details: definitions, methods")
+
+    paper: str = ""
+    foreign: tuple[DataSet, ...] = ()
+    scattered: bool = False
+    answer: Answer = Answer()
+    plugin: str = ""
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """Parameters that must take at least two values; curves are drawn along the first."""
+        if self.keys.several:
+            return tuple(self.parameters)
+        return (*(() if self.second else self.axis_names), *self.vary)
+
+    @property
+    def by(self) -> tuple[str, ...]:
+        """Parameters that the key ``curves`` names."""
+        return tuple(self.curves or ())
+
+    @property
+    def groups(self) -> tuple[str, ...]:
+        """Parameters that tell curves and panels apart; a study may vary them or not."""
+        names = (*self.by, *filter(None, (self.panels,)))
+        return tuple(name for name in names if name not in self.vary)
+
+    @property
+    def show(self) -> str:
+        """The observable that is shown, or ``regime``."""
+        return self.observable
+
+    @property
+    def second(self) -> str:
+        """The second observable, where no parameter is on its axis; else empty."""
+        keys = self.keys
+        name = getattr(self, keys.second) if keys.second else None
+        is_observable = keys.second not in keys.axes or name in keys.shows(self.system)
+        return name if name and is_observable else ""
+
+    @property
+    def regimes(self) -> bool:
+        """Whether it shows regimes and the boundaries found between them, not velocities."""
+        return self.keys.is_map
+
+    @property
+    def particles(self) -> Shown:
+        """What it shows of the particles, which the dataset then keeps."""
+        return self.keys.particles
+
+    @property
+    def animated(self) -> bool:
+        """Whether it moves: a GIF with a poster instead of a picture."""
+        return self.keys.animated
+
+    @property
+    def draws_curves(self) -> bool:
+        """Whether points are joined to curves, on which each has a place of its own."""
+        return bool(self.axes) and not self.regimes
+
+    @property
+    def taken(self) -> dict[str, str]:
+        """Values in ``where`` in words, by parameter."""
+        return {name: ", ".join(map(written, _tuple(value))) for name, value in self.where.items()}
+
+    def shows(self, parameters: Parameters) -> bool:
+        """Return whether a point with these parameters is among those drawn."""
+        return all(self.takes(name, parameters) for name in self.where)
+
+    def is_fed_by(self, system: str, series: Iterable[str]) -> bool:
+        """Return whether a point of some series is one of those that a study's own plot shows."""
+        return system == self.system and not set(series).isdisjoint(self.series or ())
+
+    def takes(self, name: str, parameters: Parameters) -> bool:
+        """Return whether a point is not left out for the parameter ``name`` of ``where``."""
+        return getattr(parameters, name) in _tuple(self.where[name])
+
+    def place(self, parameters: Parameters) -> tuple[Any, ...]:
+        """Return the values that place a point on the curves; points of the same lie on each other.
+
+        Parameters that set how a point is computed do so only where the figure is about them.
+        """
+        own, others = {*self.axes, *self.groups}, {*NUMERICAL, *self.alike}
+        names = type(parameters).model_fields
+        return tuple(
+            getattr(parameters, name) for name in names if name in own or name not in others
+        )
+
+    @property
+    def suffixes(self) -> tuple[str, str, str, str]:
+        """Of its files: picture, picture that scales or moves, data behind it, caption."""
+        return ".png", ".gif" if self.animated else ".svg", ".csv", ".caption.txt"
+
+
+def _tuple(value: Any) -> tuple[Any, ...]:
+    return value if isinstance(value, tuple) else (value,)
+
+
+def written(value: Any) -> str:
+    """Write a value of a parameter for people."""
+    return value if isinstance(value, str) else f"{value:g}"
