@@ -6,7 +6,7 @@ from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
-from sim.engine.compile import call_directly, working_time
+from sim.engine.compile import working_time
 from sim.engine.dynamics.cells import LIST_FULL, BlowUp, Box, failure_reason
 from sim.engine.dynamics.neighbors import PairList, double_room
 from sim.engine.observe.regime import Scales
@@ -164,15 +164,12 @@ class Replica(ABC):
                 states[-1][:, d] -= length * np.round(stray[:, d] / length)
         return np.array(states)
 
-    def _call(self, kernel: Any, *arguments: Any) -> Any:
-        return call_directly(kernel, self.kind, *arguments)
-
-    def _approach(self, distance: int) -> None:
-        """Advance the sample under way, or else the next, to some steps before its end."""
+    def _missing_steps(self) -> int:
+        """Return the steps to the end of the sample under way, or else of the next, now begun."""
         sums = self.loop.sums
         if sums[STEPS] >= self.sample_steps:
             sums[:] = 0.0
-        self._continue(self.sample_steps - int(sums[STEPS]) - distance)
+        return self.sample_steps - int(sums[STEPS])
 
     def _run(self, steps: int) -> None:
         """Advance by a number of steps, with the sums of these steps alone."""
@@ -185,23 +182,14 @@ class Replica(ABC):
         last = step[0] + steps
         while step[0] < last:
             target, start = min(last, step[0] + self._stretch), working_time()
-            failure = self._advance_to(target)
+            while (status := self._advance(target - step[0])) == LIST_FULL:
+                self._enlarge_list()
+            failure = self._failure(status)
             self.loop_time += working_time() - start
             if failure:
                 raise BlowUp(failure)
             if target < last:
                 self.pause()
-
-    def _advance_to(self, target: int) -> str:
-        """Advance to a step; return the reason of a failure, or an empty text."""
-        step = self.loop.step
-        return self._failure(self._with_room(lambda: self._advance(target - step[0])))
-
-    def _with_room(self, attempt: Callable[[], int]) -> int:
-        """Repeat an attempt until the neighbor list has room for its pairs; return the status."""
-        while (status := attempt()) == LIST_FULL:
-            self._enlarge_list()
-        return status
 
     def _enlarge_list(self) -> None:
         self.pairs = double_room(self.pairs)
