@@ -14,28 +14,22 @@ def flow(**scalars) -> xr.Dataset:
     return xr.Dataset(usual | powers | scalars)
 
 
-def test_steady_flows_turn_over_what_they_dissipate():
-    assert missing_energy(flow()) == pytest.approx(0.008)
-
-
-def test_what_a_flow_gains_is_turned_over_as_well():
+#: What a flow has, and the share that it lacks.
+FLOWS = {
+    "steady": ({}, 0.008),
     # 10 g at 2 m/s that gain 0.6 m/s² take up 12 mW beside the 4 mW dissipated.
-    assert missing_energy(flow(acceleration=0.6)) == pytest.approx(0.008 / 4)
+    "gains": ({"acceleration": 0.6}, 0.008 / 4),
+    "loses": ({"acceleration": -0.6}, 0.008),
+    "rests": ({"velocity": 0.0, "frictional_power": 0.0, "normal_power": 0.0}, 0.008),
+}
 
 
-def test_what_a_flow_loses_does_not_count():
-    assert missing_energy(flow(acceleration=-0.6)) == pytest.approx(0.008)
+@pytest.mark.parametrize("case", FLOWS)
+def test_what_a_flow_gains_is_turned_over_as_well_as_what_it_dissipates(case):
+    scalars, expected = FLOWS[case]
+    assert missing_energy(flow(**scalars)) == pytest.approx(expected)
 
 
-def test_flows_at_rest_keep_the_ledger_of_their_whole_run():
-    still = {"velocity": 0.0, "frictional_power": 0.0, "normal_power": 0.0}
-    assert missing_energy(flow(**still)) == pytest.approx(0.008)
-
-
-def test_belts_turn_over_what_the_file_says():
-    belt = flow().drop_vars("frictional_power")
-    assert missing_energy(belt) == pytest.approx(0.008)
-
-
-def test_files_without_a_ledger_have_no_measure():
+def test_belts_turn_over_what_the_file_says_and_files_without_a_ledger_nothing():
+    assert missing_energy(flow().drop_vars("frictional_power")) == pytest.approx(0.008)
     assert np.isnan(missing_energy(flow().drop_vars("energy_residual")))

@@ -3,7 +3,6 @@
 import itertools
 
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -15,7 +14,6 @@ from tests.engine_motion.helpers import (
     PAIRED_READINGS,
     READINGS,
     disk_forces,
-    rotation,
 )
 from tests.properties.values import SEEDS, magnitudes, norms
 
@@ -72,33 +70,6 @@ def test_forces_of_beads_are_as_printed_at_all_magnitudes(contacts, damping_mass
         assert (norms(found - wanted) <= rounding).all()
 
 
-@given(
-    magnitudes(-3, 6), st.floats(0, 1.99), magnitudes(-9, 3), magnitudes(-9, 3), magnitudes(-3, 3)
-)
-def test_an_impact_of_beads_has_the_restitution_of_a_damped_spring(
-    stiffness, damping_ratio, mass, other, speed
-):
-    """With the reduced mass, an overlap v/w exp(-c t) sin(w t) is the motion of the pair."""
-    reduced = mass * other / (mass + other)
-    natural = np.sqrt(stiffness / reduced)
-    decay = damping_ratio / 2 * natural
-    rate = np.sqrt(natural**2 - decay**2)
-    law = spring_damping(stiffness, 2 * decay, 0.0, damping_mass="reduced")
-    time = np.linspace(0, np.pi / rate, 101)[:, None]
-    growth = speed * np.exp(-decay * time)
-    overlap = growth / rate * np.sin(rate * time)
-    approach = growth * (np.cos(rate * time) - decay / rate * np.sin(rate * time))
-    acceleration = -2 * decay * approach - natural**2 * overlap
-    normal = np.tile([1.0, 0.0], (101, 1))
-    force = disk_forces(
-        law, overlap[:, 0], normal, approach * normal, np.full(101, mass), np.full(101, 1 / other)
-    )
-    assert np.abs(force[:, 0] - reduced * acceleration[:, 0]).max() <= (
-        1e-9 * reduced * natural * speed
-    )
-    assert -approach[-1, 0] == pytest.approx(speed * np.exp(-np.pi * decay / rate), rel=1e-9)
-
-
 STEPS = 200
 Z = np.array([0.0, 0.0, 1.0])
 
@@ -150,28 +121,9 @@ def test_spheres_repel_and_rub_within_the_limit_at_all_magnitudes(law, seed, len
     assert (np.abs((friction * normal).sum(axis=1)) <= 1e-9 * limit.max()).all()
 
 
-@given(sphere_laws(), SEEDS, magnitudes(-6, 0), magnitudes(-3, 1))
-def test_partners_that_change_places_feel_the_opposite_friction(law, seed, length, slip):
-    overlap, normal, slips = history(law, seed, length, slip)
-    force, friction, memory = contact_path(law, overlap, normal, slips)
-    other_force, other_friction, other_memory = contact_path(law, overlap, -normal, -slips)
-    assert np.array_equal(other_force, force)
-    assert np.array_equal(other_friction, -friction)
-    assert np.array_equal(other_memory[:, 3:], memory[:, 3:])
-
-
 def same_friction(found, expected, limit) -> bool:
     """Whether two frictions (n, 3) agree but for rounding, which the exponents may magnify."""
     return bool((norms(found - expected) <= 1e-7 * limit.max()).all())
-
-
-@given(sphere_laws(), SEEDS, magnitudes(-6, 0), magnitudes(-3, 1))
-def test_friction_turns_with_the_frame(law, seed, length, slip):
-    overlap, normal, slips = history(law, seed, length, slip)
-    force, friction, _ = contact_path(law, overlap, normal, slips)
-    frame = rotation(np.random.default_rng(seed))
-    turned = contact_path(law, overlap, normal @ frame.T, slips @ frame.T)[1]
-    assert same_friction(turned, friction @ frame.T, law.limit.friction * force)
 
 
 @given(sphere_laws(), SEEDS, magnitudes(-3, 1), magnitudes(-6, 6), magnitudes(-6, 6))

@@ -42,34 +42,16 @@ def test_constant_spin_gives_the_exact_rotation(spin):
     assert coarse / fine == pytest.approx(4.0, rel=0.05)
 
 
-def test_length_stays_one_under_any_spin():
-    rng = np.random.default_rng(2)
-    orientation = unrotated_orientations(50)
-    for _ in range(1000):
-        turn(orientation, 300 * rng.normal(size=(50, 3)), 1e-4)
-    assert np.linalg.norm(orientation, axis=0) == pytest.approx(np.ones(50), abs=1e-14)
-    assert np.ptp(orientation[0]) > 0.5
-
-
-def test_only_the_spheres_asked_for_turn_and_none_where_there_are_no_orientations():
-    spin, radius = np.full((3, 20), 0.3), np.full(20, 1.0)
-    orientation = unrotated_orientations(20)
-    rotate(orientation, spin, radius, 0.1, 3, 17)
-    has_turned = (orientation != unrotated_orientations(20)).any(axis=0)
-    assert np.array_equal(np.flatnonzero(has_turned), np.arange(3, 17))
-    rotate(unrotated_orientations(0), spin, radius, 0.1, 0, 20)
-
-
 def test_spins_are_along_the_axes_of_the_laboratory():
     """A quarter turn about x, then one about z, takes the body's y axis to the laboratory's z."""
-    orientation = np.ascontiguousarray(turn_steadily((1.0, 0, 0), 20_000, np.pi / 2).T)
-    for _ in range(20_000):
-        turn(orientation, np.array([[0.0, 0.0, 1.0]]), np.pi / 40_000)
+    orientation = np.ascontiguousarray(turn_steadily((1.0, 0, 0), 5000, np.pi / 2).T)
+    for _ in range(5000):
+        turn(orientation, np.array([[0.0, 0.0, 1.0]]), np.pi / 10_000)
     w, x, y, z = orientation[:, 0]
     images_of_y = np.array([2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)])
-    assert images_of_y == pytest.approx([0.0, 0.0, 1.0], abs=1e-6)
+    assert images_of_y == pytest.approx([0.0, 0.0, 1.0], abs=1e-5)
     images_of_x = np.array([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)])
-    assert images_of_x == pytest.approx([0.0, 1.0, 0.0], abs=1e-6)
+    assert images_of_x == pytest.approx([0.0, 1.0, 0.0], abs=1e-5)
 
 
 def test_trajectories_do_not_depend_on_orientations_by_a_single_bit():
@@ -84,3 +66,4 @@ def test_trajectories_do_not_depend_on_orientations_by_a_single_bit():
     assert np.array_equal(oriented.flow.sums, unoriented.flow.sums)
     assert len(unoriented.orientation) == 0
     assert np.abs(oriented.orientation[:, 1:]).max() > 0.1
+    assert np.linalg.norm(oriented.orientation, axis=1) == pytest.approx(1.0, abs=1e-14)

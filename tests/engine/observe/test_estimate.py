@@ -26,16 +26,12 @@ KINDS = [
 ]
 
 
-#: How many series of each kind are tried, in a moment and at length.
-COUNTS = [40, pytest.param(200, marks=pytest.mark.long)]
-
-
 def counting_error(count: int) -> float:
     """Standard deviation of a share of 95 % that is counted in so many cases."""
     return float(np.sqrt(0.05 * 0.95 / count))
 
 
-@pytest.fixture(scope="module", params=COUNTS)
+@pytest.fixture(scope="module", params=[40, pytest.param(200, marks=pytest.mark.long)])
 def studied(request):
     """What is known of the means of some series of each kind after truncation."""
     rng = np.random.default_rng(7)
@@ -80,88 +76,46 @@ def test_slopes_are_covered_too(count):
     assert np.mean(hits) > 0.95 - 3 * counting_error(count)
 
 
-def test_inefficiency_of_a_known_process():
-    series = correlated(np.random.default_rng(1), 100_000, 20.0)
-    assert inefficiency(series) == pytest.approx(20.0, rel=0.1)
-    assert inefficiency(np.ones(50)) == 1.0
-
-
-def made(kind: str, rng: np.random.Generator, samples: int) -> np.ndarray:
-    """Return a series of one kind."""
-    noise = correlated(rng, samples, 8.0)
-    match kind:
-        case "white":
-            return rng.normal(size=samples)
-        case "alternating":
-            return noise * (-1) ** np.arange(samples)
-        case "transient":
-            return noise + 20 * np.exp(-np.arange(samples) / (0.1 * samples))
-        case "drifting":
-            return noise + np.linspace(0, 10, samples)
-        case "at rest in the end":
-            return np.where(np.arange(samples) < 0.4 * samples, noise, 0.0)
-        case "tiny":
-            return 1e-160 * noise
-        case "constant but for rounding":
-            return np.where(rng.random(samples) < 0.5, 0.1, np.nextafter(0.1, 1))
-    return noise
-
-
-KINDS_OF_SERIES = ["white", "correlated", "alternating", "transient", "drifting"]
-ODD_SERIES = ["at rest in the end", "tiny", "constant but for rounding"]
-
-
-@pytest.mark.parametrize("kind", KINDS_OF_SERIES + ODD_SERIES)
-def test_both_numbers_are_those_of_pymbar_to_the_bit(kind):
+def test_both_numbers_are_those_of_pymbar_to_the_bit():
+    """Also of series that are at rest in the end, tiny, or constant but for rounding."""
     from pymbar import timeseries
 
     rng = np.random.default_rng(3)
     for samples in (20, 21, 50, 99, 400, 1501):
-        series = made(kind, rng, samples)
-        step = max(1, samples // TRIALS)
-        start, _, _ = timeseries.detect_equilibration(series, fast=True, nskip=step)
-        assert transient_end(series) == min(2 * start, samples // 2)
-        for part in (series, series[:3], series[samples // 3 :]):
-            try:
-                expected = timeseries.statistical_inefficiency(part)
-            except timeseries.ParameterError:
-                expected = 1.0
-            assert inefficiency(part) == expected
-
-
-def test_the_end_of_a_long_transient_is_found():
-    series = with_transient(np.random.default_rng(2), 2000, 5, 50.0, 0.05)
-    assert 300 < transient_end(series) <= 1000
-
-
-def test_at_most_half_is_discarded():
-    assert transient_end(np.linspace(0.0, 1.0, 400)) == 200
-
-
-@pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("samples", [0, 1, 2, FEWEST_SAMPLES - 1])
-def test_short_series_have_a_mean_and_no_error(samples):
-    series = np.full(samples, 2.0)
-    found = mean(series)
-    assert np.isnan(found.error) and np.isnan(found.half_width)
-    assert found.value == 2.0 or samples == 0
-    assert np.isnan(slope(series, 1.0).value)
-    assert transient_end(series) == 0
+        noise, number = correlated(rng, samples, 8.0), np.arange(samples)
+        for series in (
+            rng.normal(size=samples),
+            noise,
+            noise * (-1) ** number,
+            noise + 20 * np.exp(-number / (0.1 * samples)),
+            noise + np.linspace(0, 10, samples),
+            np.where(number < 0.4 * samples, noise, 0.0),
+            1e-160 * noise,
+            np.where(rng.random(samples) < 0.5, 0.1, np.nextafter(0.1, 1)),
+        ):
+            step = max(1, samples // TRIALS)
+            start, _, _ = timeseries.detect_equilibration(series, fast=True, nskip=step)
+            assert transient_end(series) == min(2 * start, samples // 2)
+            for part in filter(np.ptp, (series, series[:3], series[samples // 3 :])):
+                try:
+                    expected = timeseries.statistical_inefficiency(part)
+                except timeseries.ParameterError:
+                    expected = 1.0
+                assert inefficiency(part) == expected
 
 
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("samples", [FEWEST_SAMPLES, FEWEST_SAMPLES + 1, 37])
-def test_a_constant_has_neither_error_nor_slope(samples):
-    found, trend = mean(np.full(samples, 3.0)), slope(np.full(samples, 3.0), 1.0)
-    assert (found.value, found.error, found.half_width) == (3.0, 0.0, 0.0)
-    assert trend.value == pytest.approx(0.0, abs=1e-15)
-    assert transient_end(np.full(samples, 3.0)) == 0
-
-
-def test_a_line_is_a_slope_without_error():
-    found = slope(0.5 * np.arange(100.0), 0.1)
-    assert found.value == pytest.approx(5.0, rel=1e-12)
-    assert found.half_width == pytest.approx(0.0, abs=1e-9)
+def test_short_and_constant_series_have_a_mean_and_lines_a_slope_without_error():
+    for samples in (0, 1, 2, FEWEST_SAMPLES - 1, FEWEST_SAMPLES, 37):
+        series = np.full(samples, 3.0)
+        found, trend = mean(series), slope(series, 1.0)
+        error = 0.0 if samples >= FEWEST_SAMPLES else np.nan
+        assert found.value == 3.0 or samples == 0
+        assert (found.error, found.half_width) == pytest.approx((error, error), nan_ok=True)
+        assert trend.value == pytest.approx(error, abs=1e-15, nan_ok=True)
+        assert transient_end(series) == 0
+    line = slope(0.5 * np.arange(100.0), 0.1)
+    assert (line.value, line.half_width) == pytest.approx((5.0, 0.0), rel=1e-12, abs=1e-9)
 
 
 def test_the_widest_interval_counts():
@@ -181,7 +135,4 @@ def test_cycles_hold_whole_periods(length):
     assert len(cycle_means(wave, 20)) == length // 20
     assert np.abs(cycle_means(wave, 20)).max() < 1e-12
     assert np.array_equal(cycle_means(wave, 1), wave)
-
-
-def test_less_than_a_cycle_is_one_mean():
     assert np.array_equal(cycle_means(np.arange(5.0), 20), [2.0])

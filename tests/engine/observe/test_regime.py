@@ -33,6 +33,10 @@ def series(mean=0.5, slope=0.0, noise=0.01, samples=1200, seed=0) -> np.ndarray:
         ({"slope": 0.002}, BELT, "steady", "drifting"),
         ({"slope": 0.02}, BELT, "accelerating", "drifting"),
         ({"slope": -0.02}, BELT, "undetermined", "drifting"),
+        ({"slope": 1.0, "noise": 0.0}, CHUTE, "accelerating", "drifting"),
+        ({"mean": 0.0, "noise": 1e-9}, CHUTE, "arrested", "jammed"),
+        ({"mean": 0.0, "noise": 0.0}, CHUTE, "arrested", "jammed"),
+        ({"noise": 0.0}, CHUTE, "steady", "jammed"),
     ],
 )
 def test_regime_of_a_series(values, scales, regime, quality):
@@ -78,12 +82,6 @@ def test_a_steady_flow_is_called_accelerating_in_less_than_five_per_cent_of_case
     assert np.mean([regime == "accelerating" for regime in found]) < 0.05
 
 
-def test_without_a_drift_long_series_are_steady():
-    rng = np.random.default_rng(13)
-    found = [analyse(40.0 + correlated(rng, 600, 5), 1.0, BELT).regime for _ in range(50)]
-    assert np.mean([regime == "steady" for regime in found]) > 0.95
-
-
 def test_slow_correlations_are_short_of_independent_samples():
     noisy = 40.0 + correlated(np.random.default_rng(4), 400, 60)
     found = analyse(noisy, 1.0, Scales(1e-3, np.inf, 10.0, 0.02))
@@ -91,45 +89,13 @@ def test_slow_correlations_are_short_of_independent_samples():
     assert (found.regime, found.quality) == ("steady", "short")
 
 
-def test_a_flow_that_stops_within_the_window_is_arrested():
-    slowing = np.concatenate([np.linspace(0.5, 0.0, 300), np.zeros(900)])
-    assert analyse(slowing, INTERVAL, CHUTE).regime == "arrested"
-
-
-@pytest.mark.parametrize("mean", [0.0, 0.5])
-def test_a_jammed_series_has_a_status_of_its_own(mean):
-    found = analyse(np.full(600, mean), INTERVAL, CHUTE)
-    assert (found.velocity.value, found.velocity.half_width) == (mean, 0.0)
-    assert (found.quality, found.independent) == ("jammed", 0.0)
-    assert found.regime == ("steady" if mean else "arrested")
-
-
-def test_a_bed_at_rest_is_jammed_though_its_last_bits_move():
-    trembling = 1e-9 * np.random.default_rng(1).normal(size=600)
-    found = analyse(trembling, INTERVAL, CHUTE)
-    assert (found.regime, found.quality) == ("arrested", "jammed")
-
-
-def test_a_perfect_line_is_an_acceleration():
-    found = analyse(series(slope=1.0, noise=0.0), INTERVAL, CHUTE)
-    assert found.acceleration.value == pytest.approx(1.0, rel=1e-9)
-    assert found.regime == "accelerating"
-
-
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("samples", [1, 2, 9])
-def test_too_few_samples_leave_the_regime_open(samples):
-    found = analyse(series(samples=samples), INTERVAL, CHUTE)
+@pytest.mark.parametrize(("samples", "period"), [(1, 1), (2, 1), (9, 1), (13, 20), (39, 20)])
+def test_too_few_samples_leave_the_regime_open(samples, period):
+    found = analyse(series(samples=samples), INTERVAL, CHUTE, period)
     assert np.isfinite(found.velocity.value)
     assert np.isnan([found.velocity.error, found.acceleration.value]).all()
     assert (found.regime, found.quality) == ("undetermined", "short")
-
-
-@pytest.mark.parametrize("samples", [10, 13, 25])
-def test_few_samples_give_a_finite_trend(samples):
-    found = analyse(series(samples=samples, slope=3.0, noise=1e-6), INTERVAL, CHUTE)
-    assert found.acceleration.value == pytest.approx(3.0, rel=0.02)
-    assert np.isfinite(found.acceleration.half_width)
 
 
 @pytest.mark.parametrize("extra", [0, 7, 19])
@@ -143,39 +109,22 @@ def test_periodic_driving_counts_for_nothing(extra):
     assert found.regime == "steady"
 
 
-@pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("samples", [1, 13, 20, 39])
-def test_few_periods_leave_the_regime_open_and_have_a_mean(samples):
-    found = analyse(series(samples=samples, noise=0.0), INTERVAL, BELT, period=20)
-    assert found.velocity.value == pytest.approx(0.5)
-    assert found.regime == "undetermined" and np.isnan(found.velocity.error)
-
-
-def scales(target: float = 0.02) -> Scales:
-    return Scales(arrested=1e-3, acceleration=np.inf, drift=0.1, target=target)
-
-
-def run_to_the_end(velocity, shortest, target=0.02):
+def run_to_the_end(velocity, shortest):
     """Look at a series as a run would; return length, window start, trend and reason."""
     before = ""
     for length in regime.look_lengths(shortest, len(velocity)):
-        start, trend, reason = regime.verdict(velocity[:length], 1.0, scales(target), 1, 0)
+        start, trend, reason = regime.verdict(velocity[:length], 1.0, BELT, 1, 0)
         if reason and reason in (before, regime.ARRESTED):
             return length, start, trend, reason
         before = reason
     return length, start, trend, ""
 
 
-def test_looks_are_few_and_end_at_the_limit():
-    assert regime.look_lengths(100, 500) == [100, 135, 182, 246, 332, 448, 500]
-    assert regime.look_lengths(100, 100) == [100]
-
-
 def test_a_run_stops_when_its_mean_is_known_well_enough():
-    """Of 60 noisy runs all stop at the target, before the limit, and nineteen in twenty cover."""
+    """Of 30 noisy runs all stop at the target, before the limit, and nineteen in twenty cover."""
     rng = np.random.default_rng(5)
     covered, lengths = [], []
-    for _ in range(60):
+    for _ in range(30):
         velocity = 5.0 + with_transient(rng, 40_000, 10, 5.0, 0.004)
         length, _, trend, reason = run_to_the_end(velocity, 400)
         assert reason == regime.TARGET
@@ -186,7 +135,7 @@ def test_a_run_stops_when_its_mean_is_known_well_enough():
     assert max(lengths) < 40_000
 
 
-@pytest.mark.parametrize("relaxation", [300, 600])
+@pytest.mark.parametrize("relaxation", [300, pytest.param(600, marks=pytest.mark.long)])
 def test_a_slow_relaxation_is_waited_for(relaxation):
     """A flow that still relaxes when it is first looked at ends with the steady mean.
 
@@ -206,33 +155,21 @@ def test_a_slow_relaxation_is_waited_for(relaxation):
     assert np.mean(held) > 0.8
 
 
-def test_a_stricter_target_takes_longer():
-    velocity = 5.0 + correlated(np.random.default_rng(6), 50_000, 10)
-    loose, strict = (run_to_the_end(velocity, 400, target)[0] for target in (0.04, 0.01))
-    assert strict > 3 * loose
-
-
-def test_a_noisy_run_goes_on_to_its_limit():
-    velocity = 1.0 + correlated(np.random.default_rng(7), 2000, 50)
-    assert run_to_the_end(velocity, 400)[::3] == (2000, "")
-
-
-def test_a_flow_at_rest_is_not_waited_for():
+def test_a_flow_at_rest_or_in_lasting_acceleration_is_not_waited_for():
     velocity = np.concatenate([np.linspace(5.0, 0.0, 100), np.zeros(3000)])
     length, _, trend, reason = run_to_the_end(velocity, 400)
     assert (length, trend.regime, reason) == (400, "arrested", regime.ARRESTED)
-
-
-def test_an_acceleration_that_lasts_is_not_waited_for():
     velocity = 0.01 * np.arange(5000) + 0.1 * correlated(np.random.default_rng(8), 5000, 5)
     length, _, trend, reason = run_to_the_end(velocity, 400)
     assert (trend.regime, reason) == ("accelerating", regime.ACCELERATING)
     assert length < 1000
+    velocity = 1.0 + correlated(np.random.default_rng(7), 2000, 50)
+    assert run_to_the_end(velocity, 400)[::3] == (2000, "")
 
 
 def test_the_rise_of_a_transient_is_not_taken_for_a_lasting_acceleration():
     rng = np.random.default_rng(9)
-    for _ in range(20):
+    for _ in range(10):
         time = np.arange(6000)
         velocity = 20.0 * (1 - np.exp(-time / 500)) + 0.3 * correlated(rng, 6000, 10)
         _, start, trend, reason = run_to_the_end(velocity, 500)
@@ -245,10 +182,6 @@ def test_the_window_of_a_driven_series_starts_with_a_cycle():
     wave = np.sin(2 * np.pi * np.arange(1010) / 20)
     start = regime.window_start(wave + np.exp(-np.arange(1010) / 50), 20)
     assert (1010 - start) % 20 == 0 and start > 0
-
-
-@pytest.mark.parametrize("least", [0, 7, 100, 333])
-def test_what_is_known_to_be_transient_is_left_out_in_any_case(least):
-    noise = correlated(np.random.default_rng(10), 1000, 3)
-    start = regime.window_start(noise, 20, least)
-    assert start >= least and (1000 - start) % 20 == 0
+    for least in (0, 7, 100, 333):
+        start = regime.window_start(correlated(np.random.default_rng(10), 1000, 3), 20, least)
+        assert start >= least and (1000 - start) % 20 == 0
