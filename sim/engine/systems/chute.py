@@ -36,9 +36,15 @@ from sim.engine.observe.profiles import (
     flow_energies,
 )
 from sim.engine.observe.regime import Scales
-from sim.engine.observe.samples import ContactList, first_samples, make_ledger, zero_samples
+from sim.engine.observe.samples import (
+    ContactList,
+    Samples,
+    first_samples,
+    make_ledger,
+    zero_samples,
+)
 from sim.engine.systems import leap_frog
-from sim.engine.systems.replica import PATH_INTERVALS, Outcome, Replica
+from sim.engine.systems.replica import PATH_INTERVALS, Replica
 from sim.engine.systems.sharing import Thread, refresh_together
 from sim.engine.systems.slices import flow_profiles
 from sim.engine.systems.start import initial_layer
@@ -174,7 +180,7 @@ class PlaneFlow(Replica):
         super()._enlarge_list()
         self.memory = enlarge_memory(self.memory, len(self.pairs.touching))
 
-    def _take(self, most: int, profiles: bool) -> Outcome:
+    def _take(self, most: int, profiles: bool) -> tuple[Samples | None, str]:
         count, states, failure = min(most, max(1, self._stretch // self.sample_steps)), [], ""
         sums = tuple(zero_samples(count, part) for part in self.no_profiles()) if profiles else None
         try:
@@ -185,9 +191,10 @@ class PlaneFlow(Replica):
                     self._add_profiles(sums, k)
         except BlowUp as error:
             failure = str(error)
-        state = stack(states) if states else None
+        if not states:
+            return None, failure
         sums = sums and tuple(first_samples(part, len(states)) for part in sums)
-        return Outcome(state, sums, failure)
+        return Samples(self._values(stack(states)), sums), failure
 
     def _state(self) -> Any:
         """Return the state at the end of a sample."""

@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -22,18 +22,6 @@ PATH_INTERVALS = 40
 
 #: Column of the number of steps in ``sums`` of every loop.
 STEPS = 0
-
-
-class Outcome(NamedTuple):
-    """Up to K samples in the numbers of a system.
-
-    ``state`` of the samples, a named tuple, None without a sample; ``profiles`` as in `Samples`;
-    ``failure`` reason of a blow-up after them, else empty.
-    """
-
-    state: Any
-    profiles: Sums | None
-    failure: str
 
 
 class Replica(ABC):
@@ -98,7 +86,7 @@ class Replica(ABC):
     @property
     def profile_height(self) -> np.ndarray:
         """Centres (H,) of the slices of the profiles, m."""
-        return self.slices.height()
+        return (np.arange(self.slices.slices) + 0.5) * self.slices.slice_height
 
     @property
     def cycle_steps(self) -> int:
@@ -131,8 +119,7 @@ class Replica(ABC):
 
         Raises ``BlowUp``, which holds the samples taken before the blow-up.
         """
-        state, sums, failure = self._take(most, profiles)
-        samples = None if state is None else Samples(self._values(state), sums)
+        samples, failure = self._take(most, profiles)
         if failure or samples is None:
             raise BlowUp(failure, samples)
         return samples
@@ -227,12 +214,8 @@ class Replica(ABC):
         """Advance by a number of steps in compiled code; return the status."""
 
     @abstractmethod
-    def _take(self, most: int, profiles: bool) -> Outcome:
-        """Advance by one to ``most`` samples, or to a blow-up."""
-
-    @abstractmethod
-    def _values(self, state: Any) -> dict[str, np.ndarray]:
-        """Return the values (K,) of each time series from the state of K samples."""
+    def _take(self, most: int, profiles: bool) -> tuple[Samples | None, str]:
+        """Advance by one to ``most`` samples, or to a blow-up; return them, and its reason."""
 
     @abstractmethod
     def _coordinates(self) -> np.ndarray:
