@@ -20,21 +20,20 @@ from tests.engine_motion.points import belt_point, chute_point
 from tests.made.processes import ROOT, SHORTER_VECTORS
 
 #: Compiles one kernel of the engine and one of its own, twice each; prints how many were compiled.
-CONTACT = """
+TOTAL = """
 import logging
 from time import process_time
 import numpy as np
-from sim.claims.experiments import contact_path
 from sim.engine.compile import numba, working_time
-from sim.engine.contact.walton_braun import walton_braun
+from sim.engine.observe.profiles import REAL, total
 logging.basicConfig(format="%(message)s", level=logging.INFO)
 began, worked = process_time(), working_time()
 for _ in range(2):
     numba.njit(lambda values: np.sin(values).sum())(np.ones(3))
 spent = process_time() - began
 assert working_time() - worked < 0.1 * spent, spent
-contact_path(walton_braun(100.0, 0.8, 0.4), np.ones(1), np.ones((1, 3)), np.ones((1, 3)))
-print(sum(contact_path.stats.cache_misses.values()), sum(contact_path.stats.cache_hits.values()))
+total(np.ones(9), REAL)
+print(sum(total.stats.cache_misses.values()), sum(total.stats.cache_hits.values()))
 """
 
 #: Numbers of negative gaps are appended without the widest vectors, too.
@@ -66,7 +65,7 @@ def run(code: str, **settings: str) -> subprocess.CompletedProcess:
 
 def test_compiled_code_lies_in_a_folder_of_its_sources_and_a_later_process_finds_it(tmp_path):
     """That code is compiled is told once, and it is no working time."""
-    first, second = (run(CONTACT, TALUS_CACHE_DIR=str(tmp_path)) for _ in range(2))
+    first, second = (run(TOTAL, TALUS_CACHE_DIR=str(tmp_path)) for _ in range(2))
     assert first.stdout.split() == ["1", "0"] and second.stdout.split() == ["0", "1"]
     assert first.stderr.count("compiling the engine;") == 1
     assert [path.name for path in tmp_path.iterdir()] == [source_hash(COMPILED_PARTS)]

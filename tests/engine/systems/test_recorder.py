@@ -85,9 +85,6 @@ class Ramp:
     def tables(self, sums):
         return {"samples": sums[0].samples}
 
-    def trace(self):
-        return np.full((3, 1, 3), float(self.number))
-
     def snapshot(self):
         return {"position": np.full((1, 3), float(self.number))}
 
