@@ -5,7 +5,7 @@ import pytest
 
 from sim.engine.dynamics.cells import BlowUp
 from sim.engine.systems import build, replica
-from tests.engine_motion.points import belt_point, chute_point, sums_of
+from tests.engine_motion.points import belt_point, chute_point
 
 CHUTE = chute_point(depth=2, cell=5)
 BELT = belt_point(beads=40, width=8, obstacle=1.5)
@@ -124,20 +124,6 @@ def test_the_path_of_a_fast_chute_is_not_folded_into_the_cell():
     assert path.shape == (41, p.particles, 3)
     assert way.mean() == pytest.approx(velocity * time[-1], rel=0.1)
     assert way.min() > 0.5 * way.mean()
-
-
-def test_the_field_counts_every_bead_once_where_it_is():
-    system = settled_belt(frequency=60)
-    system.sample(29)
-    *_, field = sums = sums_of(system)
-    assert field.count.sum() == 40 and field.samples == 1
-    x, z = system.disks.taylor[0]
-    column, level = int(x[3] / 1e-3) % 8, int(np.floor((z[3] + 1e-3) / 1e-3))
-    assert field.count[column, level] >= 1
-    assert field.moved.sum() == pytest.approx(system._velocity()[0].sum())
-    tables = system.tables(sums)
-    assert np.nansum(tables["field_density"]) * 1e-6 == pytest.approx(40)
-    assert np.isnan(tables["field_velocity"][tables["field_density"] == 0]).all()
 
 
 def test_a_sample_of_a_chute_is_what_the_state_and_the_impulses_say():
