@@ -21,6 +21,7 @@ import numpy as np
 import psutil
 
 from sim.base.files import atomic_write
+from sim.engine.dynamics.cells import LIST_FULL
 from sim.engine.states import flatten, refill, subtree
 from sim.engine.systems import build
 from sim.parameters import parse_point
@@ -84,7 +85,9 @@ def follow(system, steps: int, stretches: int, path: Path) -> list[dict[str, flo
     while len(rows) < stretches:
         system.loop.sums[:] = 0.0
         started = time.perf_counter()
-        system._advance_to(int(system.loop.step[0]) + steps - 1)
+        target = int(system.loop.step[0]) + steps - 1
+        while system._advance(target - int(system.loop.step[0])) == LIST_FULL:
+            system._enlarge_list()
         seconds = (time.perf_counter() - started) / (steps - 1)
         processes = own, *own.children(recursive=True)
         memory = sum(one.memory_info().rss for one in processes) / 1e6

@@ -8,9 +8,9 @@ import json
 import logging
 import signal
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
@@ -32,12 +32,8 @@ SYSTEM_ERROR = 1
 TOO_LARGE = ("Maximum allowed dimension exceeded", "negative dimensions are not allowed")
 
 
-class _ImpossiblePoint(Exception):
-    """No machine can compute the point; the message names it and the reason."""
-
-
 def run(point: str, output: Path, quiet: bool, record_failure: bool) -> int:
-    """Run one point, unless a current run file exists, and return the exit code.
+    """Run one point, unless a current run file exists; return 0, or 3 for a run that failed.
 
     Parameters
     ----------
@@ -50,15 +46,12 @@ def run(point: str, output: Path, quiet: bool, record_failure: bool) -> int:
     record_failure : bool
         Count a blow-up as a result: the file says what happened and the exit code is 0.
 
-    Returns
-    -------
-    int
-        0; 3 for a run that failed; 1 where no machine could compute the point.
-
     Raises
     ------
     InputError
         When the point or the output cannot be used.
+    OSError
+        When the system fails, or no machine could compute the point.
     """
     parameters = _read_point(point)
     _require_usable(output, point)
@@ -66,11 +59,11 @@ def run(point: str, output: Path, quiet: bool, record_failure: bool) -> int:
     level = logging.WARNING if quiet else logging.INFO
     logging.basicConfig(format="%(message)s", level=level, stream=sys.stderr)
     signal.signal(signal.SIGINT, save_and_end)
-    try:
-        return _run_one(parameters, output, quiet, record_failure)
-    except _ImpossiblePoint as error:
-        print(f"error: {error}", file=sys.stderr)
-        return SYSTEM_ERROR
+    # Imported late, so that an error in a point is reported without waiting for numba.
+    from sim.engine.run import run_point
+
+    with _named_if_too_large(parameters):
+        return run_point(parameters, output, quiet=quiet, record_failure=record_failure)
 
 
 def _listed_points() -> list[Any]:
@@ -88,19 +81,9 @@ def _listed_points() -> list[Any]:
 def batch(results: Path) -> int:
     """Run points one after the other in this process, except those with a current run file.
 
-    Each point has its own run file, log and checkpoint, and a blow-up counts as a result. An error
-    of one point does not stop the others.
-
-    Parameters
-    ----------
-    results : Path
-        Folder of a study's results; run files go to ``runs/<id>.nc`` and logs to
-        ``logs/runs/<id>.log`` in it. The points are read from standard input as a JSON list.
-
-    Returns
-    -------
-    int
-        0; 1 where a point could not be run, for the reason in its log.
+    The points are read from standard input as a JSON list. ``results`` is the folder of a study's
+    results: run files go to ``runs/<id>.nc`` and logs to ``logs/runs/<id>.log`` in it. A blow-up
+    counts as a result, and an error of one point does not stop the others: the exit code is then 1.
 
     Raises
     ------
@@ -119,7 +102,9 @@ def batch(results: Path) -> int:
 
 
 def _run_with_log(parameters: Parameters, runs: Path, logs: Path) -> int:
-    """Run a point with its own log file; return the exit code."""
+    """Run a point, unless a current run file exists, with its own log; return the exit code."""
+    from sim.engine.run import run_point
+
     name = point_id(parameters)
     path = logs / f"{name}.log"
     # A new file, never one that a link names.
@@ -129,24 +114,21 @@ def _run_with_log(parameters: Parameters, runs: Path, logs: Path) -> int:
     root.addHandler(handler)
     try:
         _take_from_others(parameters, runs)
-        return _run_one(parameters, runs / f"{name}.nc", quiet=False, record_failure=True)
+        with _named_if_too_large(parameters):
+            return run_point(parameters, runs / f"{name}.nc", record_failure=True)
     except SystemExit:
         print(f"{name}: terminated; the next start continues it", file=sys.stderr)
         raise
-    except (_ImpossiblePoint, InputError, OSError) as error:
+    except (InputError, OSError) as error:
         log.error("error: %s", error)
         print(f"error: {error}", file=sys.stderr)
-        return SYSTEM_ERROR
     except Exception:
         log.exception("%s: the program has gone wrong", name)
-        print(
-            f"error: {name}: the program has gone wrong, see {handler.baseFilename}",
-            file=sys.stderr,
-        )
-        return SYSTEM_ERROR
+        print(f"error: {name}: the program has gone wrong, see {path.resolve()}", file=sys.stderr)
     finally:
         root.removeHandler(handler)
         handler.close()
+    return SYSTEM_ERROR
 
 
 def _take_from_others(parameters: Parameters, runs: Path) -> None:
@@ -158,19 +140,19 @@ def _take_from_others(parameters: Parameters, runs: Path) -> None:
         log.info("%s: taken from %s", name, shared[name].path)
 
 
-def _run_one(parameters: Parameters, output: Path, quiet: bool, record_failure: bool) -> int:
-    """Run a point unless a current run file exists; return the exit code."""
-    # Imported late, so that an error in a point is reported without waiting for numba.
-    from sim.engine.run import run_point
+@contextmanager
+def _named_if_too_large(parameters: Parameters) -> Iterator[None]:
+    """Turn errors of a point that no machine can compute into an ``OSError`` that names it.
 
+    Each value is allowed alone, but together they exceed the memory or the range of numbers.
+    """
     try:
-        return run_point(parameters, output, quiet=quiet, record_failure=record_failure)
+        yield
     except (MemoryError, ArithmeticError, ValueError) as error:
-        # Each value is allowed alone, but together they exceed the memory or the range of numbers.
         if isinstance(error, ValueError) and not str(error).startswith(TOO_LARGE):
             raise
         reason = " ".join(str(error).split()) or "out of memory"
-        raise _ImpossiblePoint(f"{point_id(parameters)}: cannot be computed: {reason}") from None
+        raise OSError(f"{point_id(parameters)}: cannot be computed: {reason}") from None
 
 
 def save_and_end(*_: object) -> None:

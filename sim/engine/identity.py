@@ -46,13 +46,7 @@ COMPILED_PARTS = (
 
 
 def numerics_of(attributes: Mapping[str, Any]) -> int | None:
-    """Return the number of the numerics that made a run file, or None where it is unknown.
-
-    Parameters
-    ----------
-    attributes : mapping
-        Global attributes of the run file.
-    """
+    """Return the number of the numerics of a run file with these global attributes, if known."""
     if "numerics" in attributes:
         return int(attributes["numerics"])
     return NUMERICS_BY_HASH.get(attributes.get("source_hash", ""))

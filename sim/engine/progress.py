@@ -34,25 +34,11 @@ LONGEST_SILENCE = 600.0
 class Progress(BaseModel):
     """The content of a progress file: the state of a run at the time of writing.
 
-    Attributes
-    ----------
-    point : str
-        Id of the point.
-    done, total : int
-        Steps over all replicates, without settling.
-    at_most : bool
-        True where the run may end before its total, once its mean velocity is precise enough.
-    particles : int
-        Particles of the run.
-    rate : float
-        Particle-steps per second, mean since the first sample of this process. The time before it,
-        for loading and for settling a bed, is not representative.
-    elapsed : float
-        Seconds since this process started on the point, by a monotonic clock.
-    updated : datetime
-        When the file was written.
-    pid, host : int, str
-        The process and its machine.
+    ``done`` of ``total`` steps over all replicates, without settling; ``at_most`` where the run may
+    end before, once its mean velocity is precise enough. ``rate`` is in particle-steps per second,
+    the mean since the first sample of this process: the time before it, for loading and for
+    settling a bed, is not representative. ``elapsed`` are the seconds since this process started
+    on the point, by a monotonic clock; ``updated`` is when the file was written.
     """
 
     model_config = ConfigDict(frozen=True, allow_inf_nan=False)
@@ -128,61 +114,52 @@ def progress(
     done : int
         Steps that a resumed run has done already.
     """
-    meter = _Meter(parameters, done)
-    name = f"{meter.point} (at most)" if meter.at_most else meter.point
-    display = bar(meter.total, name, "step", quiet, meter.done)
-    file = progress_file(output)
-    last_write = meter.start
-    _write(file, meter.read())
-
-    def advance(steps: int) -> None:
-        nonlocal last_write
-        now = meter.advance(steps)
-        display.update(steps)
-        if now - last_write >= WRITE_INTERVAL:
-            last_write = now
-            _write(file, meter.read())
-        if display.disable and not quiet and meter.is_line_due(now):
-            log.info(meter.line())
-
+    meter, is_kept = _Meter(parameters, output, quiet, done), False
     try:
-        with display:
-            yield advance
+        with meter.bar:
+            yield meter.advance
     except SystemExit:
         # Terminated after a checkpoint: the file stays, so that the run counts as interrupted.
+        is_kept = True
         raise
-    except BaseException:
-        with suppress(OSError):
-            file.unlink(missing_ok=True)
-        raise
-    with suppress(OSError):
-        file.unlink(missing_ok=True)
+    finally:
+        if not is_kept:
+            with suppress(OSError):
+                meter.file.unlink(missing_ok=True)
 
 
 class _Meter:
-    """Counts the steps of a run, measures their time by a monotonic clock, and words log lines."""
+    """Counts the steps of a run, measures their time by a monotonic clock, and tells of both."""
 
-    def __init__(self, parameters: Parameters, done: int):
-        self.point = point_id(parameters)
-        self.length = length(parameters)
-        self.at_most = may_end_early(parameters)
-        self.particles = parameters.particles
-        self.total = parameters.replicates * parameters.steps
-        self.done = done
-        self.start = self.latest = monotonic()
+    def __init__(self, parameters: Parameters, output: Path, quiet: bool, done: int):
+        self.point, self.length = point_id(parameters), length(parameters)
+        self.at_most, self.particles = may_end_early(parameters), parameters.particles
+        self.total, self.done = parameters.replicates * parameters.steps, done
+        self.file, self.quiet = progress_file(output), quiet
+        name = f"{self.point} (at most)" if self.at_most else self.point
+        self.bar = bar(self.total, name, "step", quiet, done)
+        self.start = self.latest = self.last_write = monotonic()
         self.samples = 0
         self.reference = (done, self.start)
         self.pause, self.next_line = FIRST_PAUSE, self.start + FIRST_PAUSE
+        self.write()
 
-    def advance(self, steps: int) -> float:
-        """Count steps; return the present time (s)."""
+    def advance(self, steps: int) -> None:
+        """Count steps; update the bar and, where they are due, the file and the log."""
         now = monotonic()
         if self.samples == 1:
             self.reference = (self.done, self.latest)
         self.samples += 1
         self.done += steps
         self.latest = now
-        return now
+        self.bar.update(steps)
+        if now - self.last_write >= WRITE_INTERVAL:
+            self.last_write = now
+            self.write()
+        if self.bar.disable and not self.quiet and now >= self.next_line:
+            self.pause = min(2 * self.pause, LONGEST_PAUSE)
+            self.next_line = now + self.pause
+            log.info(self.line())
 
     def read(self) -> Progress:
         """Return the present content of the progress file."""
@@ -201,13 +178,13 @@ class _Meter:
             host=socket.gethostname(),
         )
 
-    def is_line_due(self, now: float) -> bool:
-        """True where a log line is due at a time (s); pauses grow, see `FIRST_PAUSE`."""
-        if now < self.next_line:
-            return False
-        self.pause = min(2 * self.pause, LONGEST_PAUSE)
-        self.next_line = now + self.pause
-        return True
+    def write(self) -> None:
+        """Replace the progress file; an error must not end a run.
+
+        The file need not survive a power cut, so nothing waits for the disk.
+        """
+        with suppress(OSError), atomic_write(self.file, durable=False) as temporary:
+            temporary.write_text(self.read().model_dump_json(indent=2) + "\n")
 
     def line(self) -> str:
         """Return the text of a log line."""
@@ -231,12 +208,3 @@ def bar(total: int, name: str, unit: str, quiet: bool = False, done: int = 0) ->
         unit_scale=True,
         disable=quiet or not (in_notebook or sys.stderr.isatty()),
     )
-
-
-def _write(file: Path, now: Progress) -> None:
-    """Replace the progress file; an error must not end a run.
-
-    The file need not survive a power cut, so nothing waits for the disk.
-    """
-    with suppress(OSError), atomic_write(file, durable=False) as temporary:
-        temporary.write_text(now.model_dump_json(indent=2) + "\n")

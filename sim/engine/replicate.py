@@ -101,14 +101,9 @@ class Replicate:
     ) -> Record:
         """Run to the end, or to the second blow-up.
 
-        Parameters
-        ----------
-        report_steps : callable
-            Called with each number of steps done, counted in time steps of the point.
-        states : States
-            Receives this replicate whenever its state may be stored.
-        start : callable, optional
-            Puts the system into its initial state; without it the system starts as in the paper.
+        ``report_steps`` is called with each number of steps done, counted in time steps of the
+        point; ``states`` receive this replicate whenever its state may be stored. Without ``start``
+        the system starts as in the paper.
         """
         if not self.has_failed:
             failure = self._attempt(report_steps, states, start)
@@ -207,12 +202,7 @@ class Origin(NamedTuple):
 def origin_of(parameters: Parameters, output: Path) -> Origin | None:
     """Return the origin of the replicates of a point, None where they start as in the paper.
 
-    Parameters
-    ----------
-    parameters : Parameters
-        The point.
-    output : Path
-        Its run file; the run file of an origin named by its id is in the same folder.
+    ``output`` is its run file; the run file of an origin named by its id is in the same folder.
 
     Raises
     ------

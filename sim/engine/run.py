@@ -20,15 +20,10 @@ from sim.base.statistics import mean_interval
 from sim.engine.identity import NUMERICS, library_versions, source_hash
 from sim.engine.progress import length, progress
 from sim.engine.replicate import Origin, Replicate, origin_of, stored_replicate
-from sim.engine.run_file import Layout, Stage, read_stages, write
+from sim.engine.run_file import Stage, read_stages, write
 from sim.engine.states import States, checkpoint_interval
-from sim.engine.stored_run import (
-    current_status,
-    is_alike,
-    read_origin_samples,
-)
+from sim.engine.stored_run import current_status, is_alike, read_origin_samples
 from sim.engine.systems.recorder import Record
-from sim.engine.systems.replica import Replica
 from sim.parameters import Parameters, amounts, point_id, with_larger_amounts
 
 log = logging.getLogger("talus")
@@ -47,7 +42,7 @@ def run_point(
     record_failure: bool = False,
     temporary: bool = False,
 ) -> int:
-    """Run all replicates of a point and write its file.
+    """Run all replicates of a point and write its file; return the exit code.
 
     Parameters
     ----------
@@ -59,14 +54,9 @@ def run_point(
     quiet : bool
         Neither bar nor log lines about progress.
     record_failure : bool
-        Count a blow-up as a result: the file holds the reason and the exit code is 0.
+        Count a blow-up as a result: the file holds the reason and the exit code is 0, else 3.
     temporary : bool
         The file will not last, so that no message sends anybody there.
-
-    Returns
-    -------
-    int
-        Exit code: 0, or 3 when a replicate blew up.
     """
     name = point_id(parameters)
     log.info("%s: %d particles, %s", name, parameters.particles, length(parameters))
@@ -123,7 +113,7 @@ def _compute(
     attributes = _attributes(parameters, records) | replicate.system.provenance
     if origin:
         attributes["origin"] = " ".join(map(str, samples[: parameters.replicates]))
-    write(output, stages, _layout(parameters, replicate.system), attributes)
+    write(output, stages, replicate.system, attributes)
     _log_results(parameters, records)
     return attributes["status"]
 
@@ -188,16 +178,6 @@ def _velocity(value: float, half_width: float) -> str:
     if np.isnan(half_width):
         return f"velocity {value:.4g} m/s, interval not known"
     return f"velocity {value:.4g} ± {half_width:.2g} m/s"
-
-
-def _layout(parameters: Parameters, system: Replica) -> Layout:
-    return Layout(
-        interval=parameters.sample_steps * parameters.time_step,
-        height=system.profile_height,
-        series=system.series,
-        axes=system.axes,
-        coordinates=system.coordinates,
-    )
 
 
 def _attributes(parameters: Parameters, records: list[Record]) -> dict:

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -21,6 +20,7 @@ from sim.engine.stored_run import (
     stage_groups,
 )
 from sim.engine.systems.recorder import Record
+from sim.engine.systems.replica import Replica
 from sim.parameters import Parameters, amounts, canonical_values, field_info, in_si
 from sim.parameters.variables import SCALARS, Variable, variables_of
 
@@ -29,22 +29,6 @@ FILTERS = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
 
 #: Size of a chunk of a trajectory in bytes; a chunk has at least one frame.
 CHUNK = 2**20
-
-
-@dataclass(frozen=True)
-class Layout:
-    """Data that the replicates of a run have in common.
-
-    ``interval`` (s) between samples, ``height`` (H,) centres of the slices (m),
-    ``series`` by name, ``axes`` names of the directions, ``coordinates`` of
-    tables and path name -> (unit, long name, values).
-    """
-
-    interval: float
-    height: np.ndarray
-    series: dict[str, Variable]
-    axes: tuple[str, ...]
-    coordinates: dict[str, tuple[str, str, np.ndarray]]
 
 
 class Stage(NamedTuple):
@@ -58,7 +42,7 @@ class Stage(NamedTuple):
 
 
 def write(
-    path: Path, stages: Sequence[Stage], layout: Layout, attributes: Mapping[str, Any]
+    path: Path, stages: Sequence[Stage], system: Replica, attributes: Mapping[str, Any]
 ) -> None:
     """Write a run file under a temporary name, seal it, and rename it once it is complete.
 
@@ -69,8 +53,8 @@ def write(
     stages : sequence of Stage
         The run and the shorter ones from which it has grown, the longest first. The shorter ones go
         into groups. Frames of a trajectory are written only for the longest.
-    layout : Layout
-        Times, heights and the names and units of the series.
+    system : Replica
+        One of the replicates, for heights, axes, coordinates, and names and units of the series.
     attributes : mapping
         Global attributes.
     """
@@ -79,12 +63,12 @@ def write(
             file.setncatts(attributes)
             groups = [_GroupWriter(file)]
             _write_parameters(groups[0], stages[0].parameters)
-            _write_stage(groups[0], stages[0], layout)
-            _write_trajectory(groups[0], stages[0], layout)
+            _write_stage(groups[0], stages[0], system)
+            _write_trajectory(groups[0], stages[0])
             for number, stage in enumerate(stages[1:], start=1):
                 groups.append(_GroupWriter(file.createGroup(f"shorter_{number}")))
                 _write_amounts(groups[-1], stage.parameters)
-                _write_stage(groups[-1], stage, layout)
+                _write_stage(groups[-1], stage, system)
             for group in groups:
                 group.fill()
         append_summary(temporary, _summary(attributes, stages))
@@ -107,10 +91,17 @@ class _GroupWriter:
             variable[index] = values
 
 
-def _write_stage(file: _GroupWriter, stage: Stage, layout: Layout) -> None:
-    _write_axes(file, stage.records, layout)
-    _write_coordinates(file, layout)
-    _write_records(file, stage.records, layout)
+def _write_stage(file: _GroupWriter, stage: Stage, system: Replica) -> None:
+    _write_axes(file, stage, system)
+    for name, (unit, long_name, values) in system.coordinates.items():
+        file.group.createDimension(name, len(values))
+        _put(file, name, (name,), values, unit, long_name)
+    _write_records(file, stage.records, system)
+
+
+def _interval(stage: Stage) -> float:
+    """Return the time (s) between two samples."""
+    return stage.parameters.sample_steps * stage.parameters.time_step
 
 
 def _summary(attributes: Mapping[str, Any], stages: Sequence[Stage]) -> dict[str, Any]:
@@ -195,32 +186,27 @@ def _write_amounts(file: _GroupWriter, parameters: Parameters) -> None:
         _put(file, name, (), value, rows[name].unit, rows[name].description)
 
 
-def _write_axes(file: _GroupWriter, records: list[Record], layout: Layout) -> None:
-    first = records[0].snapshots
-    samples = _samples(records)
-    file.group.createDimension("replicate", len(records))
-    file.group.createDimension("time", samples)
-    file.group.createDimension("height", len(layout.height))
-    file.group.createDimension("frame", 2)
-    file.group.createDimension("particle", first["position"][0].shape[0])
-    file.group.createDimension("axis", first["position"][0].shape[1])
-    file.group.createDimension("quaternion", 4)
+def _write_axes(file: _GroupWriter, stage: Stage, system: Replica) -> None:
+    records, samples = stage.records, _samples(stage.records)
+    names = ("replicate", "time", "height", "frame", "particle", "axis", "quaternion")
+    particles = records[0].snapshots["position"][0].shape
+    sizes = (len(records), samples, len(system.profile_height), 2, *particles, 4)
+    _add_dimensions(file, names, sizes)
     _put(file, "replicate", ("replicate",), np.arange(len(records)), "1", "number of the replicate")
-    time = np.arange(1, samples + 1) * layout.interval
+    time = np.arange(1, samples + 1) * _interval(stage)
     # An elapsed time without a date: in CF this is neither an axis T nor a time coordinate.
     _put(file, "time", ("time",), time, "s", "end of the sample interval, since the start")
     height = _put(
-        file, "height", ("height",), layout.height, "m", "height of the slice above the base"
+        file,
+        "height",
+        ("height",),
+        system.profile_height,
+        "m",
+        "height of the slice above the base",
     )
     height.axis, height.positive, height.standard_name = "Z", "up", "height"
     _put_labels(file, "frame", ("first", "last"), "first or last state")
-    _put_labels(file, "axis", layout.axes, "direction")
-
-
-def _write_coordinates(file: _GroupWriter, layout: Layout) -> None:
-    for name, (unit, long_name, values) in layout.coordinates.items():
-        file.group.createDimension(name, len(values))
-        _put(file, name, (name,), values, unit, long_name)
+    _put_labels(file, "axis", system.axes, "direction")
 
 
 def _samples(records: list[Record]) -> int:
@@ -242,14 +228,14 @@ def _write_tables(file: _GroupWriter, records: list[Record]) -> None:
         _put_variable(file, arrays["path"], np.array(paths, np.float32))
 
 
-def _write_trajectory(file: _GroupWriter, stage: Stage, layout: Layout) -> None:
+def _write_trajectory(file: _GroupWriter, stage: Stage) -> None:
     """Write the frames of a trajectory; missing frames of a replicate are not-a-number."""
     spacing, records = stage.parameters.trajectory_samples, stage.records
     if not spacing:
         return
     count = _samples(records) // spacing
     file.group.createDimension("trajectory_time", count)
-    time = spacing * layout.interval * np.arange(1, count + 1)
+    time = spacing * _interval(stage) * np.arange(1, count + 1)
     time_name = "time of the frame of the trajectory, since the start"
     _put(file, "trajectory_time", ("trajectory_time",), time, "s", time_name)
     for name, row in variables_of("trajectory").items():
@@ -266,8 +252,8 @@ def _write_trajectory(file: _GroupWriter, stage: Stage, layout: Layout) -> None:
             file.queue.append((variable, np.s_[k, : len(frames)], frames))
 
 
-def _write_records(file: _GroupWriter, records: list[Record], layout: Layout) -> None:
-    for name, series in layout.series.items():
+def _write_records(file: _GroupWriter, records: list[Record], system: Replica) -> None:
+    for name, series in system.series.items():
         values = np.full((len(records), _samples(records)), np.nan)
         for row, record in zip(values, records, strict=True):
             row[: len(record.series[name])] = record.series[name]

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sim.base.errors import InputError, count_text
-from sim.base.files import date_back_readers, file_lock, open_regular, temporary_folder
+from sim.base.files import date_back_readers, file_lock, temporary_folder
 from sim.base.seals import is_damaged
 from sim.engine.states import state_file, stored_samples
 from sim.engine.stored_run import (
@@ -29,9 +29,6 @@ from sim.engine.stored_run import (
     read_stage_amounts,
 )
 from sim.parameters import RUN_FILE, Parameters, amounts, covers
-
-#: Most names that are looked up one by one in a folder; for more, the folder is listed once.
-FEW = 50
 
 #: Amounts of the runs in a file, the longest first.
 Stages = Sequence[Mapping[str, float]]
@@ -58,14 +55,8 @@ def find_runs(
     through, if it saves time. A run file here is only replaced by one that holds all that it holds.
     Nothing is written. Files are not checked for damage; `take_runs` does.
 
-    Parameters
-    ----------
-    runs : Path
-        Folder of the run files of a study. Those of other studies are beside its parent.
-    points : mapping
-        Points of the study, by id.
-    need : callable
-        Returns what a reduced run file must have of a point here, by its id.
+    ``runs`` is the folder of the run files of a study; those of other studies are beside its
+    parent. Points, and what a reduced run file must have of them here, are by id.
     """
     lacking = {
         key: point
@@ -147,33 +138,26 @@ def _fetch(source: Path, target: Path) -> bool:
             with suppress(OSError):
                 os.link(source, target, follow_symlinks=False)
         if not os.path.lexists(target) and stat.S_ISREG(status.st_mode):
-            with open_regular(source, follow=False) as file, target.open("xb") as copy:
-                shutil.copyfileobj(file, copy)
-            os.utime(target, ns=(status.st_atime_ns, status.st_mtime_ns))
+            shutil.copy2(source, target, follow_symlinks=False)
         return stat.S_ISREG(target.lstat().st_mode) and not is_damaged(target)
     return False
 
 
 def _files_elsewhere(runs: Path, names: set[str]) -> dict[str, list[Path]]:
     """Return the regular files of these names in other studies, each inode once, by name."""
-    found: dict[str, dict[tuple[int, int], Path]] = {}
-    own, studies = runs.parent, []
+    found: dict[str, dict[int, Path]] = {name: {} for name in names}
     with suppress(OSError):
-        studies = sorted(own.parent.iterdir()) if names else []
-    for study in studies:
-        folder = study / runs.name
-        if study.name == own.name or study.is_symlink() or folder.is_symlink():
-            continue
-        # Folders that are no studies, or that are not ours to read.
-        with suppress(OSError):
-            present = names if len(names) <= FEW else names & {e.name for e in os.scandir(folder)}
-            for name in present:
-                with suppress(FileNotFoundError):
-                    status = os.lstat(f"{folder}/{name}")
-                    inode, paths = (status.st_dev, status.st_ino), found.setdefault(name, {})
-                    if stat.S_ISREG(status.st_mode) and inode not in paths:
-                        paths[inode] = folder / name
-    return {name: list(paths.values()) for name, paths in found.items()}
+        studies = sorted(runs.parent.parent.iterdir()) if names else []
+        for study in studies:
+            folder = study / runs.name
+            if study.name == runs.parent.name or study.is_symlink() or folder.is_symlink():
+                continue
+            # Folders that are no studies, or that are not ours to read.
+            with suppress(OSError), os.scandir(folder) as entries:
+                for entry in entries:
+                    if entry.name in names and entry.is_file(follow_symlinks=False):
+                        found[entry.name].setdefault(entry.inode(), Path(entry.path))
+    return {name: list(paths.values()) for name, paths in found.items() if paths}
 
 
 def _from_same_end(
@@ -205,19 +189,17 @@ def _best(paths: Iterable[Path], own: Path, point: Parameters) -> SharedRun | No
     """Return the best of the run files of a point in other studies, if any is better than none."""
     wanted, held = amounts(point), read_stage_amounts(own, point)
     here = sum(stored_samples(own, point)) if paths else 0
-    best: tuple[tuple[bool, bool], Stages, Path] | None = None
+    best: tuple[tuple[bool, bool], Mapping[str, float], Path] | None = None
     for path in paths:
-        # A forged file has other keys or other kinds of values, and some are not ours to read.
-        with suppress(LookupError, TypeError, AttributeError, OSError):
+        with suppress(OSError):  # some are not ours to read
             stages = read_stage_amounts(path, point)
             if not stages or not all(_holds(stages, stage) for stage in held):
                 continue
             is_enough = find_stage(stages, wanted) is not None
-            if not is_enough and not _saves_time(path, stages, here, held, point):
-                continue
-            rank = is_enough, _holds(stages, wanted)
-            if best is None or (rank, not covers(best[1][0], stages[0])) > (best[0], False):
-                best = rank, stages, path
+            if is_enough or _saves_time(path, stages, here, held, point):
+                rank = is_enough, _holds(stages, wanted)
+                if best is None or (rank, not covers(best[1], stages[0])) > (best[0], False):
+                    best = rank, stages[0], path
     return SharedRun(point, best[2], best[0][0]) if best else None
 
 

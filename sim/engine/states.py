@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from types import FrameType
-from typing import Any, BinaryIO, Protocol, Self
+from typing import Any, Protocol, Self
 
 import numpy as np
 
@@ -36,17 +36,13 @@ _PLAIN = (bool, int, float, str, np.generic)
 
 def flatten(structure: Any) -> FlatState:
     """Return all arrays and numbers of nested tuples, lists and dictionaries, by path."""
-    return dict(_flatten_parts(structure, ""))
-
-
-def _flatten_parts(value: Any, path: str) -> Iterator[tuple[str, Any]]:
-    if isinstance(value, np.generic):
-        yield path, value.item()
-    elif isinstance(value, (np.ndarray, *_PLAIN)):
-        yield path, value
-    else:
-        for name, part in _parts(value).items():
-            yield from _flatten_parts(part, _join(path, name))
+    if isinstance(structure, (np.ndarray, *_PLAIN)):
+        return {"": structure.item() if isinstance(structure, np.generic) else structure}
+    return {
+        f"{name}.{path}" if path else str(name): value
+        for name, part in _parts(structure).items()
+        for path, value in flatten(part).items()
+    }
 
 
 def _parts(value: Any) -> Mapping[Any, Any]:
@@ -57,10 +53,6 @@ def _parts(value: Any) -> Mapping[Any, Any]:
     if isinstance(value, (tuple, list)):
         return dict(enumerate(value))
     raise TypeError(f"{type(value).__name__} is not kept in states")
-
-
-def _join(path: str, name: Any) -> str:
-    return f"{path}.{name}" if path else str(name)
 
 
 def subtree(path: str, values: Mapping[str, Any]) -> FlatState:
@@ -91,7 +83,7 @@ def refill(structure: Any, values: Mapping[str, Any], growing_axis: int = -1) ->
         old, new = np.shape(value), np.shape(values[path])
         if _drop_axis(old, growing_axis) != _drop_axis(new, growing_axis):
             raise ValueError(f"{path} has the lengths {new}, not {old}")
-    return _fill(structure, values, "", {})
+    return _fill(structure, iter(values[path] for path in expected), {})
 
 
 def _kind(value: Any) -> tuple[Any, ...]:
@@ -104,20 +96,18 @@ def _drop_axis(lengths: tuple[int, ...], axis: int) -> tuple[int, ...]:
     return lengths[:axis] + lengths[axis:][1:]
 
 
-def _fill(value: Any, values: Mapping[str, Any], path: str, arrays: dict[int, Any]) -> Any:
-    """Return the counterpart of a value; ``arrays`` maps ids of arrays already met to new ones."""
-    if isinstance(value, np.ndarray):
-        return arrays.setdefault(id(value), values[path])
-    if isinstance(value, _PLAIN):
-        return values[path]
-    parts = {
-        name: _fill(part, values, _join(path, name), arrays) for name, part in _parts(value).items()
-    }
+def _fill(value: Any, values: Iterator[Any], arrays: dict[int, Any]) -> Any:
+    """Return the counterpart of a value from the next values, in the order of `flatten`.
+
+    ``arrays`` maps ids of arrays already met to new ones.
+    """
+    if isinstance(value, (np.ndarray, *_PLAIN)):
+        new = next(values)
+        return arrays.setdefault(id(value), new) if isinstance(value, np.ndarray) else new
+    parts = {name: _fill(part, values, arrays) for name, part in _parts(value).items()}
     if isinstance(value, dict):
         return parts
-    if hasattr(value, "_asdict"):
-        return type(value)(**parts)
-    return type(value)(parts.values())
+    return type(value)(**parts) if hasattr(value, "_asdict") else type(value)(parts.values())
 
 
 log = logging.getLogger("talus")
@@ -134,9 +124,8 @@ SHARE = 0.05
 #: Exit code of a process that was ended by SIGTERM.
 TERMINATION_CODE = 128 + signal.SIGTERM
 
-#: Version of the file layout, and the largest size of its first line in bytes.
+#: Version of the file layout.
 FORMAT = 3
-LONGEST_HEADER = 65536
 
 #: Name of the archive member with the numbers of a state; the other members are arrays.
 _NUMBERS = "numbers.json"
@@ -164,27 +153,14 @@ def pack(state: FlatState) -> bytes:
     return buffer.getvalue()
 
 
-def read_numbers(archive: bytes) -> dict[str, Any]:
-    """Return the numbers of a packed state; empty where the archive is no packed state."""
-    try:
-        with zipfile.ZipFile(io.BytesIO(archive)) as file:
-            return json.loads(file.read(_NUMBERS))
-    except (zipfile.BadZipFile, LookupError, ValueError):
-        return {}
-
-
 def unpack(archive: bytes) -> FlatState:
     """Return the state in an archive; raises ``ValueError`` when there is none."""
     try:
-        with zipfile.ZipFile(io.BytesIO(archive)) as file:
-            state = json.loads(file.read(_NUMBERS))
-            for name in file.namelist():
-                if name != _NUMBERS:
-                    with file.open(name) as member:
-                        state[name] = np.lib.format.read_array(member, allow_pickle=False)
+        with np.load(io.BytesIO(archive)) as file:
+            state = {name: file[name] for name in file.files}
+        return json.loads(state.pop(_NUMBERS)) | state
     except (zipfile.BadZipFile, LookupError, EOFError) as error:
         raise ValueError(str(error)) from None
-    return state
 
 
 def state_file(output: Path) -> Path:
@@ -209,20 +185,10 @@ class States:
     the end) save the states and end the process when a replicate is next offered. Before the first
     offer SIGTERM ends the process at once.
 
-    Parameters
-    ----------
-    output : Path
-        The run file.
-    parameters : Parameters
-        The point; states of another point are not accepted.
-    interval : float
-        Seconds of wall time between two writes.
-    origin : sequence of int
-        For runs that start from the end of another run: the number of samples of each replicate of
-        that run (`sim.engine.replicate`).
-    is_own : bool
-        True where this process runs the point. Damaged states are then set aside; for another run
-        they are an error.
+    ``interval`` are the seconds of wall time between two writes. A run that starts from the end of
+    another one has as its ``origin`` the number of samples of each replicate of that run
+    (`sim.engine.replicate`). Where ``is_own``, this process runs the point: states that are damaged
+    or of another run are set aside; else they are an error.
     """
 
     def __init__(
@@ -270,7 +236,11 @@ class States:
 
     def samples(self, number: int) -> int:
         """Return the number of samples in the stored state of a replicate."""
-        return read_numbers(self._archives[number]).get("told.shown", 0)
+        try:
+            with np.load(io.BytesIO(self._archives[number])) as file:
+                return json.loads(file[_NUMBERS])["told.shown"]
+        except (zipfile.BadZipFile, LookupError, ValueError, EOFError):
+            return 0
 
     def offer(self, replicate: Resumable) -> None:
         """Write the states if it is time; an error of the file system is only a warning.
@@ -323,12 +293,15 @@ class States:
         A file that is damaged or belongs to another run is set aside with a warning.
         """
         try:
+            if is_damaged(self.path):
+                raise ValueError("damaged or no states of a run: the checksum is wrong")
             with open_regular(self.path) as file:
-                sizes = self._sizes(file)
-                return {int(number): file.read(size) for number, size in sizes.items()}
+                header = json.loads(file.readline())
+                self._require_own(header)
+                return {int(number): file.read(size) for number, size in header["sizes"].items()}
         except FileNotFoundError:
             return {}
-        except (OSError, ValueError, LookupError, TypeError, AttributeError) as error:
+        except (OSError, ValueError) as error:
             if is_of_system(error):
                 raise
             reason = error.strerror if isinstance(error, OSError) else error
@@ -338,24 +311,14 @@ class States:
             log.warning("%s: %s; set aside as %s", self.path, reason, new_path)
             return {}
 
-    def _sizes(self, file: BinaryIO) -> dict[str, int]:
-        """Read the first line and return the sizes of the archives.
-
-        Raises ``ValueError`` where they do not belong to this run.
-        """
-        try:
-            header = json.loads(file.readline(LONGEST_HEADER))
-            differ = [key for key, value in self._identity.items() if header.get(key) != value]
-        except (ValueError, AttributeError):
-            raise ValueError("damaged or no states of a run") from None
-        if differ:
-            raise ValueError(f"states of other {differ[0]}")
+    def _require_own(self, header: Mapping[str, Any]) -> None:
+        """Raise ``ValueError`` where the first line is not that of this run."""
+        for key, value in self._identity.items():
+            if header.get(key) != value:
+                raise ValueError(f"states of other {key}")
         samples = zip(header.get("origin", []), self._origin, strict=False)
         if any(stored != present for stored, present in samples):
             raise ValueError("states from before the run that they start from went on")
-        if is_damaged(self.path):
-            raise ValueError("damaged: the checksum is wrong")
-        return header["sizes"]
 
 
 def stored_samples(output: Path, parameters: Parameters) -> list[int]:
@@ -364,8 +327,7 @@ def stored_samples(output: Path, parameters: Parameters) -> list[int]:
     It is empty where no state can be used. Raises ``OSError`` where the system does not give the
     bytes of the file.
     """
-    if not state_file(output).is_symlink():
-        with suppress(InputError):
-            states = States(output, parameters, is_own=False)
-            return [states.samples(n) for n in range(parameters.replicates) if n in states]
+    with suppress(InputError):
+        states = States(output, parameters, is_own=False)
+        return [states.samples(n) for n in range(parameters.replicates) if n in states]
     return []

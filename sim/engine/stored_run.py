@@ -7,6 +7,7 @@ in the order of a need (`sim.study.model.Need`).
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
@@ -15,6 +16,7 @@ import numpy as np
 
 from sim.base.additions import codes
 from sim.base.errors import InputError
+from sim.base.files import file_version
 from sim.base.seals import checked_read, is_damaged, read_summary
 from sim.engine.identity import NUMERICS, numerics_of
 from sim.parameters import (
@@ -76,14 +78,7 @@ def starts_to_run(
 ) -> set[str]:
     """Return the points whose reduced run file will not do: one that is to be run starts from it.
 
-    Parameters
-    ----------
-    runs : Path
-        Folder of the run files.
-    points : mapping
-        Points by id.
-    need : callable
-        Returns what is needed of a point, by its id.
+    ``runs`` is the folder of the run files, ``points`` and what is needed of them are by id.
     """
 
     def is_there(key: str) -> bool:
@@ -108,8 +103,7 @@ def current_status(path: Path, parameters: Parameters, need: Levels = None) -> s
     A file is current if it is undamaged, belongs to the same point and numerics, and has at least
     the amounts of the point: a run would write the same numbers again, besides what a reduced
     file has of the ``need``. Other versions of libraries may round differently, but do not make a
-    file old. Raises ``OSError`` where the system does not
-    give the bytes of the file.
+    file old. Raises ``OSError`` where the system does not give the bytes of the file.
     """
     with suppress(InputError), open_run_file(path) as file:
         attributes = read_attributes(file)
@@ -169,19 +163,26 @@ def read_stage_amounts(
     return held[1] if held and has_all(held[0], need) else []
 
 
-def _read_held(
-    path: Path, parameters: Parameters
-) -> tuple[dict[str, Any], list[dict[str, float]]] | None:
-    """Return attributes and amounts of the stages of a run file, None for other numerics."""
+#: Attributes and amounts of the stages of a run file.
+_Held = tuple[dict[str, Any], list[dict[str, float]]]
+
+
+def _read_held(path: Path, parameters: Parameters) -> _Held | None:
+    """Return what a run file holds of a point, None where it has none of the present numerics."""
     with suppress(InputError), checked_read(path, _KIND, replaceable=False):
-        if summary := read_summary(path):
-            attributes, stages = summary["attributes"], summary["held"]
-            return (attributes, stages) if is_run_of(attributes, parameters) else None
-        with netCDF4.Dataset(path) as file:
-            attributes = read_attributes(file)
-            if is_run_of(attributes, parameters):
-                return attributes, stage_amounts(file, amounts(parameters))
+        attributes, stages = _held_by(path, file_version(path), tuple(amounts(parameters)))
+        if is_run_of(attributes, parameters):
+            return attributes, stages
     return None
+
+
+@lru_cache(100_000)
+def _held_by(path: Path, version: tuple[int, ...], names: tuple[str, ...]) -> _Held:
+    """Return what a version of a run file holds, from its end alone where that says it."""
+    if summary := read_summary(path):
+        return summary["attributes"], summary["held"]
+    with netCDF4.Dataset(path) as file:
+        return read_attributes(file), stage_amounts(file, names)
 
 
 def is_alike(first: Sequence[int], second: Sequence[int]) -> bool:
@@ -213,10 +214,7 @@ def open_run_file(path: Path, replaceable: bool = False) -> Iterator[netCDF4.Dat
 def read_parameters(path: Path) -> Parameters:
     """Return the point of a run file, with the amounts in the file.
 
-    Raises
-    ------
-    InputError
-        When there is no such file, or when it is not a run file.
+    Raises `InputError` where there is no such file, or where it is no run file.
     """
     with open_run_file(path) as file:
         return parameters_of(file, path)
@@ -269,22 +267,32 @@ def stage_groups(file: netCDF4.Dataset) -> list[netCDF4.Dataset]:
     return [file, *(file[name] for name in file.groups if name != STATE)]
 
 
-# Run files as arrays by name, the summary at their end, and those that points start from.
-#
-# Each array is read at its first access.
-
+# Run files as arrays by name, each read at its first access, and the summary at their end.
 
 #: Attributes that say how values are stored.
 _ENCODING = ("_FillValue", "_Encoding")
 
 
-class RunFile(Mapping[str, np.ndarray]):
+class _Arrays(Mapping[str, Any]):
+    """Names of the variables of an open run file; subclasses read their arrays."""
+
+    _variables: dict[str, netCDF4.Variable]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._variables)
+
+    def __len__(self) -> int:
+        return len(self._variables)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._variables
+
+
+class RunFile(_Arrays):
     """An open run file, limited to some amounts; ``attrs`` are its global attributes.
 
-    A file that holds less gives all it has, and ``is_enough`` is false.
-
-    This does without xarray, which takes a twentieth of a second to look at the hundred variables
-    of a run. A dataset stores only some of them.
+    A file that holds less gives all it has, and ``is_enough`` is false. xarray would take a
+    twentieth of a second to look at the hundred variables of a run.
 
     Parameters
     ----------
@@ -322,15 +330,6 @@ class RunFile(Mapping[str, np.ndarray]):
             self._cache[name] = values
         return self._cache[name]
 
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._variables)
-
-    def __len__(self) -> int:
-        return len(self._variables)
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._variables
-
     def require_whole(self, path: Path) -> None:
         """Raise `InputError` where the file is reduced, so that it has no series and no states."""
         require_all(self.attrs, path)
@@ -353,24 +352,15 @@ class RunFile(Mapping[str, np.ndarray]):
         return xr.Variable(self.dims(name), self[name], attrs)
 
 
-class Replicate(Mapping[str, Any]):
+class Replicate(_Arrays):
     """The arrays of one replicate of a run file, and those that all replicates share, by name."""
 
     def __init__(self, run: RunFile, index: int):
-        self._run, self._index = run, index
+        self._run, self._index, self._variables = run, index, run._variables
 
     def __getitem__(self, name: str) -> Any:
         values = self._run[name]
         return values[self._index] if "replicate" in self._run.dims(name) else values
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._run)
-
-    def __len__(self) -> int:
-        return len(self._run)
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._run
 
 
 class NamedValues(Protocol):

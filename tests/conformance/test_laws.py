@@ -94,13 +94,13 @@ def velocity_units(point: Parameters, *speeds: float) -> np.ndarray:
 
 
 @with_partners
-@pytest.mark.parametrize("restitution", [0.5, 0.9, 1.0])
 @with_property("restitution")
-def test_the_restitution_is_that_of_the_point_at_every_speed(case, restitution, partners):
-    point = point_of(case, restitution=restitution)
-    speeds = velocity_units(point, 0.02, 0.2, 1, 5)
-    parting = impacts(point, partners, speeds).run_until_parted().velocities()[:, 0]
-    assert parting / speeds == pytest.approx(restitution, abs=0.01)
+def test_the_restitution_is_that_of_the_point_at_every_speed(case, partners):
+    for restitution in (0.5, 1.0):
+        point = point_of(case, restitution=restitution)
+        speeds = velocity_units(point, 0.02, 0.2, 1, 5)
+        parting = impacts(point, partners, speeds).run_until_parted().velocities()[:, 0]
+        assert parting / speeds == pytest.approx(restitution, abs=0.01)
 
 
 @with_property()
@@ -153,10 +153,9 @@ def test_without_friction_surfaces_slide_as_before(case, partners):
     assert not np.any(rims)
 
 
-def oblique(case: str, partners: str, number: int = 30, frame=None, **values) -> Impacts:
+def oblique(case: str, partners: str, number: int = 30, frame=None) -> Impacts:
     """Return random impacts of spheres that slide and spin."""
-    rng = np.random.default_rng(11)
-    point = point_of(case, **values)
+    rng, point = np.random.default_rng(11), point_of(case)
     slides = velocity_units(point, *rng.uniform(-0.6, 0.6, number))
     spins = 40 * rng.normal(size=(number, len(PARTNERS[partners]), 3))
     speeds = np.full(number, 0.2 * point.velocity_unit)
@@ -165,29 +164,20 @@ def oblique(case: str, partners: str, number: int = 30, frame=None, **values) ->
 
 @with_partners
 @with_property("energy")
-def test_an_impact_loses_what_the_law_says(case, partners):
+def test_every_impact_loses_energy_as_the_law_says(case, partners):
     made = oblique(case, partners)
-    before, sums = made.motion.energy(), made.motion.flow.sums
-    lost = before - made.run_until_parted().motion.energy()
-    assert lost > 0 and sums[leap_frog.FRICTION_WORK] > 0 and sums[leap_frog.NORMAL_LOSS] > 0
-    said = sums[leap_frog.NORMAL_LOSS] + sums[leap_frog.FRICTION_WORK]
-    assert lost == pytest.approx(said, rel=0.02)
-
-
-@with_partners
-@with_property("energy")
-def test_no_impact_gains_energy(case, partners):
-    made = oblique(case, partners)
+    motion, sums = made.motion, made.motion.flow.sums
 
     def energies() -> np.ndarray:
-        motion = made.motion
         spheres = motion.mass * (motion.velocity**2).sum(axis=1)
         spheres += motion.inertia * (motion.spin**2).sum(axis=1)
-        return spheres.reshape(made.number, -1).sum(axis=1)
+        return 0.5 * spheres.reshape(made.number, -1).sum(axis=1)
 
     before = energies()
     made.run_until_parted()
-    assert (energies() < before).all()
+    lost, said = before - energies(), sums[[leap_frog.NORMAL_LOSS, leap_frog.FRICTION_WORK]]
+    assert (lost > 0).all() and (said > 0).all()
+    assert lost.sum() == pytest.approx(said.sum(), rel=0.02)
 
 
 @cache
@@ -208,7 +198,9 @@ def test_flows_have_the_same_bits_twice_and_after_a_pause(case):
     point = point_of(case, **FLOW, steps_per_collision=40)
     replicate = Replicate(point, 0)
     system = replicate.system
-    system.settle()
+    numbers = 3 + system.parameters.option("law").of(type(system.laws[0]))[1]
+    assert system.memory.shape[:2] == system.plane.memory.shape[:2] == (2, numbers)
+    assert {memory_size(type(law)) for law in system.laws} == {numbers}
     for number in range(6):
         outcome = system.sample()
         sample = outcome.first()
@@ -272,15 +264,6 @@ def test_any_history_is_that_of_the_turned_and_the_swapped_partners(case):
     turned = contact_path(law, overlap, normal @ frame.T, slip @ frame.T)
     assert turned[0] == pytest.approx(force, rel=1e-12)
     assert np.abs(turned[1] - friction @ frame.T).max() < 1e-9 * limit.max()
-
-
-@with_property()
-def test_contacts_keep_as_many_numbers_as_their_law_says(case):
-    system = build(point_of(case, depth=1, cell=4), 0)
-    law = system.parameters.option("law")
-    numbers = 3 + law.of(type(system.laws[0]))[1]
-    assert system.memory.shape[:2] == system.plane.memory.shape[:2] == (2, numbers)
-    assert {memory_size(type(law)) for law in system.laws} == {numbers}
 
 
 @with_partners

@@ -73,7 +73,7 @@ def test_a_sphere_on_the_plane_comes_to_rest_with_its_weight_on_it(case):
         assert one.run(7).force[0, 2] == pytest.approx(weight, rel=1e-6)
 
 
-@pytest.mark.parametrize("share", [0.9, 0.98, 1.02, 1.1])
+@pytest.mark.parametrize("share", [0.98, 1.02])
 @with_property("stick")
 def test_a_block_sticks_below_the_friction_limit_and_slides_above_it(case, share):
     slope, steps = share * FRICTION, 6000

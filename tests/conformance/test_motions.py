@@ -69,7 +69,13 @@ def test_a_belt_moves_with_the_derivative_of_its_height_and_repeats_itself(motio
 
 
 @with_motions
-@pytest.mark.parametrize("changes", [{}, {"angle": 10, "amplitude_along": 0.5}, {"law": "hertz"}])
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"angle": 10, "amplitude_along": 0.5},
+        pytest.param({"law": "hertz"}, marks=pytest.mark.long),
+    ],
+)
 def test_the_work_of_a_plane_is_what_its_flow_has_gained_and_lost(motion, changes):
     point = point_of(motion, **CONVEYOR | changes)
     system, found = build(point, 0), series_of(point)

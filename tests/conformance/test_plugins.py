@@ -23,7 +23,7 @@ COMPILED = {
     EXAMPLES / "ellipse.py": ("test_motions.py", "ellipse and (moves or lags)"),
     ROOT / "tests" / "data" / "motions.py": (
         "test_motions.py",
-        "(saw and not changes2) or of_a_plugin",
+        "(saw and not changes1) or of_a_plugin",
     ),
 }
 

@@ -4,7 +4,6 @@ import io
 import json
 import os
 import signal
-import subprocess
 import sys
 
 import pytest
@@ -14,12 +13,13 @@ from sim.engine import command
 from sim.engine.command import save_and_end, variants, warm
 from sim.engine.compile import compile_ahead
 from sim.engine.progress import progress_file
+from sim.engine.run import run_point
 from sim.engine.systems import build
 from sim.engine.systems.bed_samples import sample_bed
 from sim.parameters import canonical_values, parse_point, point_id
 from tests.engine_motion.points import belt_point
 from tests.golden import digest
-from tests.made.processes import ROOT, program, run_command, start_run, wait_until
+from tests.made.processes import program, start_run, wait_until
 
 BELT = {"system": "belt", "beads": 10, "width": 5, "transient": 1, "average": 2}
 POINTS = [BELT, BELT | {"seed": 2}, BELT | {"overlap_limit": 1e-6}]
@@ -55,8 +55,7 @@ def test_each_point_has_its_run_file_and_log(finished_batch):
 def test_a_point_in_a_batch_has_the_bits_of_one_alone(finished_batch, tmp_path):
     folder, _ = finished_batch
     output = tmp_path / f"{IDS[1]}.nc"
-    alone = program(*run_command(output)[3:], input=json.dumps(complete(POINTS)[1]))
-    assert alone.returncode == 0, alone.stderr
+    assert run_point(parse_point(POINTS[1], "test"), output, quiet=True) == 0
     assert digest(output) == digest(folder / "runs" / output.name)
 
 
@@ -78,29 +77,25 @@ def test_what_is_current_is_left_and_the_rest_is_run(finished_batch):
     assert "already there" in (folder / "logs" / "runs" / f"{IDS[0]}.log").read_text()
 
 
-def test_one_that_no_machine_can_compute_keeps_no_other_from_it(tmp_path):
-    points = complete([BELT | {"width": 1e13}, BELT])
-    process = batch(tmp_path, points)
-    assert process.returncode == 1
+def test_one_that_cannot_be_computed_keeps_no_other_from_it(tmp_path):
+    """Nor does an error of the system: each is one line, in the log as well."""
+    (tmp_path / "runs" / f"{IDS[1]}.nc").mkdir(parents=True)
+    process = batch(tmp_path, complete([BELT | {"width": 1e13}, POINTS[1], BELT]))
+    lines = process.stderr.splitlines(keepends=True)
+    assert process.returncode == 1 and all(line.startswith("error: ") for line in lines)
     assert (tmp_path / "runs" / f"{IDS[0]}.nc").exists()
-    (log,) = (path for path in (tmp_path / "logs" / "runs").iterdir() if path.stem != IDS[0])
-    assert "cannot be computed" in log.read_text()
-    assert process.stderr.startswith("error: ") and "cannot be computed" in process.stderr
-
-
-def test_an_error_of_the_system_is_one_line_in_the_log_as_well(tmp_path):
-    (tmp_path / "runs" / f"{IDS[0]}.nc").mkdir(parents=True)
-    process = batch(tmp_path, complete([BELT]))
-    assert (process.returncode, process.stderr.count("\n")) == (1, 1)
-    log = (tmp_path / "logs" / "runs" / f"{IDS[0]}.log").read_text()
-    assert process.stderr in log and "Traceback" not in log
+    large, other = lines
+    assert "cannot be computed" in large and IDS[1] in other
+    logs = {path.stem: path.read_text() for path in (tmp_path / "logs" / "runs").iterdir()}
+    assert other in logs[IDS[1]] and "Traceback" not in logs[IDS[1]]
+    assert any(large in text for text in logs.values())
 
 
 def test_an_error_of_the_program_is_in_the_log(tmp_path, monkeypatch, capsys):
     def fail(*arguments, **options):
-        raise ZeroDivisionError
+        raise RuntimeError
 
-    monkeypatch.setattr(command, "_run_one", fail)
+    monkeypatch.setattr("sim.engine.run.run_point", fail)
     monkeypatch.setattr(sys, "stdin", io.StringIO(json.dumps(complete([BELT]))))
     monkeypatch.setattr(signal, "signal", lambda number, handler: None)
     assert command.batch(tmp_path) == 1
@@ -113,45 +108,22 @@ def point(**values):
     return parse_point(values, "test")
 
 
-def test_points_that_differ_in_numbers_alone_share_one_variant():
+def test_points_share_a_variant_unless_a_reading_selects_other_code():
     points = [
         point(system="chute", depth=depth, stiffness=k, threads=threads)
         for depth, k, threads in ((1, 100, 1), (5, 100, 2), (1, 1000, 4), (5, 1000, 1))
     ]
-    assert len(variants(points)) == 1
-
-
-def test_every_reading_that_selects_code_is_a_variant_of_its_own():
-    points = [
-        point(system="chute"),
+    points += [
         point(system="chute", tangential_exponent=0),
         point(system="chute", overlap_memory="shrink"),
         point(system="belt"),
         point(system="belt", integrator="verlet"),
     ]
-    small = variants(points)
-    assert [p.system for p in small] == ["chute", "chute", "chute", "belt", "belt"]
-    assert [p.tangential_exponent for p in small[:2]] == [points[0].tangential_exponent, 0]
-    assert small[2].overlap_memory == "shrink"
-    assert small[4].integrator == "verlet"
-
-
-def test_warming_runs_every_kernel_of_a_run():
-    warm([point(system="belt", beads=5, width=6)])
-
-
-def test_the_command_says_what_it_compiles():
-    lines = (
-        "import logging, sys, sim.engine.command\n"
-        "def log_compiling(*_):\n"
-        "    logging.getLogger('talus').info('compiling')\n"
-        "sim.engine.command.warm = log_compiling\n"
-        "from sim.__main__ import main\n"
-        "sys.exit(main(['warm']))\n"
-    )
-    command = [sys.executable, "-c", lines]
-    process = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
-    assert (process.returncode, process.stderr) == (0, "compiling\n")
+    usual, linear, shrink, belt, verlet = variants(points)
+    assert (usual.system, belt.system) == ("chute", "belt")
+    assert usual.tangential_exponent == points[0].tangential_exponent
+    assert (linear.tangential_exponent, shrink.overlap_memory) == (0, "shrink")
+    assert verlet.integrator == "verlet"
 
 
 def test_systems_may_be_warmed_side_by_side(monkeypatch):
@@ -181,63 +153,39 @@ def test_what_compiles_ahead_calls_no_kernel(monkeypatch):
     assert all((before[name] == value).all() for name, value in system.snapshot().items())
 
 
-#: Runs that last: one of a long average, one whose bed never comes to rest, one that is shaken
-#: before for long.
-LONG_RUNS = {
-    "flow": belt_point(frequency=20, average=1e5),
-    "fall": belt_point(beads=400, settle_velocity_squared=1e-15),
-    "prior shaking": belt_point(prior_frequency=20, prior_cycles=10**5),
-}
-
-
-@pytest.fixture(params=LONG_RUNS)
-def process(request, tmp_path):
-    """A long run that has kept a state."""
-    point = LONG_RUNS[request.param]
-    warm([LONG_RUNS["flow"]])
+def test_an_interrupt_saves_the_state_of_a_run(tmp_path):
+    """Also of one whose bed never comes to rest."""
+    warm([belt_point()])
     often = os.environ | {"TALUS_CHECKPOINT_SECONDS": "0.01"}
-    process = start_run(point, tmp_path / "run.nc", env=often)
-    wait_until((tmp_path / ".run.nc.state").exists, process)
-    yield process
-    process.kill()
-    process.wait()
-
-
-def test_an_interrupt_saves_the_state_of_a_run(process, tmp_path):
-    process.send_signal(signal.SIGINT)
-    code = process.wait()
-    last = process.stderr.read().splitlines()[-1]
-    assert (code, last.partition(": ")[2]) == (
-        143,
-        "terminated; the next start continues from here",
-    )
+    restless = belt_point(beads=400, settle_velocity_squared=1e-15)
+    process = start_run(restless, tmp_path / "run.nc", env=often)
+    try:
+        wait_until((tmp_path / ".run.nc.state").exists, process)
+        process.send_signal(signal.SIGINT)
+        code = process.wait()
+    finally:
+        process.kill()
+    last = process.stderr.read().splitlines()[-1].partition(": ")[2]
+    assert (code, last) == (143, "terminated; the next start continues from here")
     assert not (tmp_path / "run.nc").exists()
     assert (tmp_path / ".run.nc.state").stat().st_size > 0
     # `status` takes it for interrupted by this file.
     assert progress_file(tmp_path / "run.nc").exists()
 
 
-@pytest.fixture
-def signals():
-    """What the two signals do, put back afterwards."""
+def test_an_interrupt_ends_at_once_without_anything_to_save_and_the_second_time():
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
-    yield
-    for number, handler in before.items():
-        signal.signal(number, handler)
-
-
-def test_without_anything_to_save_an_interrupt_ends_at_once(signals):
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    with pytest.raises(KeyboardInterrupt):
-        save_and_end(signal.SIGINT, None)
-
-
-def test_the_second_interrupt_ends_at_once(signals):
     calls = []
-    signal.signal(signal.SIGTERM, lambda *_: calls.append("save"))
-    signal.signal(signal.SIGINT, save_and_end)
-    signal.raise_signal(signal.SIGINT)
-    assert calls == ["save"]
-    with pytest.raises(KeyboardInterrupt):
+    try:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        with pytest.raises(KeyboardInterrupt):
+            save_and_end(signal.SIGINT, None)
+        signal.signal(signal.SIGTERM, lambda *_: calls.append("save"))
+        signal.signal(signal.SIGINT, save_and_end)
         signal.raise_signal(signal.SIGINT)
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
     assert calls == ["save"]

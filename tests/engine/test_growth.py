@@ -9,7 +9,7 @@ import pytest
 from sim.engine.replicate import Replicate
 from sim.engine.run import read_stages, run_point
 from sim.engine.stored_run import current_status, find_group
-from sim.parameters import Parameters, amounts, point_id
+from sim.parameters import Parameters, amounts
 from tests.engine_motion.points import belt_point, chute_point
 from tests.golden import CLOCK, contents, digest
 
@@ -57,13 +57,9 @@ class SampleCounter:
 
 
 WAYS = {
-    "replicates": (CHUTE, {"replicates": 4}),
-    "average": (CHUTE, {"average": 11.0}),
-    "both": (BELT, {"average": 5.0, "replicates": 3}),
+    "replicates": (with_amounts(BELT, trajectory=0.5), {"replicates": 3}),
     "limit": (with_amounts(BELT, **CONVERGED), {"limit": 16.0}),
-    "readings": (with_amounts(BELT, **OPEN), {"average": 5.0, "replicates": 3}),
-    "frames": (with_amounts(BELT, trajectory=0.5), {"average": 5.0, "replicates": 3}),
-    "frames of more": (with_amounts(BELT, trajectory=0.5), {"replicates": 3}),
+    "readings": (with_amounts(BELT, trajectory=0.5, **OPEN), {"average": 5.0, "replicates": 3}),
     "profiles": (with_amounts(CHUTE, stress_profiles=True), {"average": 11.0, "replicates": 3}),
 }
 
@@ -160,17 +156,3 @@ def test_what_is_read_from_a_run_file_is_what_was_written(tmp_path):
             for name, value in kind.items():
                 if name not in CLOCK:
                     np.testing.assert_array_equal(value, stored[name][index], name)
-
-
-def test_a_file_of_another_point_is_no_start(tmp_path):
-    path = run_points(tmp_path / "run.nc", BELT)
-    other = with_amounts(BELT, seed=7)
-    assert read_stages(path, other) == [] and current_status(path, other) == ""
-    assert digest(run_points(path, other)) == digest(run_points(tmp_path / "other.nc", other))
-
-
-def test_how_much_is_wanted_is_no_part_of_the_name():
-    for point in (CHUTE, BELT):
-        names = {point_id(with_amounts(point, **{name: 7})) for name in amounts(point)}
-        assert names == {point_id(point)}
-        assert point_id(with_amounts(point, transient=7.0)) != point_id(point)

@@ -53,55 +53,41 @@ def test_log_lines_become_rarer(clock, output, log):
     assert seconds == [10, 30, 70, 150, 310, 610, 910]
 
 
-def test_a_line_says_how_far_how_fast_and_how_long_still(clock, output, log):
-    with progress(POINT, output) as advance:
-        advance(0)
+@pytest.mark.parametrize(("limit", "bound"), [(None, ""), (800, "at most ")])
+def test_a_line_says_how_far_how_fast_and_how_long_still(limit, bound, clock, output, log):
+    """A run in its first sample may be compiling, which tells nothing of what is to come."""
+    values = {"protocol": "converged", "limit": limit} if limit else {}
+    point = chute_point(depth=2, cell=5, transient=100, average=400, **values)
+    with progress(point, output) as advance:
         clock.time += 100.0
-        advance(STEPS // 4)
-    (line,) = log.messages
-    rate = STEPS // 4 * POINT.particles / 100.0 / 1e6
-    assert line == (
-        f"{point_id(POINT)}: 25 % of {STEPS:,} steps, "
-        f"{rate:.1f} million particle-steps/s, about 5.0 min left"
+        advance(0)
+        assert log.messages == [f"{point_id(point)}: 0 % of {bound}{point.steps:,} steps"]
+        assert read_progress(output).remaining_seconds is None
+        clock.time += 100.0
+        advance(point.steps // 4)
+        now = read_progress(output)
+    rate = point.steps // 4 * point.particles / 100.0
+    assert now.rate == pytest.approx(rate) and now.elapsed == 200.0
+    assert log.messages[1] == (
+        f"{point_id(point)}: 25 % of {bound}{point.steps:,} steps, "
+        f"{rate / 1e6:.1f} million particle-steps/s, {bound or 'about '}5.0 min left"
     )
 
 
-def test_a_run_still_in_its_first_sample_has_no_rate(clock, output, log):
-    """It may be compiling, which tells nothing of what is to come."""
-    with progress(POINT, output) as advance:
-        clock.time += 100.0
-        advance(10)
-        assert read_progress(output).remaining_seconds is None
-    assert log.messages == [f"{point_id(POINT)}: 0 % of {STEPS:,} steps"]
-
-
-def test_a_run_that_may_end_early_has_bounds_only(clock, output, log):
-    point = chute_point(protocol="converged", depth=2, cell=5, transient=100, average=100)
-    with progress(point, output) as advance:
-        advance(0)
-        clock.time += 100.0
-        advance(point.steps // 4)
-    assert f"of at most {point.steps:,} steps" in log.messages[0]
-    assert "at most 5.0 min left" in log.messages[0]
-
-
-@pytest.mark.parametrize(("quiet", "terminal"), [(True, False), (False, True)])
-def test_no_lines_when_quiet_or_beside_a_bar(clock, output, log, monkeypatch, quiet, terminal):
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal)
-    with progress(POINT, output, quiet=quiet) as advance:
+def test_a_bar_and_no_lines_show_on_a_terminal_and_nothing_when_quiet(
+    clock, output, log, capsys, monkeypatch
+):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    for quiet in (False, True):
+        with progress(POINT, output, quiet=quiet, done=STEPS // 2) as advance:
+            clock.time += 1000.0
+            advance(STEPS // 2)
+        assert ("100%" in capsys.readouterr().err) is not quiet
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: False)
+    with progress(POINT, output, quiet=True) as advance:
         clock.time += 1000.0
         advance(5)
     assert log.messages == []
-
-
-def test_a_bar_shows_on_a_terminal(clock, output, capsys, monkeypatch):
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    with progress(POINT, output, done=STEPS // 2) as advance:
-        advance(STEPS // 2)
-    assert "100%" in capsys.readouterr().err
-    with progress(POINT, output, quiet=True) as advance:
-        advance(STEPS)
-    assert capsys.readouterr().err == ""
 
 
 def test_the_file_tells_the_run_until_it_ends(clock, output):
@@ -125,17 +111,6 @@ def test_the_file_tells_the_run_until_it_ends(clock, output):
     assert list(output.parent.iterdir()) == []
 
 
-def test_what_comes_before_the_first_sample_does_not_slow_the_rate(clock, output):
-    with progress(POINT, output) as advance:
-        clock.time += 100.0
-        advance(10)
-        clock.time += 5.0
-        advance(50)
-        now = read_progress(output)
-    assert now.rate == pytest.approx(10 * POINT.particles)
-    assert now.elapsed == 105.0
-
-
 def test_the_file_is_not_written_all_the_time(clock, output):
     written = set()
     with progress(POINT, output) as advance:
@@ -146,12 +121,18 @@ def test_the_file_is_not_written_all_the_time(clock, output):
     assert len(written) in (5, 6)
 
 
-@pytest.mark.parametrize("error", [KeyboardInterrupt, OSError])
-def test_the_file_goes_with_a_run_that_raises(clock, output, error):
+@pytest.mark.parametrize("error", [KeyboardInterrupt, OSError, SystemExit])
+def test_the_file_goes_with_a_run_that_raises_but_not_with_one_that_is_terminated(output, error):
     with pytest.raises(error), progress(POINT, output):
         assert progress_file(output).exists()
         raise error
-    assert not progress_file(output).exists()
+    assert progress_file(output).exists() == (error is SystemExit)
+
+
+def test_a_file_that_cannot_be_written_does_not_end_the_run(clock, tmp_path):
+    with progress(POINT, tmp_path / "none" / "run.nc") as advance:
+        clock.time += 10.0
+        advance(1)
 
 
 def test_a_run_that_resumes_counts_what_lies_behind_it(clock, output):
@@ -164,12 +145,6 @@ def test_a_run_that_resumes_counts_what_lies_behind_it(clock, output):
     assert now.percent == 75
     assert now.rate == pytest.approx(STEPS // 4 * POINT.particles / 10.0)
     assert now.remaining_seconds == pytest.approx(10.0, rel=1e-3)
-
-
-def test_a_file_that_cannot_be_written_does_not_end_the_run(clock, tmp_path):
-    with progress(POINT, tmp_path / "none" / "run.nc") as advance:
-        clock.time += 10.0
-        advance(1)
 
 
 def test_files_that_say_nothing_are_nothing(clock, output):
@@ -187,9 +162,3 @@ def test_files_that_say_nothing_are_nothing(clock, output):
         progress_file(output).mkdir()
         assert read_progress(output) is None
         progress_file(output).rmdir()
-
-
-def test_the_file_stays_with_a_run_that_was_terminated(clock, output):
-    with pytest.raises(SystemExit), progress(POINT, output):
-        raise SystemExit(143)
-    assert progress_file(output).exists()

@@ -89,29 +89,6 @@ def test_a_divided_step_samples_the_same_motion(point, tolerance):
         assert other["belt_phase"] == pytest.approx(one["belt_phase"], abs=1e-12)
 
 
-def test_one_failure_leaves_the_other_replicates_alone(monkeypatch):
-    expected = run(Replicate(CHUTE, 1)).scalars["velocity"]
-    blow_up_of_whole_steps(monkeypatch, Chute, after=10**9)
-    record = run(Replicate(CHUTE, 1))
-    assert record.scalars["velocity"] == expected
-    assert record.scalars["time_step_used"] == CHUTE.time_step
-
-
-def test_a_second_blow_up_is_final_and_names_both(caplog):
-    record = run(Replicate(HOPELESS, 0))
-    first, second = record.scalars["reason"].split("; with half the time step: ")
-    assert "overlap_limit at step" in first and "overlap_limit at step" in second
-    assert record.scalars["time_step_used"] == HOPELESS.time_step / 2
-    assert sum("again with half the time step" in line for line in caplog.messages) == 1
-
-
-def test_a_bed_that_does_not_settle_is_tried_with_half_the_step_too():
-    record = run(Replicate(belt_point(beads=100, width=5, stiffness=1.0), 0))
-    first, second = record.scalars["reason"].split("; with half the time step: ")
-    assert "while the bed settles" in first and "while the bed settles" in second
-    assert first != second
-
-
 def test_progress_counts_no_sample_twice(monkeypatch):
     blow_up_of_whole_steps(monkeypatch, Chute)
     reported = []
@@ -119,9 +96,12 @@ def test_progress_counts_no_sample_twice(monkeypatch):
     assert sum(reported) == CHUTE.steps
 
 
-def test_a_failed_run_names_the_command_that_gives_its_point(tmp_path, caplog, capsys):
+def test_a_second_blow_up_is_final_and_names_the_command_that_gives_its_point(
+    tmp_path, caplog, capsys
+):
     output = tmp_path / "run.nc"
     assert run_point(HOPELESS, output, quiet=True) == BLOW_UP_CODE
+    assert sum("again with half the time step" in line for line in caplog.messages) == 2
     (hint,) = (line for line in caplog.messages if "to see the failure again" in line)
     assert main(hint.partition(": python -m sim ")[2].split()) == 0
     path = tmp_path / "point.yaml"
@@ -130,12 +110,15 @@ def test_a_failed_run_names_the_command_that_gives_its_point(tmp_path, caplog, c
     assert main(["run", str(path), "-o", str(tmp_path / "again.nc"), "--quiet"]) == BLOW_UP_CODE
     with netCDF4.Dataset(output) as one, netCDF4.Dataset(tmp_path / "again.nc") as other:
         assert other["reason"][0] == one["reason"][0]
+        first, second = one["reason"][0].split("; with half the time step: ")
+        assert "overlap_limit at step" in first and "overlap_limit at step" in second
     names = {path.name for path in tmp_path.iterdir() if not path.name.startswith(".")}
     assert names == {"again.nc", "point.yaml", "run.nc"}
 
 
 FLOW = chute_point(depth=2, cell=5, transient=2, average=4, replicates=2, stress_profiles=True)
 FAILING = parse_point(FLOW.model_dump() | {"overlap_limit": 1e-6}, "point")
+SMALL = chute_point(depth=1.24, cell=4, transient=2, average=4)
 BED = belt_point(beads=20, width=5, transient=1, average=3, replicates=2)
 
 
@@ -185,43 +168,6 @@ def test_a_bed_is_shaken_on_at_another_frequency(tmp_path):
     assert float(abs(one["mean_velocity"][:, 0]).max()) < 0.5 * float(two["mean_velocity"][0, 0])
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"stiffness": 200.0}, "a run with stiffness = 200.0"),
-        ({"replicates": 3}, "a run of 3 replicates or more"),
-        ({"cell": 6.0}, "a run with cell = 6.0"),
-    ],
-)
-def test_what_a_flow_cannot_turn_into_is_refused(changes, message, tmp_path):
-    first = run_in(tmp_path, FLOW)
-    with pytest.raises(InputError, match=f"start_from: got .*; allowed: {message}"):
-        run_in(tmp_path, FLOW, start_from=first.stem, **changes)
-
-
-def test_a_run_without_its_states_is_refused(tmp_path):
-    first = run_in(tmp_path, FLOW)
-    first.with_name(f".{first.name}.state").unlink()
-    with pytest.raises(InputError, match=r"the state of its replicate 0 in .* beside it"):
-        run_in(tmp_path, FLOW, start_from=first.stem, angle=20.0)
-
-
-def test_contacts_that_remember_other_numbers_are_refused(tmp_path, caplog):
-    """A state that a program has written whose law kept seven numbers of each contact."""
-    point = parse_point(FLOW.model_dump() | {"law": "hertz"}, "point")
-    first = run_in(tmp_path, point)
-    states = States(first, point)
-    for number in range(point.replicates):
-        state = unpack(states._archives[number])
-        held = state["moving.memory"]
-        state["moving.memory"] = np.pad(held, ((0, 0), (0, 7 - held.shape[1]), (0, 0)))
-        states._archives[number] = pack(state)
-    states.save()
-    with pytest.raises(InputError, match=r"the state of its replicate 0 in .* beside it; remove"):
-        run_in(tmp_path, point, start_from=first.stem, angle=20.0)
-    assert "memory has the lengths (2, 7, " in caplog.text
-
-
 def test_what_starts_from_a_failure_has_failed(tmp_path):
     """So that the rest of a study goes on."""
     first = tmp_path / f"{point_id(FAILING)}.nc"
@@ -234,27 +180,47 @@ def test_what_starts_from_a_failure_has_failed(tmp_path):
         assert "from which it starts, has failed" in str(found["reason"].values[0])
 
 
-def test_the_states_of_another_run_are_left_where_they_are(tmp_path):
-    first = run_in(tmp_path, FLOW)
-    states = first.with_name(f".{first.name}.state")
-    states.write_bytes(b"none")
+@pytest.mark.parametrize(
+    ("point", "before", "changes", "message"),
+    [
+        (FLOW, {}, {"stiffness": 200.0}, "start_from: got .*; allowed: a run with stiffness ="),
+        (FLOW, {}, {"replicates": 3}, "start_from: got .*; allowed: a run of 3 replicates or"),
+        (FLOW, {}, {"cell": 6.0}, "start_from: got .*; allowed: a run with cell = 6.0"),
+        (BED, {"average": 2.5}, {"frequency": 40}, "shaken for no whole number of cycles"),
+    ],
+)
+def test_what_a_flow_cannot_turn_into_is_refused(point, before, changes, message, tmp_path):
+    first = run_in(tmp_path, point, **before)
+    with pytest.raises(InputError, match=message):
+        run_in(tmp_path, point, start_from=first.stem, **changes)
+
+
+def test_a_run_whose_states_are_missing_or_of_another_kind_is_refused(tmp_path, caplog):
+    """Such as those whose law kept seven numbers of each contact; they stay where they are."""
+    first = run_in(tmp_path, SMALL)
+    states = States(first, SMALL)
+    state = unpack(states._archives[0])
+    held = state["moving.memory"]
+    state["moving.memory"] = np.pad(held, ((0, 0), (0, 9 - held.shape[1]), (0, 0)))
+    states._archives[0] = pack(state)
+    states.save()
+    refusal = r"the state of its replicate 0 in .* beside it; remove"
+    with pytest.raises(InputError, match=refusal):
+        run_in(tmp_path, SMALL, start_from=first.stem, angle=20.0)
+    assert "memory has the lengths (2, 9, " in caplog.text
+    states.path.write_bytes(b"none")
     with pytest.raises(InputError, match="damaged or no states of a run"):
-        run_in(tmp_path, FLOW, start_from=first.stem)
-    assert states.read_bytes() == b"none"
+        run_in(tmp_path, SMALL, start_from=first.stem)
+    assert states.path.read_bytes() == b"none"
+    states.path.unlink()
+    with pytest.raises(InputError, match=refusal):
+        run_in(tmp_path, SMALL, start_from=first.stem, angle=20.0)
     with pytest.raises(InputError, match="a run other than the output"):
-        run_point(parse_point(FLOW.model_dump() | {"start_from": str(first)}, "point"), first)
-
-
-def test_a_run_that_is_not_there_is_named(tmp_path):
-    missing = tmp_path / "missing.nc"
+        run_point(parse_point(SMALL.model_dump() | {"start_from": str(first)}, "point"), first)
     with pytest.raises(InputError, match=r"missing\.nc: no such run file"):
-        run_in(tmp_path, FLOW, start_from=str(missing))
-
-
-def test_a_bed_that_stopped_within_a_cycle_is_refused(tmp_path):
-    first = run_in(tmp_path, BED, average=2.5)
-    with pytest.raises(InputError, match="shaken for no whole number of cycles"):
-        run_in(tmp_path, BED, start_from=first.stem, frequency=40)
+        run_in(tmp_path, SMALL, start_from=str(tmp_path / "missing.nc"))
+    with pytest.raises(InputError, match=r"start_from: got 'there'; allowed: .*run file \(\*.nc\)"):
+        parse_point({"system": "chute", "start_from": "there"}, "point.yaml")
 
 
 def study(*cases: dict, **base):
@@ -290,8 +256,3 @@ def test_a_start_that_has_gone_on_is_another_start(tmp_path):
     assert digest(run_in(tmp_path / "early", FLOW, **late)) == digest(expected) != before
     inode = early.stat().st_ino
     assert run_in(tmp_path / "early", FLOW, **late).stat().st_ino == inode
-
-
-def test_what_is_neither_an_id_nor_a_run_file_is_refused():
-    with pytest.raises(InputError, match=r"start_from: got 'there'; allowed: .*run file \(\*.nc\)"):
-        parse_point({"system": "chute", "start_from": "there"}, "point.yaml")

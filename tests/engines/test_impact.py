@@ -32,26 +32,6 @@ def met(partner: str, velocity, steps: int, convention=TALUS, **values):
     return radii, masses, *impact(p, radii, start, np.array(velocity), steps, convention)
 
 
-@pytest.mark.parametrize("law", ["spring_dashpot", "hertz"])
-@pytest.mark.parametrize("partner", ["pair", "plane"])
-@pytest.mark.parametrize("restitution", [0.7, 0.95])
-def test_plain_impact_has_the_restitution_asked_for(partner, restitution, law):
-    values = {"restitution": restitution, "law": law, "steps_per_collision": 1000}
-    _, _, velocity, spins = met(partner, [0, 0, -0.01], 3000, **values)
-    assert velocity[2] == pytest.approx(restitution * 0.01, rel=1e-3)
-    np.testing.assert_array_equal(spins, 0.0)
-
-
-@pytest.mark.parametrize("partner", ["pair", "plane"])
-def test_plain_impact_in_gross_slip_gives_the_friction_impulse_to_slide_and_spin(partner):
-    start = np.array([0.008, 0.0, -0.001])
-    radii, _, velocity, spins = met(partner, start, 600, friction=0.2, steps_per_collision=400)
-    impulse = start - velocity
-    # A pair turns while it is in contact, and the drag that pulls at the end of it rubs, too.
-    assert impulse[0] == pytest.approx(-0.2 * impulse[2], rel=0.03)
-    np.testing.assert_allclose(radii * spins[:, 1], 2.5 * impulse[0], rtol=0.03)
-
-
 @pytest.mark.parametrize("partner", PARTNERS)
 def test_plain_impact_with_hertz_is_that_of_the_differential_equations(partner):
     """So slow that a pair hardly turns, once from sticking and once from sliding throughout."""

@@ -1,9 +1,5 @@
 """An engine of a plug-in: one call, and points, runs and refusals know it."""
 
-import os
-import subprocess
-import sys
-
 import yaml
 
 from sim.__main__ import main
@@ -12,7 +8,7 @@ from sim.engine.run import run_point
 from sim.report.page import build as build_report
 from sim.study.load import load_study
 from tests.made.plugins import restore_plugins
-from tests.made.processes import ROOT, refusal
+from tests.made.processes import refusal
 
 PLUGIN = """\
 import sim
@@ -33,29 +29,6 @@ sim.flow_engine(
     "mine", description="one of mine", make=make, refuses=refuses, lacks=["stored_energy"]
 )
 """
-
-SCRIPT = """\
-import sim
-
-sim.load_plugins("mine.py")
-values = {"depth": 1, "cell": 5, "transient": 1, "average": 1, "progress": False}
-run = sim.simulate("chute", engine="mine", **values)
-print(str(run.engine.values)[:5], "mean_velocity" in run)
-try:
-    sim.simulate("chute", engine="mine", bumps=1, **values)
-except sim.InputError as error:
-    print(error)
-"""
-
-
-def run(folder, *command):
-    return subprocess.run(
-        [sys.executable, *command],
-        cwd=folder,
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-    )
 
 
 def test_a_second_opinion_of_a_plug_in(tmp_path, monkeypatch, capsys):
@@ -83,12 +56,3 @@ def test_a_second_opinion_of_a_plug_in(tmp_path, monkeypatch, capsys):
         assert "mine over talus" in page and "lammps over talus" not in page
         assert main(["orphans", "small.yaml"]) == 0
         assert capsys.readouterr().out == "none\n"
-
-
-def test_a_plug_in_adds_an_engine(tmp_path):
-    (tmp_path / "mine.py").write_text(PLUGIN)
-    done = run(tmp_path, "-c", SCRIPT)
-    assert done.returncode == 0, done.stderr
-    first, second = done.stdout.splitlines()
-    assert first == "mine. True"
-    assert second.endswith("bumps: got 1; allowed: 0 with engine: mine")

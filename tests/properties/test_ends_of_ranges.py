@@ -5,6 +5,9 @@ of the chute, for which nothing has to be compiled, are tried every time.
 """
 
 import math
+import os
+import subprocess
+import sys
 import typing
 from itertools import combinations
 
@@ -20,6 +23,7 @@ from sim.engine.systems import build
 from sim.parameters import SYSTEMS, Parameters, parse_point
 from sim.parameters.roles import declarations
 from tests.engine_motion.points import energy_residual
+from tests.made.processes import ROOT
 
 #: Small flows in narrow cells.
 SMALL = {
@@ -166,3 +170,12 @@ def test_two_numbers_at_the_ends_of_their_ranges_make_a_sound_flow(system, data)
 def test_no_pair_of_parameters_at_the_ends_of_their_ranges_clashes(system, data):
     pair = data.draw(st.sampled_from(pairs(system, compiled=True)))
     check({"system": system, **SMALL[system], **pair})
+
+
+@pytest.mark.long
+def test_no_loop_reads_or_writes_beyond_an_array(tmp_path):
+    """Code that checks its bounds is not that of others."""
+    settings = {"NUMBA_BOUNDSCHECK": "1", "TALUS_CACHE_DIR": str(tmp_path / "cache")}
+    command = [sys.executable, "-m", "pytest", "-q", "-m", "", "-k", "two_numbers", __file__]
+    done = subprocess.run(command, cwd=ROOT, env=os.environ | settings)
+    assert done.returncode == 0

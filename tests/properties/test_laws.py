@@ -1,9 +1,6 @@
 """What holds for the laws of beads and spheres whatever their parameters, scales and contacts."""
 
-import itertools
-
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -11,11 +8,9 @@ from sim.claims.experiments import contact_path
 from sim.engine.contact.damping import spring_damping
 from sim.engine.contact.walton_braun import walton_braun
 from tests.engine_motion.helpers import (
-    EXPONENTS,
     PAIRED_READINGS,
     READINGS,
     disk_forces,
-    rotation,
 )
 from tests.properties.values import SEEDS, magnitudes, norms
 
@@ -72,37 +67,8 @@ def test_forces_of_beads_are_as_printed_at_all_magnitudes(contacts, damping_mass
         assert (norms(found - wanted) <= rounding).all()
 
 
-@given(
-    magnitudes(-3, 6), st.floats(0, 1.99), magnitudes(-9, 3), magnitudes(-9, 3), magnitudes(-3, 3)
-)
-def test_an_impact_of_beads_has_the_restitution_of_a_damped_spring(
-    stiffness, damping_ratio, mass, other, speed
-):
-    """With the reduced mass, an overlap v/w exp(-c t) sin(w t) is the motion of the pair."""
-    reduced = mass * other / (mass + other)
-    natural = np.sqrt(stiffness / reduced)
-    decay = damping_ratio / 2 * natural
-    rate = np.sqrt(natural**2 - decay**2)
-    law = spring_damping(stiffness, 2 * decay, 0.0, damping_mass="reduced")
-    time = np.linspace(0, np.pi / rate, 101)[:, None]
-    growth = speed * np.exp(-decay * time)
-    overlap = growth / rate * np.sin(rate * time)
-    approach = growth * (np.cos(rate * time) - decay / rate * np.sin(rate * time))
-    acceleration = -2 * decay * approach - natural**2 * overlap
-    normal = np.tile([1.0, 0.0], (101, 1))
-    force = disk_forces(
-        law, overlap[:, 0], normal, approach * normal, np.full(101, mass), np.full(101, 1 / other)
-    )
-    assert np.abs(force[:, 0] - reduced * acceleration[:, 0]).max() <= (
-        1e-9 * reduced * natural * speed
-    )
-    assert -approach[-1, 0] == pytest.approx(speed * np.exp(-np.pi * decay / rate), rel=1e-9)
-
-
 STEPS = 200
 Z = np.array([0.0, 0.0, 1.0])
-
-signs = st.sampled_from([-1.0, 1.0])
 
 #: Readings of the law of the spheres: those that other tests compile too, in a search all.
 SEARCHED = st.sampled_from(PAIRED_READINGS if settings.default.max_examples <= 50 else READINGS)
@@ -150,28 +116,9 @@ def test_spheres_repel_and_rub_within_the_limit_at_all_magnitudes(law, seed, len
     assert (np.abs((friction * normal).sum(axis=1)) <= 1e-9 * limit.max()).all()
 
 
-@given(sphere_laws(), SEEDS, magnitudes(-6, 0), magnitudes(-3, 1))
-def test_partners_that_change_places_feel_the_opposite_friction(law, seed, length, slip):
-    overlap, normal, slips = history(law, seed, length, slip)
-    force, friction, memory = contact_path(law, overlap, normal, slips)
-    other_force, other_friction, other_memory = contact_path(law, overlap, -normal, -slips)
-    assert np.array_equal(other_force, force)
-    assert np.array_equal(other_friction, -friction)
-    assert np.array_equal(other_memory[:, 3:], memory[:, 3:])
-
-
 def same_friction(found, expected, limit) -> bool:
     """Whether two frictions (n, 3) agree but for rounding, which the exponents may magnify."""
     return bool((norms(found - expected) <= 1e-7 * limit.max()).all())
-
-
-@given(sphere_laws(), SEEDS, magnitudes(-6, 0), magnitudes(-3, 1))
-def test_friction_turns_with_the_frame(law, seed, length, slip):
-    overlap, normal, slips = history(law, seed, length, slip)
-    force, friction, _ = contact_path(law, overlap, normal, slips)
-    frame = rotation(np.random.default_rng(seed))
-    turned = contact_path(law, overlap, normal @ frame.T, slips @ frame.T)[1]
-    assert same_friction(turned, friction @ frame.T, law.limit.friction * force)
 
 
 @given(sphere_laws(), SEEDS, magnitudes(-3, 1), magnitudes(-6, 6), magnitudes(-6, 6))
@@ -189,54 +136,3 @@ def test_forces_scale_with_stiffness_and_length(law, seed, slip, stiffer, longer
     assert (np.abs(found[0] - scale * force) <= 1e-12 * scale * law.unloading * overlap).all()
     limit = law.limit.friction * law.unloading * overlap
     assert same_friction(found[1] / scale, friction, limit)
-
-
-def exact_cycle(law, peaks) -> np.ndarray:
-    """Overlaps from 0 over turning points and back to 0, with all corners of the force between.
-
-    The force is linear between them, so that a trapezoid gives the work exactly.
-    """
-    path, deepest = [0.0], 0.0
-    for target in (*peaks, 0.0):
-        corners = [law.dent.slope * deepest, deepest]
-        low, high = sorted((path[-1], target))
-        between = sorted((c for c in corners if low < c < high), reverse=target < path[-1])
-        path += [*between, target]
-        deepest = max(deepest, target)
-    return np.array(path)
-
-
-@given(
-    sphere_laws(readings=st.just({"overlap_memory": "separation"})),
-    st.lists(st.floats(1e-3, 1), min_size=1, max_size=20),
-)
-def test_no_cycle_of_overlap_gives_energy(law, peaks):
-    """What comes back of the work of a cycle is at most e**2 of the deepest loading."""
-    overlap = exact_cycle(law, peaks)
-    force = contact_path(law, overlap, np.tile(Z, (overlap.size, 1)), np.zeros((overlap.size, 3)))[
-        0
-    ]
-    work = np.concatenate([[0], np.cumsum(np.diff(overlap) * (force[1:] + force[:-1]) / 2)])
-    loading = law.loading * max(peaks) ** 2 / 2
-    rounding = 1e-9 * loading * len(peaks)
-    assert work.min() >= -rounding
-    lost = loading * (1 - law.loading / law.unloading)
-    assert work[-1] >= lost - rounding
-
-
-@given(
-    st.sampled_from(EXPONENTS),
-    st.lists(st.tuples(signs, magnitudes(-2, 0.5)), min_size=1, max_size=10),
-)
-def test_friction_gives_back_no_more_than_was_put_in(exponent, turns):
-    """Work on a fresh contact along a line, at constant F_N, in units of the limit squared / K0."""
-    law = walton_braun(100.0, 1.0, 0.4, tangential_exponent=exponent)
-    limit = 0.4 * 100.0 * 1e-5
-    corners = [0.0, *(sign * size for sign, size in turns)]
-    path = np.concatenate([np.linspace(a, b, 401)[1:] for a, b in itertools.pairwise(corners)])
-    slips = np.zeros((path.size, 3))
-    slips[:, 0] = limit / law.tangential * np.diff(path, prepend=0.0)
-    overlap = np.full(path.size, 1e-5)
-    force = contact_path(law, overlap, np.tile(Z, (path.size, 1)), slips)[1][:, 0] / limit
-    mean = (force + np.concatenate([[0.0], force[:-1]])) / 2
-    assert (mean * np.diff(path, prepend=0.0)).cumsum().min() >= -1e-3

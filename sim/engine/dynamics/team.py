@@ -94,10 +94,6 @@ class Team:
         self._ranks = range(1, threads)
         self._pool = ThreadPoolExecutor(threads - 1) if threads > 1 else None
 
-    def __reduce__(self):
-        # Threads cannot be pickled; nothing of a team lasts from one call to the next.
-        return Team, (len(self._ranks) + 1,)
-
     def run(self, task: Callable[[int], int]) -> int:
         """Run a task for all ranks; return the result of ``task(0)`` once all have ended.
 
@@ -106,7 +102,10 @@ class Team:
         """
         others = [self._pool.submit(self._run_guarded, task, rank) for rank in self._ranks]
         try:
-            return self._run_guarded(task, 0)
+            return task(0)
+        except BaseException:
+            self.gate[BROKEN] = 1
+            raise
         finally:
             for other in others:
                 other.result()

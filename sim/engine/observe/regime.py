@@ -181,14 +181,9 @@ GROWTH = 1.35
 #: first half of the window.
 LASTING_SHARE = 0.85
 
-#: Reasons to end a run. The last one is for the published protocol.
-TARGET, ARRESTED, ACCELERATING, LIMIT, LENGTH = (
-    "target",
-    "arrested",
-    "accelerating",
-    "limit",
-    "length",
-)
+#: Reasons to end a run. The last two are for the published protocol and for its full length.
+TARGET, ARRESTED, ACCELERATING = "target", "arrested", "accelerating"
+LENGTH, LIMIT = "length", "limit"
 
 
 @dataclass(frozen=True)
@@ -324,14 +319,8 @@ def verdict(
 ) -> tuple[int, Trend, str]:
     """Return start of the window (samples), its trend, and the reason to end the run or ``""``.
 
-    Parameters
-    ----------
-    velocity : (T,) array
-        Mean velocity per sample interval since the start (m/s).
-    interval, scales, period
-        As for `sim.engine.observe.regime.analyse`.
-    least : int
-        Smallest number of samples of the transient.
+    ``velocity`` (T,) is the mean velocity per sample interval since the start (m/s), ``least`` the
+    smallest number of samples of the transient; the rest as for `analyse`.
     """
     start = window_start(velocity, period, least)
     window = velocity[start:]

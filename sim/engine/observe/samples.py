@@ -153,10 +153,7 @@ def _stack(blocks: list[Sums]) -> Sums:
 
 def _unstack(stack: Sums) -> list[Sums]:
     count = len(stack[0][0]) if stack else 0
-    return [
-        tuple(map_arrays(lambda array, k=index: array[k], sums) for sums in stack)
-        for index in range(count)
-    ]
+    return [tuple(copy_sample(sums, number) for sums in stack) for number in range(count)]
 
 
 class ContactList(NamedTuple):

@@ -6,17 +6,17 @@ from typing import Any
 import numpy as np
 
 from sim.engine.boundary.belt import Obstacle
-from sim.engine.compile import address_of, kind_of
+from sim.engine.compile import address_of, call_directly, kind_of
 from sim.engine.contact.damping import spring_damping
-from sim.engine.dynamics.cells import BlowUp, make_box
+from sim.engine.dynamics.cells import LIST_FULL, BlowUp, make_box
 from sim.engine.dynamics.disks import make_disks, rescale_terms
 from sim.engine.dynamics.neighbors import empty_pair_list, make_search
 from sim.engine.observe.profiles import wave_power
 from sim.engine.observe.regime import Scales
-from sim.engine.observe.samples import ContactList, Sums, make_ledger
+from sim.engine.observe.samples import ContactList, Samples, Sums, make_ledger
 from sim.engine.systems import bed_samples, shaking
 from sim.engine.systems.bed_samples import list_bed_contacts
-from sim.engine.systems.replica import PATH_INTERVALS, Outcome, Replica
+from sim.engine.systems.replica import PATH_INTERVALS, Replica
 from sim.engine.systems.slices import bed_profiles
 from sim.engine.systems.start import (
     FALLING,
@@ -67,7 +67,7 @@ class Belt(Replica):
         bed = initial_bed(p, self.box, replicate)
         self._fall_time = sqrt(2.0 * (bed.height + p.diameter) / p.gravity)
         self.disks = make_disks(
-            bed.position, np.zeros_like(bed.position), bed.radius, bed.mass, self._step_length()
+            bed.position, bed.velocity, bed.radius, bed.mass, self._step_length()
         )
         self.mass = float(bed.mass.sum())
         self.pairs = empty_pair_list(bed.radius, self.box, SKIN * p.diameter)
@@ -190,20 +190,24 @@ class Belt(Replica):
 
     def _advance(self, steps: int) -> int:
         contacts, motion = self._contacts(), self._motion()
-        return self._call(shaking.advance_disks, self.disks, contacts, self.loop, motion, steps)
+        kernel = shaking.advance_disks
+        return call_directly(kernel, self.kind, self.disks, contacts, self.loop, motion, steps)
 
-    def _take(self, most: int, profiles: bool) -> Outcome:
+    def _take(self, most: int, profiles: bool) -> tuple[Samples | None, str]:
         # A bed that has not settled is sampled as it shakes, too.
         self.stage = SHAKING
         if self.sample_steps > self._stretch:
-            self._approach(self._stretch)
+            self._continue(self._missing_steps() - self._stretch)
             self.pause()
         room = self._room
         room.number[0], room.clock[0] = 0, 0
-        status = self._with_room(lambda: self._fill(min(most, len(room.sums)), profiles))
+        while (status := self._fill(min(most, len(room.sums)), profiles)) == LIST_FULL:
+            self._enlarge_list()
         self.loop_time += 1e-6 * float(room.clock[0])
-        state = room if room.number[0] else None
-        return Outcome(state, self._profiles(room) if profiles else None, self._failure(status))
+        failure = self._failure(status)
+        if not room.number[0]:
+            return None, failure
+        return Samples(self._values(room), self._profiles(room) if profiles else None), failure
 
     def _fill(self, samples: int, profiles: bool) -> int:
         """Take so many samples in compiled code, those taken so far included; return the status."""
@@ -220,9 +224,8 @@ class Belt(Replica):
             self.slices.slice_height,
             self.slices.squares,
         )
-        return self._call(
-            bed_samples.sample_bed, disks, contacts, loop, motion, sampling, self._room
-        )
+        kernel = bed_samples.sample_bed
+        return call_directly(kernel, self.kind, disks, contacts, loop, motion, sampling, self._room)
 
     def _values(self, state: bed_samples.BedSamples) -> dict[str, np.ndarray]:
         """Return the values (K,) of each time series in the samples taken."""
@@ -282,7 +285,8 @@ class Belt(Replica):
     def _list_contacts(self, contacts: ContactList) -> None:
         time = float(self.loop.step[0] * self.time_step)
         bed = self._contacts()
-        self._call(list_bed_contacts, contacts, self.disks, bed, time, self.time_step)
+        arguments = contacts, self.disks, bed, time, self.time_step
+        call_directly(list_bed_contacts, self.kind, *arguments)
 
     def _coordinates(self) -> np.ndarray:
         return self.disks.taylor

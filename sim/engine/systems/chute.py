@@ -14,7 +14,7 @@ import numpy as np
 
 from sim.engine.boundary.drive import Gravity
 from sim.engine.boundary.plane import make_plane, stored_in_plane
-from sim.engine.compile import address_of, kind_of
+from sim.engine.compile import address_of, call_directly, kind_of
 from sim.engine.contact import Partners, law_of
 from sim.engine.contact.friction import enlarge_memory, make_memory, memory_after
 from sim.engine.dynamics.cells import BlowUp, make_box
@@ -36,9 +36,15 @@ from sim.engine.observe.profiles import (
     flow_energies,
 )
 from sim.engine.observe.regime import Scales
-from sim.engine.observe.samples import ContactList, first_samples, make_ledger, zero_samples
+from sim.engine.observe.samples import (
+    ContactList,
+    Samples,
+    first_samples,
+    make_ledger,
+    zero_samples,
+)
 from sim.engine.systems import leap_frog
-from sim.engine.systems.replica import PATH_INTERVALS, Outcome, Replica
+from sim.engine.systems.replica import PATH_INTERVALS, Replica
 from sim.engine.systems.sharing import Thread, refresh_together
 from sim.engine.systems.slices import flow_profiles
 from sim.engine.systems.start import initial_layer
@@ -164,7 +170,8 @@ class PlaneFlow(Replica):
         moved = spheres, self.pairs, self.plane, flow.sharing, thread, self.memory[0]
         refresh = address_of(refresh_together, self.kind, *moved)
         motion = leap_frog.Motion(self.drive, self.time_step, limit, self.inertia, refresh)
-        return self._call(leap_frog.advance_spheres, spheres, contacts, flow, motion, thread, steps)
+        kernel = leap_frog.advance_spheres
+        return call_directly(kernel, self.kind, spheres, contacts, flow, motion, thread, steps)
 
     def _contacts(self) -> leap_frog.FlowContacts:
         return leap_frog.FlowContacts(self.laws, self.pairs, self.plane, self.memory)
@@ -173,20 +180,21 @@ class PlaneFlow(Replica):
         super()._enlarge_list()
         self.memory = enlarge_memory(self.memory, len(self.pairs.touching))
 
-    def _take(self, most: int, profiles: bool) -> Outcome:
+    def _take(self, most: int, profiles: bool) -> tuple[Samples | None, str]:
         count, states, failure = min(most, max(1, self._stretch // self.sample_steps)), [], ""
         sums = tuple(zero_samples(count, part) for part in self.no_profiles()) if profiles else None
         try:
             for k in range(count):
-                self._approach(0)
+                self._continue(self._missing_steps())
                 states.append(self._state())
                 if sums:
                     self._add_profiles(sums, k)
         except BlowUp as error:
             failure = str(error)
-        state = stack(states) if states else None
+        if not states:
+            return None, failure
         sums = sums and tuple(first_samples(part, len(states)) for part in sums)
-        return Outcome(state, sums, failure)
+        return Samples(self._values(stack(states)), sums), failure
 
     def _state(self) -> Any:
         """Return the state at the end of a sample."""
@@ -202,9 +210,11 @@ class PlaneFlow(Replica):
         spheres, plane, step = self.spheres, self.plane, self.flow.step[0]
         (pair_law, plane_law), time_step = self.laws, self.time_step
         memory, plane_memory = memory_after(self.memory, step), memory_after(plane.memory, step)
+        between = pair_law, spheres, self.pairs, memory, time_step
+        below = plane_law, spheres, plane, plane_memory, time_step
         return (
-            *self._call(stored_in_spheres, pair_law, spheres, self.pairs, memory, time_step),
-            *self._call(stored_in_plane, plane_law, spheres, plane, plane_memory, time_step),
+            *call_directly(stored_in_spheres, self.kind, *between),
+            *call_directly(stored_in_plane, self.kind, *below),
         )
 
     def _values(self, state: Any) -> dict[str, np.ndarray]:
@@ -249,13 +259,16 @@ class PlaneFlow(Replica):
             type(part)(*(array[k] for array in part)) for part in sums
         )
         weight = self._profile_weight
-        self._call(add_sample, profile, weight, slice_height, height, radius, velocity)
-        self._call(count_overlaps, overlaps.counts, spheres, self.pairs)
+        kind = self.kind
+        call_directly(add_sample, kind, profile, weight, slice_height, height, radius, velocity)
+        call_directly(count_overlaps, kind, overlaps.counts, spheres, self.pairs)
         if contact_sums:
             spin, *stress_and_slip = contact_sums
-            self._call(add_sample, spin, VOLUME, slice_height, height, radius, rim / radius)
+            call_directly(
+                add_sample, kind, spin, VOLUME, slice_height, height, radius, rim / radius
+            )
             target = ContactSums(*stress_and_slip)
-            self._call(add_contacts, target, spheres, self._contacts(), self._sampling())
+            call_directly(add_contacts, kind, target, spheres, self._contacts(), self._sampling())
 
     def _sampling(self) -> Sampling:
         """Return the settings for forces of contacts: step, slice height, time step, frictions."""
@@ -264,7 +277,8 @@ class PlaneFlow(Replica):
         return Sampling(int(self.flow.step[0]), self.slices.slice_height, self.time_step, friction)
 
     def _list_contacts(self, contacts: ContactList) -> None:
-        self._call(list_contacts, contacts, self.spheres, self._contacts(), self._sampling())
+        arguments = contacts, self.spheres, self._contacts(), self._sampling()
+        call_directly(list_contacts, self.kind, *arguments)
 
     def _mean_displacement(self) -> np.ndarray:
         # Between two states a sphere may pass through half a cell with the flow, but not against

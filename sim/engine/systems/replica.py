@@ -2,11 +2,11 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from sim.engine.compile import call_directly, working_time
+from sim.engine.compile import working_time
 from sim.engine.dynamics.cells import LIST_FULL, BlowUp, Box, failure_reason
 from sim.engine.dynamics.neighbors import PairList, double_room
 from sim.engine.observe.regime import Scales
@@ -22,18 +22,6 @@ PATH_INTERVALS = 40
 
 #: Column of the number of steps in ``sums`` of every loop.
 STEPS = 0
-
-
-class Outcome(NamedTuple):
-    """Up to K samples in the numbers of a system.
-
-    ``state`` of the samples, a named tuple, None without a sample; ``profiles`` as in `Samples`;
-    ``failure`` reason of a blow-up after them, else empty.
-    """
-
-    state: Any
-    profiles: Sums | None
-    failure: str
 
 
 class Replica(ABC):
@@ -98,7 +86,7 @@ class Replica(ABC):
     @property
     def profile_height(self) -> np.ndarray:
         """Centres (H,) of the slices of the profiles, m."""
-        return self.slices.height()
+        return (np.arange(self.slices.slices) + 0.5) * self.slices.slice_height
 
     @property
     def cycle_steps(self) -> int:
@@ -131,8 +119,7 @@ class Replica(ABC):
 
         Raises ``BlowUp``, which holds the samples taken before the blow-up.
         """
-        state, sums, failure = self._take(most, profiles)
-        samples = None if state is None else Samples(self._values(state), sums)
+        samples, failure = self._take(most, profiles)
         if failure or samples is None:
             raise BlowUp(failure, samples)
         return samples
@@ -164,15 +151,12 @@ class Replica(ABC):
                 states[-1][:, d] -= length * np.round(stray[:, d] / length)
         return np.array(states)
 
-    def _call(self, kernel: Any, *arguments: Any) -> Any:
-        return call_directly(kernel, self.kind, *arguments)
-
-    def _approach(self, distance: int) -> None:
-        """Advance the sample under way, or else the next, to some steps before its end."""
+    def _missing_steps(self) -> int:
+        """Return the steps to the end of the sample under way, or else of the next, now begun."""
         sums = self.loop.sums
         if sums[STEPS] >= self.sample_steps:
             sums[:] = 0.0
-        self._continue(self.sample_steps - int(sums[STEPS]) - distance)
+        return self.sample_steps - int(sums[STEPS])
 
     def _run(self, steps: int) -> None:
         """Advance by a number of steps, with the sums of these steps alone."""
@@ -185,23 +169,14 @@ class Replica(ABC):
         last = step[0] + steps
         while step[0] < last:
             target, start = min(last, step[0] + self._stretch), working_time()
-            failure = self._advance_to(target)
+            while (status := self._advance(target - step[0])) == LIST_FULL:
+                self._enlarge_list()
+            failure = self._failure(status)
             self.loop_time += working_time() - start
             if failure:
                 raise BlowUp(failure)
             if target < last:
                 self.pause()
-
-    def _advance_to(self, target: int) -> str:
-        """Advance to a step; return the reason of a failure, or an empty text."""
-        step = self.loop.step
-        return self._failure(self._with_room(lambda: self._advance(target - step[0])))
-
-    def _with_room(self, attempt: Callable[[], int]) -> int:
-        """Repeat an attempt until the neighbor list has room for its pairs; return the status."""
-        while (status := attempt()) == LIST_FULL:
-            self._enlarge_list()
-        return status
 
     def _enlarge_list(self) -> None:
         self.pairs = double_room(self.pairs)
@@ -239,12 +214,8 @@ class Replica(ABC):
         """Advance by a number of steps in compiled code; return the status."""
 
     @abstractmethod
-    def _take(self, most: int, profiles: bool) -> Outcome:
-        """Advance by one to ``most`` samples, or to a blow-up."""
-
-    @abstractmethod
-    def _values(self, state: Any) -> dict[str, np.ndarray]:
-        """Return the values (K,) of each time series from the state of K samples."""
+    def _take(self, most: int, profiles: bool) -> tuple[Samples | None, str]:
+        """Advance by one to ``most`` samples, or to a blow-up; return them, and its reason."""
 
     @abstractmethod
     def _coordinates(self) -> np.ndarray:

@@ -39,10 +39,6 @@ class FlowProfiles(NamedTuple):
     density: float
     stress: bool
 
-    def height(self) -> np.ndarray:
-        """Return the centres of the slices, m."""
-        return (np.arange(self.slices) + 0.5) * self.slice_height
-
     def empty(self) -> Sums:
         """Return sums of zero."""
         base_sums = empty_profile(self.slices, 3), no_overlaps()
@@ -139,10 +135,6 @@ class BedProfiles(NamedTuple):
     squares: Squares
     at_phase_0: bool
     phases: int
-
-    def height(self) -> np.ndarray:
-        """Return the centres of the slices above the belt, m."""
-        return (np.arange(self.slices) + 0.5) * self.slice_height
 
     def empty(self) -> Sums:
         """Return sums of zero."""

@@ -134,7 +134,7 @@ def _is_free(trial, home, radius, packing):
 
 
 class Layer(NamedTuple):
-    """Spheres: ``position`` and ``velocity`` (N, 3), ``radius`` and ``mass`` (N,), SI.
+    """Particles: ``position`` and ``velocity`` (N, D), ``radius`` and ``mass`` (N,), SI.
 
     Glued spheres come last; they have no mass. ``height`` (m) is that of the filled region.
     """
@@ -154,9 +154,15 @@ def initial_layer(p: SphereParameters, box: Box, replicate: int) -> Layer:
     """
     rng = np.random.default_rng([p.seed, replicate])
     dimension, solid, root = (2, 4.0, np.sqrt) if p.is_flat else (3, 6.0, np.cbrt)
-    cell, in_space = (make_box(box.length[0]), _insert_y) if p.is_flat else (box, np.asarray)
+    cell = make_box(box.length[0]) if p.is_flat else box
+
+    def in_space(vectors: np.ndarray) -> np.ndarray:
+        return np.insert(vectors, 1, 0.0, axis=1) if p.is_flat else vectors
+
     height = p.depth * pi / solid * p.diameter / p.initial_packing
-    size = _relative_diameters(p, rng)
+    spread, size = p.diameter_spread, np.ones(p.particles)
+    if spread > 0.0:
+        size = rng.uniform(1.0 - spread, 1.0 + spread, p.particles)
     # The flow weighs as much as one of equal particles.
     size /= root((size**dimension).mean())
     if allowed := wider_cell(p.cell, float(size.max()), p.bumps):
@@ -171,24 +177,12 @@ def initial_layer(p: SphereParameters, box: Box, replicate: int) -> Layer:
     return _lift_above(mobile, p, in_space(_bump_positions(p, cell, replicate)))
 
 
-def _relative_diameters(p: SphereParameters, rng) -> np.ndarray:
-    """Return diameters (N,) over the nominal diameter."""
-    if p.diameter_spread > 0.0:
-        return rng.uniform(1.0 - p.diameter_spread, 1.0 + p.diameter_spread, p.particles)
-    return np.ones(p.particles)
-
-
 def _random_velocities(p: SphereParameters, shape: tuple[int, ...], rng) -> np.ndarray:
     """Return random velocities (N, D) about the common one, m/s."""
     velocity = rng.normal(0.0, p.initial_agitation * p.velocity_unit / shape[1] ** 0.5, shape)
     velocity -= velocity.mean(axis=0)
     velocity[:, 0] += p.initial_velocity * p.velocity_unit
     return velocity
-
-
-def _insert_y(flat: np.ndarray) -> np.ndarray:
-    """Return vectors (N, 2) along x and z as (N, 3)."""
-    return np.insert(flat, 1, 0.0, axis=1)
 
 
 def _bump_positions(p: SphereParameters, box: Box, replicate: int) -> np.ndarray:
@@ -221,20 +215,8 @@ INITIAL_PACKING = 0.3
 FALLING, PRIOR_SHAKING, SHAKING = "falling", "shaken before", ""
 
 
-class Bed(NamedTuple):
-    """Beads at rest that fall: ``position`` (N, 2), ``radius``, ``mass`` (N,), SI.
-
-    ``height`` (m) is that of the filled region.
-    """
-
-    position: np.ndarray
-    radius: np.ndarray
-    mass: np.ndarray
-    height: float
-
-
-def initial_bed(p: BeltParameters, box: Box, replicate: int) -> Bed:
-    """Return beads of a replicate that overlap neither each other nor belt nor obstacle."""
+def initial_bed(p: BeltParameters, box: Box, replicate: int) -> Layer:
+    """Return beads at rest that overlap neither each other nor belt nor obstacle."""
     rng = np.random.default_rng([p.seed, replicate])
     spread = p.diameter_spread * p.diameter
     diameter = rng.uniform(p.diameter - spread, p.diameter + spread, p.beads)
@@ -243,7 +225,7 @@ def initial_bed(p: BeltParameters, box: Box, replicate: int) -> Bed:
     height = max(layer, p.diameter + spread)
     position = random_packing(box, height, 0.5 * diameter, rng)
     position[:, 1] += _lift(p)
-    return Bed(position, 0.5 * diameter, mass, height)
+    return Layer(position, np.zeros_like(position), 0.5 * diameter, mass, height)
 
 
 def _lift(p: BeltParameters) -> float:

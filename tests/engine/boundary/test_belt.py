@@ -36,7 +36,7 @@ def bead_on_belt(velocity=(0.0, 0.0), **options) -> DiskMotion:
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
-@pytest.mark.parametrize("shear", [0.2 * DAMPING, DAMPING, 4 * DAMPING])
+@pytest.mark.parametrize("shear", [0.2 * DAMPING, 4 * DAMPING])
 def test_held_bead_relaxes_to_the_belt(shear, integrator):
     slowing = [[-0.3 * shear, 0.0]]
     law = bead_law(shear_damping=shear)
@@ -77,7 +77,7 @@ def test_bead_bounces_off_the_resting_belt_as_a_damped_oscillator(surface, integ
 
 
 @pytest.mark.parametrize("share", [1.0, 0.25])
-@pytest.mark.parametrize("size", [0.6, 1.0, 1.4])
+@pytest.mark.parametrize("size", [0.6, 1.4])
 def test_a_ghost_of_finite_mass_damps_with_the_reduced_mass(size, share):
     """A bead of mass m and a ghost of mass M: rate γ/2 M/(m + M), from γ/2 m M/(m + M)/m.
 
@@ -120,7 +120,7 @@ def bead(direction, overlap: float, velocity=(0.0, 0.0), **options) -> DiskMotio
     )
 
 
-@pytest.mark.parametrize("angle", np.radians([0.0, 37.0, 90.0, 180.0, 250.0]))
+@pytest.mark.parametrize("angle", np.radians([0.0, 37.0, 250.0]))
 def test_force_is_that_of_a_heavy_disk(angle):
     outward, across = (
         np.array([np.cos(angle), np.sin(angle)]),
@@ -135,29 +135,19 @@ def test_force_is_that_of_a_heavy_disk(angle):
     assert motion.loop.sums[shaking.LARGEST] == pytest.approx(5e-5 / REACH, rel=1e-5)
 
 
-@pytest.mark.parametrize("laps", [-3, 1, 2])
-def test_obstacle_repeats_with_the_cell(laps):
-    here, there = bead((0.6, 0.8), 5e-5), bead((0.6, 0.8), 5e-5)
-    there.disks.taylor[0, 0, 0] += laps * WIDTH
-    expected = here.run(1).force
-    assert there.run(1).force == pytest.approx(expected, rel=1e-9)
-
-
-@pytest.mark.parametrize("side", [-1, 1])
-def test_obstacle_at_the_edge_of_the_cell_is_felt_across_it(side):
+def test_obstacle_repeats_with_the_cell_and_is_felt_across_its_edge():
     """As by a bead that has left the cell since the list of neighbors was built."""
-    edge = Obstacle(x=side * 0.1 * BEAD, z=OBSTACLE.z, radius=OBSTACLE.radius)
-    outward = np.array([-side * 0.6, 0.8])
-    inside = bead(outward, 5e-5, obstacle=OBSTACLE).run(1).force
-    across = bead(outward, 5e-5, obstacle=edge)
+    expected = bead((0.6, 0.8), 5e-5).run(1).force
+    for laps in (-3, 1, 2):
+        there = bead((0.6, 0.8), 5e-5)
+        there.disks.taylor[0, 0, 0] += laps * WIDTH
+        assert there.run(1).force == pytest.approx(expected, rel=1e-9)
+    edge = OBSTACLE._replace(x=-0.1 * BEAD)
+    across = bead((0.6, 0.8), 5e-5, obstacle=edge)
     across.disks.taylor[0, 0, 0] += edge.x - OBSTACLE.x
-    assert across.run(1).force == pytest.approx(inside, rel=1e-9)
-
-
-def test_no_contact_beyond_the_reach_and_no_obstacle_without_a_radius():
+    assert across.run(1).force == pytest.approx(expected, rel=1e-9)
     assert not bead((1.0, 0.0), -1e-8).run(1).force.any()
-    no_obstacle = Obstacle(OBSTACLE.x, OBSTACLE.z, 0.0)
-    assert not bead((1.0, 0.0), 5e-5, obstacle=no_obstacle).run(1).force.any()
+    assert not bead((1.0, 0.0), 5e-5, obstacle=OBSTACLE._replace(radius=0.0)).run(1).force.any()
 
 
 def test_obstacle_neither_moves_with_the_belt_nor_with_the_beads():

@@ -75,9 +75,7 @@ def impacts(law: Friction, partners="plane", slopes=SLOPES, steps=400, **options
 
 
 @pytest.mark.parametrize("partners", PARTNERS)
-@pytest.mark.parametrize(
-    "options", [(1.0,), (0.8,), (1.0, False, True), (0.8, True), (0.6, True, True)]
-)
+@pytest.mark.parametrize("options", [(0.8,), (1.0, False, True), (0.6, True, True)])
 def test_rebounds_approach_those_of_the_differential_equations(partners, options):
     """From sticking to sliding throughout: an error of first order, without which none is left."""
     law = Friction(SHARE, 0.3, *options)
@@ -101,7 +99,7 @@ def test_gross_sliding_gives_the_impulses_of_rigid_bodies(law, allowed):
     np.testing.assert_allclose(rim, RIM * impulse, rtol=allowed)
 
 
-@pytest.mark.parametrize("share", [2 / 7, SHARE, 1.0])
+@pytest.mark.parametrize("share", [2 / 7, SHARE])
 def test_sliding_lasts_from_the_angle_of_maw_barber_and_fawcett_on(share):
     """From ψ₁ = 4χ - 1 on, where ψ₁ is share · slope/μ and χ is 7/4 of the share of a sphere."""
     friction, critical = 0.3, 7 * share - 1
@@ -187,7 +185,7 @@ def test_a_dashpot_that_pulls_rubs_as_much_as_its_closed_form_says(law, attracti
 
     e_c is the restitution where the force of this damping is clipped.
     """
-    for restitution in (0.9, 0.5, 0.2):
+    for restitution in (0.9, 0.2):
         point = ChuteParameters(
             law=law, restitution=restitution, attraction=attraction, steps_per_collision=400
         )

@@ -6,13 +6,14 @@ points. Where T = μ F_N slides, the printed recipe turns it by dφ/ds = -K0 sin
 angle with the slip s, so tan(φ/2) falls as exp(-K0 s/(μ F_N)).
 """
 
-from itertools import pairwise
+from itertools import product
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 from sim.claims.experiments import contact_path, random_curve, vector_spring
+from sim.engine.contact.friction import SMALLEST
 from tests.engine.reference.walton_braun import Contact, ContactLaw, update
 from tests.engine_motion.helpers import (
     CAPS,
@@ -21,7 +22,9 @@ from tests.engine_motion.helpers import (
     PAIRED_READINGS,
     READINGS,
     SLIDINGS,
+    cube_roots,
     dissipated_energy,
+    inverse_square_roots,
     sphere_law,
 )
 from tests.engine_motion.points import chute_point, series_of
@@ -47,7 +50,6 @@ def closed_stretches(overlap):
     return [slice(a, b) for a, b in edges.reshape(-1, 2)]
 
 
-@pytest.mark.parametrize("slip_size", [1e-8, 2e-7, 2e-6])
 @pytest.mark.parametrize(
     "readings",
     [
@@ -55,10 +57,10 @@ def closed_stretches(overlap):
         for one in READINGS
     ],
 )
-def test_law_equals_the_reference(readings, slip_size):
+def test_law_equals_the_reference(readings):
     law, slow = sphere_law(**readings), ContactLaw(100.0, 0.85, 0.4, **readings)
     scale = 0.4 * law.loading * 1e-5
-    for seed in range(3):
+    for seed, slip_size in product(range(2), (1e-8, 2e-7, 2e-6)):
         overlap, normal, slip = history(seed, slip_size)
         for closed in closed_stretches(overlap):
             path = contact_path(law, overlap[closed], normal[closed], slip[closed])
@@ -76,27 +78,19 @@ def test_law_equals_the_reference(readings, slip_size):
 
 def test_histories_visit_sticking_sliding_reversal_and_forceless_contact():
     """What the comparison above is worth: the branches of the law that its paths reach."""
-    law, sliding_steps, sticking_steps, falling_steps, forceless_steps, open_steps = (
-        sphere_law(),
-        0,
-        0,
-        0,
-        0,
-        0,
-    )
+    law, visits = sphere_law(), np.zeros(5, int)
     for slip_size in (1e-8, 2e-7, 2e-6):
         overlap, normal, slip = history(0, slip_size)
-        open_steps += (overlap <= 0).sum()
+        visits[0] += (overlap <= 0).sum()
         for closed in closed_stretches(overlap):
-            force, friction, memory_now = contact_path(
-                law, overlap[closed], normal[closed], slip[closed]
-            )
+            path = contact_path(law, overlap[closed], normal[closed], slip[closed])
+            force, friction, memory_now = path
             size = np.linalg.norm(friction, axis=1)
-            sliding_steps += ((size > 0.4 * force * (1 - 1e-9)) & (force > 0)).sum()
-            sticking_steps += (size < 0.39 * force).sum()
-            falling_steps += (memory_now[:, 5] == 1).sum()
-            forceless_steps += (force == 0).sum()
-    assert min(sliding_steps, sticking_steps, falling_steps, forceless_steps, open_steps) > 20
+            visits[1] += ((size > 0.4 * force * (1 - 1e-9)) & (force > 0)).sum()
+            visits[2] += (size < 0.39 * force).sum()
+            visits[3] += (memory_now[:, 5] == 1).sum()
+            visits[4] += (force == 0).sum()
+    assert visits.min() > 20
 
 
 PEAK = 1e-5
@@ -114,7 +108,7 @@ def rest_overlap(law) -> float:
     return (1.0 - law.loading / law.unloading) * PEAK
 
 
-@pytest.mark.parametrize("restitution", [0.3, 0.7, 0.85, 1.0])
+@pytest.mark.parametrize("restitution", [0.3, 0.85, 1.0])
 @pytest.mark.parametrize("memory", MEMORIES)
 def test_force_loads_along_k1_and_unloads_and_reloads_along_k2(memory, restitution):
     law = sphere_law(restitution=restitution, overlap_memory=memory)
@@ -128,16 +122,12 @@ def test_force_loads_along_k1_and_unloads_and_reloads_along_k2(memory, restituti
     expected = np.minimum(law.unloading * (again - rest), law.loading * again)
     assert force[100:] == pytest.approx(expected, rel=1e-9)
     assert law.loading / law.unloading == pytest.approx(restitution**2, rel=1e-14)
-
-
-def test_work_lost_in_a_cycle_is_the_share_of_one_minus_restitution_squared():
-    law = sphere_law(restitution=0.7)
-    path = np.concatenate([np.linspace(0, PEAK, 20_001)[1:], np.linspace(PEAK, 0, 20_001)[1:-1]])
-    force = normal_forces(law, path)
-    loss = np.trapezoid(force, path)
-    expected = 0.5 * law.loading * PEAK**2 * (1 - 0.7**2)
-    assert loss == pytest.approx(expected, rel=1e-3)
-    assert dissipated_energy(law, path) == pytest.approx(expected, rel=1e-9)
+    path = np.concatenate([np.linspace(0, PEAK, 5001)[1:], np.linspace(PEAK, 0, 5001)[1:-1]])
+    if memory == "separation":
+        expected = 0.5 * law.loading * PEAK**2 * (1 - restitution**2)
+        loss = np.trapezoid(normal_forces(law, path), path)
+        assert loss == pytest.approx(expected, abs=1e-3 * law.loading * PEAK**2)
+        assert dissipated_energy(law, path) == pytest.approx(expected, rel=1e-9, abs=1e-20)
 
 
 @pytest.mark.parametrize("memory", MEMORIES)
@@ -172,37 +162,13 @@ def along_x(law, displacement) -> np.ndarray:
     return contact_path(law, overlap, np.tile(Z, (len(slip), 1)), slip)[1][:, 0]
 
 
-def displacement_of(law, drop: float, available: float) -> float:
-    """Displacement over which the force changes by ``drop``, ``available`` away from sliding."""
-    exponent, stiffness = law.stiffening.exponent, law.tangential
-    if exponent == 1.0:
-        return -available / stiffness * np.log(1 - drop / available)
-    power = 1 - exponent
-    return available / (power * stiffness) * (1 - (1 - drop / available) ** power)
-
-
-@pytest.mark.parametrize("exponent", [*EXPONENTS, 0.5])
-def test_stiffness_falls_as_the_power_of_the_distance_to_sliding(exponent):
-    law = sphere_law(tangential_exponent=exponent)
-    limit = limit_of(law)
-    step = 1e-3 * limit / law.tangential
-    force = along_x(law, step * np.arange(1, 4000))
-    sticking = force[:-1] < limit * (1 - 2e-3)
-    stiffness = np.diff(force) / (step * law.tangential)
-    expected = np.clip(1 - force[:-1] / limit, 0, None) ** exponent
-    assert np.abs(stiffness - expected)[sticking].max() < 1e-9
-    assert sticking.sum() > 900
-    assert (np.diff(force) >= -1e-15 * limit).all() and force.max() <= limit * (1 + 1e-14)
-
-
 @pytest.mark.parametrize("exponent", EXPONENTS)
 def test_force_follows_the_differential_equation_up_and_back(exponent):
     """dT/ds = K_T(T), solved by an independent integrator in the unit mu F_N, within 1e-3."""
     law = sphere_law(tangential_exponent=exponent)
     limit = limit_of(law)
     length = limit / law.tangential
-    turn = 0.8 * displacement_of(law, 0.9 * limit, limit) / length
-
+    turn = {0.0: 0.7, 1 / 3: 0.9, 1.0: 1.8, 2.0: 7.0}[exponent]
     there = np.linspace(0, turn, 4001)[1:]
     back = np.linspace(turn, -0.4 * turn, 4001)[1:]
 
@@ -220,32 +186,10 @@ def test_force_follows_the_differential_equation_up_and_back(exponent):
     assert np.abs(force - np.concatenate([up, down])).max() < 1e-3
 
 
-@pytest.mark.parametrize("exponent", EXPONENTS)
-@pytest.mark.parametrize("share", [0.3, 0.6, 0.9])
-def test_loop_between_opposite_forces_closes_and_is_smooth_at_its_turning_points(share, exponent):
-    law = sphere_law(tangential_exponent=exponent)
-    limit, points = limit_of(law), 20_000
-    peak = share * limit
-    rise = displacement_of(law, peak, limit)
-    width = displacement_of(law, 2 * peak, limit + peak)
-    corners = np.array([0.0, rise, rise - width, rise, rise - width])
-    legs = [np.linspace(a, b, points + 1)[1:] for a, b in pairwise(corners)]
-    path = np.concatenate(legs)
-    force = along_x(law, path) / limit
-    _, down, up, again = force.reshape(4, points)
-    assert force[points - 1 :: points] == pytest.approx([share, -share, share, -share], abs=1e-3)
-    assert np.abs(down - again).max() < 1e-3
-    assert np.abs(down + up).max() < 1e-3
-    stiffness = np.abs(np.diff(up)) * limit / (law.tangential * width / points)
-    assert stiffness[0] == pytest.approx(1.0, abs=5e-3)
-    assert np.abs(np.diff(stiffness)).max() < 5e-3
-
-
-@pytest.mark.parametrize("cap", CAPS)
 @pytest.mark.parametrize("rise", [1e-4, 1e-2, 0.3])
-def test_friction_turned_at_full_sliding_keeps_its_stiffness_when_the_limit_rises(rise, cap):
+def test_friction_turned_at_full_sliding_keeps_its_stiffness_when_the_limit_rises(rise):
     """T* then equals the limit up to rounding of either sign: Eq. 1 alone would be all noise."""
-    law = sphere_law(friction_cap=cap)
+    law = sphere_law()
     start = np.random.default_rng(0).uniform(0.5, 1.5, 200) * OVERLAP
     for overlap in start:
         loads = overlap * np.array([1.0, 0.97, 0.94, 0.94 * (1 + rise), 0.94 * (1 + rise)])
@@ -258,7 +202,7 @@ def test_friction_turned_at_full_sliding_keeps_its_stiffness_when_the_limit_rise
 
 
 FORCE = 1e-3
-PATHS = range(100)
+PATHS = range(40)
 
 
 def compare_springs(seed: int, steps: int, cap: str, swing: float):
@@ -281,19 +225,14 @@ def compare_springs(seed: int, steps: int, cap: str, swing: float):
 
 
 @pytest.mark.parametrize("cap", CAPS)
-def test_constant_normal_force_gives_the_vector_spring_exactly(cap):
+def test_the_vector_spring_is_met_exactly(cap):
+    """At a constant normal force, and with the cap after at one that varies."""
     sliding = []
-    for seed in PATHS:
-        difference, _, limit, size = compare_springs(seed, 1000, cap, swing=0.0)
-        assert difference.max() < 1e-12 * limit[0]
+    for seed, swing in product(PATHS, (0.0, 0.7) if cap == "after" else (0.0,)):
+        difference, _, limit, size = compare_springs(seed, 1000, cap, swing)
+        assert (difference < 1e-12 * limit).all()
         sliding.append(np.mean(size > (1 - 1e-9) * limit))
     assert 0.1 < np.mean(sliding) < 0.9
-
-
-def test_varying_normal_force_gives_the_vector_spring_exactly_with_the_cap_after():
-    for seed in PATHS:
-        difference, _, limit, _ = compare_springs(seed, 1000, "after", swing=0.7)
-        assert (difference < 1e-12 * limit).all()
 
 
 START = np.radians(60.0)
@@ -330,11 +269,6 @@ def test_it_settles_along_long_slips_but_as_printed(step):
     assert np.abs(angles("printed", step, 20)[-5:]).min() > 0.1
 
 
-@pytest.mark.parametrize("sliding", SLIDINGS)
-def test_a_linear_spring_settles_in_both_readings(sliding):
-    assert np.abs(angles(sliding, 3.0, 20, exponent=0.0)[-1]) < 1e-6
-
-
 @pytest.mark.parametrize(("sliding", "ratio"), [("slip", 0.1), ("printed", 0.08)])
 def test_what_a_flow_that_slides_feels_at_the_plane(sliding, ratio):
     """The coefficient of friction; as printed about three quarters of it."""
@@ -345,3 +279,28 @@ def test_what_a_flow_that_slides_feels_at_the_plane(sliding, ratio):
     series = {name: values[-60:] for name, values in series_of(point).items()}
     coefficient = series["base_shear_force"].mean() / series["base_normal_force"].mean()
     assert coefficient == pytest.approx(ratio, rel=0.03 if sliding == "slip" else 0.15)
+
+
+LARGE = 1e290
+BOUNDS = [(SMALLEST, 1e-200), (1e-200, 1.0), (1e-16, 1.0), (1e-3, 1.0), (1.0, 8.0), (1.0, LARGE)]
+
+
+def samples(low: float, high: float) -> np.ndarray:
+    """Numbers from low to high, evenly and at random over their logarithm."""
+    even = np.geomspace(low, high, 100_001)
+    random = np.random.default_rng(1).uniform(np.log(low), np.log(high), 100_000)
+    return np.concatenate([even[1:], np.exp(random[random > np.log(SMALLEST) + 1e-9])])
+
+
+@pytest.mark.parametrize(("low", "high"), BOUNDS)
+def test_roots_are_right_to_two_and_one_units_in_the_fifteenth_digit(low, high):
+    x = samples(low, high)
+    assert np.abs(cube_roots(x) / np.cbrt(x) - 1.0).max() < 2e-15
+    assert np.abs(inverse_square_roots(x) * np.sqrt(x) - 1.0).max() < 1e-15
+
+
+def test_cube_roots_of_zero_and_one_are_those_of_sliding_and_of_a_fresh_contact():
+    roots = cube_roots(np.array([0.0, 1e-310, 0.99 * SMALLEST, 1.0]))
+    assert np.array_equal(roots[:3], np.zeros(3))
+    assert roots[3] == pytest.approx(1.0, abs=1e-15)
+    assert np.isnan(inverse_square_roots(np.array([np.nan]))).all()

@@ -87,23 +87,21 @@ def make_both(seed, integrator, ghost, obstacle, shear=DAMPING, shape=(5, 6), **
     return motion, expected
 
 
-@pytest.mark.parametrize("obstacle", [0.0, 1.5 * BEAD])
-@pytest.mark.parametrize("ghost", GHOSTS)
+@pytest.mark.parametrize(("ghost", "obstacle"), [("below", 0.0), ("centred", 1.5 * BEAD)])
 @pytest.mark.parametrize(("readings", "integrator"), BEAD_LAWS)
 def test_short_shaking_equals_the_reference(readings, integrator, ghost, obstacle):
     equal_after_a_while(1, integrator, ghost, obstacle, **readings)
 
 
-@pytest.mark.parametrize(("order", "corrections"), [(3, 1), (4, 2), (5, 2)])
+@pytest.mark.parametrize(("order", "corrections"), [(3, 1), (4, 2)])
 def test_other_correctors_equal_the_reference(order, corrections):
     equal_after_a_while(2, "gear", "below", 0.0, order=order, corrections=corrections)
 
 
-@pytest.mark.parametrize("ghost_mass", [BEAD_MASS, 0.1 * BEAD_MASS])
-def test_a_ghost_of_finite_mass_equals_the_reference(ghost_mass):
+def test_a_ghost_of_finite_mass_equals_the_reference():
     readings, integrator = BEAD_LAWS[2]
     assert readings["damping_mass"] == "reduced"
-    equal_after_a_while(2, integrator, "below", 0.0, ghost_mass=ghost_mass, **readings)
+    equal_after_a_while(2, integrator, "below", 0.0, ghost_mass=0.1 * BEAD_MASS, **readings)
 
 
 def equal_after_a_while(seed, integrator, ghost, obstacle, **readings):
@@ -122,7 +120,7 @@ def equal_after_a_while(seed, integrator, ghost, obstacle, **readings):
     assert np.abs(motion.velocity - start[1]).max() > 0.5 * SPEED
 
 
-@pytest.mark.parametrize("shape", [(5, 4), (5, 1), (9, 12)])
+@pytest.mark.parametrize("shape", [(5, 1), (9, 12)])
 def test_forces_of_one_step_equal_the_reference(shape):
     """Forces act where the predictor puts the beads, at the velocities that it predicts."""
     motion, belt = make_both(3, "verlet", "below", 1.5 * BEAD, shape=shape)

@@ -5,12 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from sim.engine.dynamics.disks import Gear, Verlet
-from sim.engine.systems import shaking
-from tests.engine_motion.disks import DiskMotion
 from tests.engine_motion.helpers import (
-    BEAD,
-    BEAD_MASS,
     MASS,
     RADIUS,
     all_pairs,
@@ -111,62 +106,3 @@ def test_no_contact_is_missed_where_the_mean_flow_alone_brings_spheres_together(
     met_pairs, outlived_steps, _ = follow_spheres(motion, np.full(len(position), RADIUS), 1200)
     assert len(met_pairs) > 20
     assert outlived_steps > 20
-
-
-@pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("skin", [0.1, 0.5])
-def test_no_contact_of_two_beams_that_meet_head_on_is_missed(skin, seed):
-    """All use up their half of the skin at the same time, which is the worst that may happen."""
-    rng = np.random.default_rng(seed)
-    position = lattice((5, 4, 3), 2.7 * RADIUS, 0.1, rng, FAR)
-    velocity = np.zeros_like(position)
-    velocity[:, 0] = 0.5 + 0.3 * rng.choice([-1.0, 1.0], len(position))
-    box = (5 * 2.7 * RADIUS, 4 * 2.7 * RADIUS)
-    motion = SphereMotion(position, velocity, box=box, skin=skin * SIZE, room=30)
-    met_pairs, _, list_count = follow_spheres(motion, np.full(len(position), RADIUS), 500)
-    assert len(met_pairs) > 30
-    assert list_count > 5
-
-
-def follow_beads(motion: DiskMotion, radius, steps: int) -> tuple[set, int]:
-    """Advance step by step; return who met and the number of lists.
-
-    Forces act where the predictor puts the beads, so this is where contacts are looked for.
-    """
-    terms = 6 if isinstance(motion.integrator, Gear) else 3
-    reach, met_pairs, list_count, last = np.add.outer(radius, radius), set(), 0, None
-    for _ in range(steps):
-        predicted = motion.taylor[:terms].sum(axis=0)
-        motion.loop.sums[:] = 0.0
-        motion.run(1)
-        touching = all_pairs(predicted, reach, motion.length)
-        assert motion.loop.sums[shaking.CONTACTS] == 2 * len(touching)
-        assert touching <= listed_pairs(motion.pairs, motion.disks.label)
-        met_pairs |= touching
-        list_count += last is None or not np.array_equal(last, motion.pairs.anchor)
-        last = motion.pairs.anchor.copy()
-    return met_pairs, list_count
-
-
-def crowd(seed: int, spacing: float, kind: str, integrator, skin: float):
-    """Beads far above the belt, in layers of one speed each or in two beams, and their radii."""
-    rng, shape = np.random.default_rng(seed), (8, 7)
-    position = lattice(shape, spacing * BEAD, 0.1, rng, 40 * BEAD)
-    radius = 0.5 * BEAD * rng.uniform(0.5, 1.3, len(position))
-    velocity = rng.normal(0, 0.1 if kind == "layers" else 0.0, position.shape)
-    layer = rng.uniform(-1, 1, shape[1])[np.arange(len(position)) % shape[1]]
-    beam = rng.choice([-1.0, 1.0], len(position))
-    velocity[:, 0] += 0.5 + 0.3 * (layer if kind == "layers" else beam)
-    options = {"radius": radius, "mass": BEAD_MASS * (2 * radius / BEAD) ** 2}
-    options |= {"integrator": integrator, "skin": skin * BEAD, "width": shape[0] * spacing * BEAD}
-    return DiskMotion(position, velocity, **options), radius
-
-
-@pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("integrator", [Gear, Verlet])
-@pytest.mark.parametrize(("kind", "spacing"), [("layers", 1.0), ("beams", 1.4)])
-@pytest.mark.parametrize("skin", [0.1, 0.3])
-def test_no_contact_of_the_beads_is_missed(skin, kind, spacing, integrator, seed):
-    met_pairs, list_count = follow_beads(*crowd(seed, spacing, kind, integrator, skin), steps=500)
-    assert len(met_pairs) > 50
-    assert 3 < list_count < 300

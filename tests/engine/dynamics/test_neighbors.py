@@ -1,72 +1,73 @@
 """The grid of cells, the neighbor list against all pairs, and what it carries over."""
 
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sim.engine.contact.friction import VECTOR
-from sim.engine.dynamics import cells
-from sim.engine.dynamics.cells import LIST_FULL, NOT_FINITE, OK, make_box, reorder, sort_by_cell
-from sim.engine.dynamics.neighbors import double_room
-from tests.engine_motion.helpers import compiled, nearest_images, wrapped
-from tests.engine_motion.lists import UNIT, Gas, random_gas
+from sim.engine.dynamics import neighbors
+from sim.engine.dynamics.cells import LIST_FULL, NOT_FINITE, OK, make_box
+from sim.engine.dynamics.neighbors import double_room, empty_pair_list
+from tests.engine_motion.helpers import all_pairs, compiled, listed_pairs, pair_names
 
-wrap, assign_cells = compiled(cells.wrap), compiled(cells.assign_cells)
+refresh = compiled(neighbors.refresh)
 
+UNIT = 1e-3
 
-@pytest.mark.parametrize("length", [(3e-3, 0.0), (3e-3, 4e-3, 0.0)])
-def test_nearest_images_are_shortest_and_the_last_direction_is_open(length):
-    rng = np.random.default_rng(3)
-    differences = rng.uniform(-20, 20, (len(length), 500)) * UNIT
-    images = nearest_images(differences, make_box(*length[:-1]))
-    expected = wrapped(differences.T, *length).T
-    assert images == pytest.approx(expected, abs=1e-12 * UNIT)
-    assert np.array_equal(images[-1], differences[-1])
+#: Numbers that a contact keeps here.
+MEMORY = 7
 
 
-def test_wrapping_moves_by_whole_periods_into_the_cell():
-    rng = np.random.default_rng(0)
-    start = rng.uniform(-20, 20, (3, 500)) * UNIT
-    moved = start.copy()
-    wrap(moved, make_box(3e-3, 4e-3))
-    period = np.array([[3e-3], [4e-3]])
-    assert np.array_equal(moved[2], start[2])
-    assert (moved[:2] >= 0).all() and (moved[:2] <= period).all()
-    laps = (start - moved)[:2] / period
-    assert laps == pytest.approx(np.round(laps), abs=1e-12)
+class Gas:
+    """Particles and their neighbor list; ``label`` (1, N) says where each was at the start.
+
+    ``position`` (D, N) and ``radius`` (N,) follow the order of the list.
+    """
+
+    def __init__(self, position, radius, length, skin: float, room: int = 80):
+        self.length, self.box = length, make_box(*length[:-1])
+        self.position, self.radius = np.array(position.T, order="C"), radius.copy()
+        self.label = np.arange(len(radius)).reshape(1, -1)
+        self.pairs = empty_pair_list(radius, self.box, skin, room)
+        self.memory = np.zeros((MEMORY, len(self.pairs.touching)))
+
+    def rebuild(self) -> bool:
+        """Wrap the particles and build the list anew; return whether there was room."""
+        return self.refresh() == OK
+
+    def refresh(self) -> int:
+        """Do what the loop over steps does when the list no longer holds; return its status."""
+        status, order = refresh(self.pairs, self.position, self.radius, self.memory)
+        if status == OK:
+            self.adopt(order)
+        return status
+
+    def adopt(self, order) -> None:
+        """Bring radii and labels into the order of the list."""
+        self.radius, self.label = self.radius[order], self.label[:, order]
+
+    def names(self) -> list[tuple[int, int]]:
+        """The listed pairs by the labels of their partners, in the order of the list."""
+        return pair_names(self.pairs, self.label)
+
+    def listed(self) -> set[tuple[int, int]]:
+        """The listed pairs by label."""
+        return listed_pairs(self.pairs, self.label)
+
+    def expected(self) -> set[tuple[int, int]]:
+        """Every pair within reach plus skin, from all distances."""
+        place = np.argsort(self.label[0])
+        radius = self.radius[place]
+        reach = np.add.outer(radius, radius) + self.pairs.skin
+        return all_pairs(self.position.T[place], reach, self.length)
 
 
-@pytest.mark.parametrize("length", [(5e-3, 0.0), (5e-3, 4e-3, 0.0)])
-def test_cells_are_counted_by_column_and_no_smaller_than_asked_for(length):
-    """The open direction comes last, so that the cells above each other follow each other."""
-    rng, size = np.random.default_rng(4), 1.3 * UNIT
-    place = random_gas(rng, 300, length, 6 * UNIT, 0.0)[0].T.copy()
-    box, cells = make_box(*length[:-1]), np.zeros(len(length), np.int64)
-    wrap(place, box)
-    cell = assign_cells(place, box, size, cells)
-    widths = np.array([*(np.array(length[:-1]) / cells[:-1]), size])
-    assert (widths >= size).all()
-    place[-1] -= place[-1].min()
-    index = np.floor(place / widths[:, None]).astype(int)
-    assert np.array_equal(cell, np.ravel_multi_index(tuple(index), tuple(cells)))
-
-
-def test_sorting_by_cell_is_a_stable_sort():
-    rng = np.random.default_rng(5)
-    cell = rng.integers(0, 40, 500)
-    order, begin = sort_by_cell(cell, np.array([41]))
-    assert np.array_equal(order, np.argsort(cell, kind="stable"))
-    assert np.array_equal(begin, np.searchsorted(np.sort(cell), np.arange(42)))
-
-
-def test_reordering_takes_all_rows_along_and_leaves_what_is_empty_alone():
-    rng = np.random.default_rng(6)
-    order, array = rng.permutation(50), rng.random((4, 50))
-    expected = array[:, order]
-    reorder(array, order)
-    assert np.array_equal(array, expected)
-    reorder(np.empty((4, 0)), order)
+def random_gas(rng, number: int, length, height: float, spread: float):
+    """Random positions, unwrapped by up to three periods, and radii of a polydisperse gas."""
+    extent = np.array([*length[:-1], height])
+    position = rng.random((number, len(length))) * extent
+    position[:, :-1] += rng.integers(-3, 4, (number, len(length) - 1)) * extent[:-1]
+    return position, 0.5 * UNIT * rng.uniform(1 - spread, 1 + spread, number)
 
 
 @settings(max_examples=100, deadline=None, derandomize=True)
@@ -88,39 +89,15 @@ def test_list_holds_exactly_the_pairs_within_reach(
     length = (width * UNIT, 0.0) if dimension == 2 else (width * UNIT, aspect * width * UNIT, 0.0)
     start = random_gas(np.random.default_rng(seed), number, length, height * UNIT, spread)
     gas = Gas(*start, length, skin * UNIT, room=130)
-    assert gas.rebuild()
+    gas.pairs.drift[:], gas.pairs.clock[:] = 1.0, 7.0
+    assert not gas.pairs.valid[0] and gas.rebuild() and gas.pairs.valid[0]
+    assert not gas.pairs.drift.any() and gas.pairs.clock[0] == 0.0
+    assert (gas.position[:-1].T >= 0).all() and (length[:-1] >= gas.position[:-1].T).all()
     assert gas.listed() == gas.expected()
     number = gas.pairs.start[-1]
     first, second = gas.pairs.first[:number], gas.pairs.second[:number]
     assert np.array_equal(gas.pairs.reach[:number], gas.radius[first] + gas.radius[second])
     assert np.array_equal(gas.radius, start[1][gas.label[0]])
-
-
-@pytest.mark.parametrize("length", [(5e-3, 0.0), (5e-3, 4e-3, 0.0)])
-def test_particles_far_above_and_below_the_others_are_found_too(length):
-    """A few that fly a thousand diameters off must neither be lost nor cost a cell each."""
-    rng = np.random.default_rng(1)
-    position, radius = random_gas(rng, 200, length, 6 * UNIT, 0.3)
-    position[:20, -1] += 1.0
-    position[20:25, -1] -= 0.3
-    position[25:27] = [[1e-3] * len(length), [1.2e-3] * len(length)]
-    position[25:27, -1] += 40.0
-    gas = Gas(position, radius, length, 0.2 * UNIT)
-    assert gas.rebuild()
-    assert gas.listed() == gas.expected()
-    assert (25, 26) in gas.listed()
-
-
-@pytest.mark.parametrize("length", [(4e-3, 0.0), (4e-3, 4e-3, 0.0)])
-def test_one_and_two_particles(length):
-    one = np.full((1, len(length)), 0.1 * UNIT)
-    one_gas = Gas(one, np.array([0.5 * UNIT]), length, 0.3 * UNIT)
-    assert one_gas.rebuild() and one_gas.listed() == set()
-    two = np.concatenate([one, one])
-    two[1, 0] += 4e-3 - 1.2 * UNIT
-    for skin, expected in ((0.3, {(0, 1)}), (0.1, set())):
-        pair = Gas(two, np.full(2, 0.5 * UNIT), length, skin * UNIT)
-        assert pair.rebuild() and pair.listed() == expected
 
 
 def test_memory_goes_with_the_pairs_that_touched_last_and_with_no_others():
@@ -182,23 +159,11 @@ def test_a_full_list_is_left_as_it_was_and_doubled_room_helps():
     assert np.array_equal(gas.pairs.anchor, gas.position)
 
 
-def test_refreshing_starts_the_count_of_steps_and_the_drift_anew():
-    length = (4e-3, 4e-3, 0.0)
-    gas = Gas(*random_gas(np.random.default_rng(2), 60, length, 4e-3, 0.1), length, 0.3 * UNIT)
-    gas.pairs.drift[:], gas.pairs.clock[:] = 1.0, 7.0
-    assert not gas.pairs.valid[0]
-    assert gas.refresh() == OK and gas.pairs.valid[0]
-    assert not gas.pairs.drift.any() and gas.pairs.clock[0] == 0.0
-    assert (gas.position[:2] >= 0).all() and (gas.position[:2] <= 4e-3).all()
-    assert gas.listed() == gas.expected()
-
-
-@pytest.mark.parametrize("bad", [np.nan, np.inf])
-def test_refreshing_reports_what_is_not_finite_and_what_has_no_room(bad):
+def test_refreshing_reports_what_is_not_finite_and_what_has_no_room():
     length = (4e-3, 4e-3, 0.0)
     start = random_gas(np.random.default_rng(2), 100, length, 2e-3, 0.0)
     tight = Gas(*start, length, 0.3 * UNIT, room=0)
     assert tight.refresh() == LIST_FULL
-    tight.position[1, 7] = bad
-    assert tight.refresh() == NOT_FINITE
-    assert not tight.pairs.valid[0]
+    for bad in (np.nan, np.inf):
+        tight.position[1, 7] = bad
+        assert tight.refresh() == NOT_FINITE and not tight.pairs.valid[0]

@@ -19,28 +19,16 @@ SPEEDS = np.geomspace(1e-3, 1.0, 7)
 PLACE = np.array([0.0, 0.0, 20 * RADIUS])
 
 
-def colliding_pair(
-    law, speed, gap=0.3, slide=0.0, size=(1.0, 1.0), spin=((0, 0, 0),) * 2, frame=None, **options
-):
+def colliding_pair(law, speed, gap, slide=0.0, **options):
     """Two spheres ``gap`` steps before they touch, approaching along x and sliding along y."""
-    frame = np.eye(3) if frame is None else frame
-    radius = RADIUS * np.array(size)
-    distance = radius.sum() + gap * speed * collision_time(law) / 40
+    distance = 2 * RADIUS + gap * speed * collision_time(law) / 40
     apart = np.array([[-0.5, 0, 0], [0.5, 0, 0]]) * distance
     velocity = np.array([[speed, -slide, 0], [-speed, slide, 0]]) / 2
-    start = apart @ frame.T + PLACE, velocity @ frame.T, np.array(spin, float) @ frame.T
-    mass = MASS * np.array(size) ** 3
-    return SphereMotion(*start, law=law, radius=radius, mass=mass, **options)
-
-
-def separation_speed(motion, frame=None) -> float:
-    """Speed at which the two spheres part along the line of the impact."""
-    relative = motion.velocity[1] - motion.velocity[0]
-    return float(relative @ (np.eye(3) if frame is None else frame)[:, 0])
+    return SphereMotion(apart + PLACE, velocity, law=law, **options)
 
 
 @pytest.mark.parametrize("radii", [(RADIUS,), (RADIUS, RADIUS)], ids=["plane", "pair"])
-@pytest.mark.parametrize("restitution", [0.3, 0.5, 0.7, 0.85, 0.95, 1.0])
+@pytest.mark.parametrize("restitution", [0.3, 0.85, 1.0])
 def test_restitution_is_the_root_of_the_stiffness_ratio_at_every_speed(restitution, radii):
     """Wherever within a step the contact begins; the rest is the time step's and has no trend."""
     law = sphere_law(restitution=restitution)
@@ -59,27 +47,11 @@ def test_restitution_error_falls_with_the_square_of_the_time_step():
     for steps in (20, 80, 320):
         gaps = np.linspace(0.05, 0.95, 10) * 40 / steps
         options = {"steps_per_collision": steps}
-        restitutions = [
-            separation_speed(colliding_pair(law, 0.1, g, **options).run(3 * steps)) for g in gaps
-        ]
-        errors.append(np.abs(np.array(restitutions) / 0.1 - 0.7).max())
+        pairs = [colliding_pair(law, 0.1, gap, **options).run(3 * steps) for gap in gaps]
+        speeds = np.array([motion.velocity[1, 0] - motion.velocity[0, 0] for motion in pairs])
+        errors.append(np.abs(speeds / 0.1 - 0.7).max())
     assert errors[0] < 2e-3
     assert errors[0] / errors[1] > 8 and errors[1] / errors[2] > 8
-
-
-def test_reset_memory_raises_the_restitution():
-    """A contact that forgets at zero force pushes again while it opens.
-
-    Each forgotten overlap a leaves (1 - e^2) a behind, which loads afresh: the energies returned
-    form a geometric series and the restitution is 1/sqrt(2 - e^2).
-    """
-    law = sphere_law(overlap_memory="reset", tangential_exponent=1.0)
-    expected = 1 / np.sqrt(2 - 0.85**2)
-    errors = []
-    for steps in (200, 800):
-        motion = colliding_pair(law, 0.1, steps_per_collision=steps).run(3 * steps)
-        errors.append(abs(separation_speed(motion) / 0.1 - expected))
-    assert errors[1] < 2e-3 and errors[1] < errors[0]
 
 
 def oblique(law, steps: int) -> np.ndarray:
@@ -165,10 +137,10 @@ def test_elastic_frictionless_gas_keeps_its_energy_to_second_order_in_the_step()
     worst = []
     for steps in (40, 160):
         deviations = []
-        for seed in range(3):
+        for seed in range(2):
             motion = gas(law, seed, steps_per_collision=steps)
             start = motion.energy()
-            for _ in range(400):
+            for _ in range(200):
                 # Looked at eight times in a collision.
                 motion.run(steps // 8 - 1)
                 place, before = motion.position, motion.velocity
@@ -202,36 +174,3 @@ def test_skin_changes_the_trajectory_by_rounding_only(shape):
     assert ends[0].velocity == pytest.approx(ends[1].velocity, abs=1e-10 * SPEED)
     assert ends[0].spin == pytest.approx(ends[1].spin, abs=1e-10 * SPEED / RADIUS)
     assert np.abs(ends[0].velocity - velocity).max() > 0.1 * SPEED
-
-
-def test_a_common_motion_rebuilds_no_list():
-    """Displacements count relative to the mean motion: a plug may cross the cell many times."""
-    rng = np.random.default_rng(7)
-    position = lattice((3, 3, 3), 2.1 * RADIUS, 0.01, rng, FAR)
-    box = (6.3 * RADIUS,) * 2
-    motion = SphereMotion(position, np.tile([0.5, 0.3, 0.2], (27, 1)), box=box)
-    for _ in range(2):
-        motion.pairs.valid[0] = False
-        motion.run(1)
-        built = motion.pairs.anchor.copy()
-        motion.run(5000)
-        assert np.array_equal(motion.pairs.anchor, built)
-    travelled = motion.spheres.position.mean(axis=1) - built.mean(axis=1)
-    assert travelled[0] > 2 * box[0]
-
-
-def test_a_list_that_grows_gives_the_same_bits_as_one_with_room():
-    rng = np.random.default_rng(8)
-    position = lattice((4, 4, 4), 1.97 * RADIUS, 0.03, rng, FAR)
-    start = position, rng.normal(0, SPEED, position.shape), rng.normal(0, 50, position.shape)
-    box = (8 * RADIUS, 8 * RADIUS)
-    ends = []
-    for room in (0, 60):
-        motion = SphereMotion(*start, box=box, room=room)
-        capacity = motion.pairs.second.size
-        ends.append(motion.run(1500))
-        grew = motion.pairs.second.size > capacity
-        assert grew == (room == 0)
-    for name in ("position", "velocity", "spin"):
-        assert np.array_equal(*(getattr(end, name) for end in ends))
-    assert np.array_equal(ends[0].flow.sums, ends[1].flow.sums)

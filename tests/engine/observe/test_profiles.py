@@ -12,9 +12,8 @@ from sim.engine.observe.profiles import (
     empty_profile,
     squares,
 )
-from sim.engine.observe.samples import add_samples, add_sums, zero_samples
-from sim.engine.systems.slices import BedProfiles, bed_profiles
-from tests.engine_motion.points import belt_point
+from sim.engine.observe.samples import add_samples, zero_samples
+from sim.engine.systems.slices import BedProfiles
 
 SLICE = 0.25e-3
 TOTAL = {
@@ -61,61 +60,14 @@ def test_share_of_a_slice_is_the_integral_of_the_cross_section(kind):
     assert found == pytest.approx(expected, abs=1e-7 * expected.sum())
 
 
-def test_centre_counts_in_the_slice_that_holds_it():
-    found = profile_of(CENTRE, [0.1e-3, 0.26e-3, 0.49e-3], [0.5e-3] * 3, np.zeros((3, 2)), 4).weight
-    assert np.array_equal(found, [1, 2, 0, 0])
-
-
-def test_what_lies_outside_the_slices_is_left_out():
-    radius = 0.5e-3
-    below = profile_of(VOLUME, [0.0], [radius], np.zeros((1, 3)))
-    assert below.weight.sum() == pytest.approx(2 / 3 * np.pi * radius**3, rel=1e-12)
-    above = profile_of(VOLUME, [1.0], [radius], np.zeros((1, 3)))
-    assert not above.weight.any()
-    assert np.isnan(above.velocity()).all() and np.isnan(above.temperature()).all()
-
-
-def test_velocity_is_weighted_by_what_is_in_the_slice():
-    """Two spheres share a slice: the mean is that of their volumes in it."""
-    height, radius = [1.0e-3, 1.4e-3], [0.5e-3, 0.5e-3]
-    single = [profile_of(VOLUME, [z], [0.5e-3], [[0, 0, 0]]).weight for z in height]
-    found = profile_of(VOLUME, height, radius, [[2.0, 9, 9], [5.0, 9, 9]]).velocity()
-    weight = np.sum(single, axis=0)
-    expected = (2.0 * single[0] + 5.0 * single[1])[weight > 0] / weight[weight > 0]
-    assert found[weight > 0] == pytest.approx(expected, rel=1e-12)
-
-
-def test_shear_flow_is_found_again_without_temperature_across():
-    """u = 3 z: slices of a dense stack of equal spheres show the gradient."""
-    rng = np.random.default_rng(2)
-    height = rng.uniform(0.5e-3, 20e-3, 20_000)
-    velocity = np.zeros((20_000, 3))
-    velocity[:, 0] = 3 * height
-    profile = profile_of(VOLUME, height, np.full(20_000, 0.05e-3), velocity, slices=80)
-    centre = (np.arange(80) + 0.5) * SLICE
-    inner = slice(4, 76)
-    assert profile.velocity()[inner] == pytest.approx(3 * centre[inner], rel=0.02)
-    assert np.abs(profile.temperature()[inner, 1:]).max() < 1e-15
-
-
 def test_temperature_of_a_known_state_per_direction():
     rng = np.random.default_rng(3)
     spread = np.array([0.3, 0.2, 0.1])
-    velocity = rng.normal([5.0, 0, 0], spread, (200_000, 3))
-    height = rng.uniform(1e-3, 4e-3, 200_000)
-    profile = profile_of(VOLUME, height, np.full(200_000, 0.5e-3), velocity, slices=16)
+    velocity = rng.normal([5.0, 0, 0], spread, (100_000, 3))
+    height = rng.uniform(1e-3, 4e-3, 100_000)
+    profile = profile_of(VOLUME, height, np.full(100_000, 0.5e-3), velocity, slices=16)
     assert profile.temperature()[6:14] == pytest.approx(np.tile(spread**2, (8, 1)), rel=0.02)
-
-
-def test_a_mean_velocity_that_changes_between_samples_is_no_temperature():
-    height, radius, velocity = random_state()
-    still = profile_of(VOLUME, height, radius, velocity)
-    faster = profile_of(VOLUME, height, radius, velocity + np.array([7.0, 0, 0]))
-    both = add_sums(still, faster)
-    assert both.temperature() == pytest.approx(still.temperature(), rel=1e-9, nan_ok=True)
-    assert both.samples[0] == 2.0
-    mean = 0.5 * (still.velocity() + faster.velocity())
-    assert both.velocity() == pytest.approx(mean, rel=1e-9, nan_ok=True)
+    assert profile.velocity()[6:14] == pytest.approx(5.0, rel=0.01)
 
 
 PHASES, SLICES, BEADS = 8, 10, 40
@@ -152,24 +104,8 @@ def test_what_the_bed_does_in_every_cycle_is_no_fluctuation():
     assert found == pytest.approx((1 - 1 / BEADS) * noise**2, rel=0.06)
 
 
-@pytest.mark.parametrize("cycles", [1, 3, 50])
+@pytest.mark.parametrize("cycles", [1, 50])
 def test_few_cycles_are_not_colder(cycles):
     """A mean over few beads takes some of their scatter with it; that is allowed for."""
     slices, sums = shaken(cycles, 0.1, 0.0)
     assert slices.tables(sums)[NAME].mean() == pytest.approx(0.01, rel=0.15)
-
-
-def test_a_slice_without_a_second_bead_at_any_phase_has_no_temperature():
-    slices, sums = shaken(1, 0.1, 0.0)
-    centres, *_, phases = sums
-    phases.count[:, 3] = centres.weight[3] / PHASES
-    centres.weight[3] = PHASES
-    assert np.isnan(slices.tables(sums)[NAME][3])
-
-
-def test_phases_are_told_apart_where_they_are_asked_for():
-    assert bed_profiles(belt_point(fluctuation_profiles=True)).phases == 20
-    usual = bed_profiles(belt_point())
-    assert usual.phases == 0 and len(usual.empty()) == 3
-    both = bed_profiles(belt_point(fluctuation_profiles=True, phase_0_profiles=True))
-    assert len(both.empty()) == 6

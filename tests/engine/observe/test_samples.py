@@ -34,9 +34,20 @@ def test_it_does_not_matter_how_many_come_at_once(at_once):
 
 @pytest.mark.parametrize("samples", [1, 5, MAX_BLOCKS, MAX_BLOCKS + 1, 10 * MAX_BLOCKS + 3])
 def test_all_blocks_together_hold_all_samples(samples):
-    (total,) = make_blocks(samples).sum_since(0)
+    made = make_blocks(samples)
+    (total,) = made.sum_since(0)
     assert total.samples[0] == samples
     assert total.weight[0] == sum(range(samples))
+    assert ProfileBlocks().sum_since(0) is None and ProfileBlocks().latest is None
+    assert made.latest[0].weight[0] == samples - 1
+    assert made.sum_since(10**9)[0].samples[0] > 0
+    first = 0
+    assert len(made.blocks()) < MAX_BLOCKS
+    for end, (sums,) in made.blocks():
+        assert sums.samples[0] == end - first
+        assert sums.weight[0] == sum(range(first, end))
+        first = end
+    assert first == samples
 
 
 @pytest.mark.parametrize("start", [1, 7, 100, 333])
@@ -48,36 +59,13 @@ def test_a_late_start_leaves_out_what_comes_before_it(start):
     assert total.weight[0] == sum(range(samples - counted, samples))
 
 
-def test_memory_is_bounded_and_the_last_sample_is_kept():
-    blocks = make_blocks(100 * MAX_BLOCKS)
-    assert len(blocks._blocks) <= MAX_BLOCKS
-    assert blocks.latest[0].weight[0] == 100 * MAX_BLOCKS - 1
-    assert blocks.sum_since(10**9)[0].samples[0] > 0
-
-
-def test_nothing_before_the_first_sample():
-    assert ProfileBlocks().sum_since(0) is None and ProfileBlocks().latest is None
-
-
-@pytest.mark.parametrize("samples", [1, 5, MAX_BLOCKS, MAX_BLOCKS + 1, 10 * MAX_BLOCKS + 3])
-def test_each_block_tells_where_it_ends(samples):
-    blocks, first = make_blocks(samples).blocks(), 0
-    assert len(blocks) < MAX_BLOCKS
-    for end, (sums,) in blocks:
-        assert sums.samples[0] == end - first
-        assert sums.weight[0] == sum(range(first, end))
-        first = end
-    assert first == samples
-
-
 SIZES = [1, 2, 3, 4, 5, 7, 8, 9, 15, 16, 63, 64, 65, 127, 128, 129, 136, 200, 255, 256, 257, 1000]
 
 
-@pytest.mark.parametrize("size", [*SIZES, 4096, 10_007])
-def test_sums_are_those_of_numpy(size):
-    rng = np.random.default_rng(size)
-    for scale in (1.0, 1e8):
-        real, imaginary = rng.normal(scale, 1.0, (2, size)) * 10.0 ** rng.integers(-9, 9, (2, size))
+def test_sums_are_those_of_numpy():
+    for size in [*SIZES, 4096, 10_007]:
+        rng = np.random.default_rng(size)
+        real, imaginary = rng.normal(1e4, 1e4, (2, size)) * 10.0 ** rng.integers(-9, 9, (2, size))
         whole = (real + 1j * imaginary).sum()
         assert total(real, REAL) == real.sum()
         assert total(real, COMPLEX) == whole.real and total(imaginary, COMPLEX) == whole.imag

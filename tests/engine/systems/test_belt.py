@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from sim.engine.dynamics.cells import BlowUp
 from sim.engine.observe.samples import add_sums
 from sim.engine.systems import build
 from sim.parameters.belt import SETTLING_TIME
@@ -47,17 +46,6 @@ def test_shaking_takes_over_the_velocities_of_settling_whatever_its_time_step():
     assert beds[1].parameters.time_step < 0.2 * beds[0].parameters.time_step
 
 
-def test_bead_sizes_and_masses_are_those_of_the_distribution():
-    system = build(belt_point(beads=2000, width=200), 0)
-    diameter = 2e3 * system.disks.radius
-    assert diameter.min() > 0.5 and diameter.max() < 1.5
-    assert diameter.mean() == pytest.approx(1.0, abs=5 * 0.289 / np.sqrt(2000))
-    assert diameter.std() == pytest.approx(1 / np.sqrt(12), rel=0.05)
-    assert system.disks.mass == pytest.approx(1e-6 * diameter**2, rel=1e-12)
-    equal = build(belt_point(beads=10, diameter_spread=0.0), 0)
-    assert equal.disks.radius == pytest.approx(0.5e-3) and equal.disks.mass == pytest.approx(1e-6)
-
-
 def test_start_overlaps_neither_belt_nor_obstacle():
     system = build(belt_point(obstacle=2.5, phase=90.0, belt_ghost="centred"), 0)
     place, radius = system.disks.taylor[0].T, system.disks.radius
@@ -65,53 +53,11 @@ def test_start_overlaps_neither_belt_nor_obstacle():
     assert (place[:, 1] - radius > p.amplitude * p.diameter + 0.5 * p.diameter - 1e-15).all()
     apart = place - [system.obstacle.x, system.obstacle.z]
     assert (np.linalg.norm(apart, axis=1) > radius + system.obstacle.radius - 1e-15).all()
+    assert (system.obstacle.x, system.obstacle.z) == pytest.approx((10e-3, p.amplitude * 1e-3))
+    assert system.obstacle.radius == pytest.approx(1.25e-3)
 
 
-def test_obstacle_stands_at_half_the_width_and_one_amplitude():
-    system = build(belt_point(obstacle=1.5, amplitude=0.7), 0)
-    assert (system.obstacle.x, system.obstacle.z) == pytest.approx((10e-3, 0.7e-3))
-    assert system.obstacle.radius == pytest.approx(0.75e-3)
-    assert build(belt_point(), 0).obstacle.radius == 0.0
-
-
-def test_mass_drops_out_of_the_motion():
-    light, heavy = (settled_belt(mass=mass) for mass in (1e-6, 1e-3))
-    for _ in range(10):
-        sample, heavy_sample = light.advance(), heavy.advance()
-        assert sample["mean_velocity"] == pytest.approx(
-            heavy_sample["mean_velocity"], rel=1e-6, abs=1e-9
-        )
-
-
-def test_sample_is_what_the_state_says():
-    system = settled_belt(phase=30.0)
-    p, disks = system.parameters, system.disks
-    for k in range(1, 31):
-        sample = system.advance()
-        assert sample["belt_phase"] == pytest.approx((np.pi / 6 + k * np.pi / 10) % (2 * np.pi))
-    velocity = disks.taylor[1] / p.time_step
-    assert sample["mean_velocity"] == pytest.approx(velocity[0].mean(), abs=0.02)
-    flux = (disks.mass * velocity[0]).sum() / (8 * p.diameter)
-    tolerance = 0.02 * disks.mass.sum() / (8 * p.diameter)
-    assert sample["mass_flux"] == pytest.approx(flux, abs=tolerance)
-    energy = 0.5 * (disks.mass * velocity**2).sum()
-    assert sample["kinetic_energy"] == pytest.approx(energy, rel=1e-12)
-    height = (disks.mass * disks.taylor[0, 1]).sum() / disks.mass.sum()
-    assert sample["height_of_mass"] == pytest.approx(height, rel=1e-12)
-
-
-def test_profiles_count_every_bead_from_the_belt_up():
-    system = settled_belt()
-    system.sample(6)
-    p = system.parameters
-    profiles = system.profiles(sums_of(system))
-    assert profiles["number_density"].sum() * p.diameter * 8 * p.diameter == pytest.approx(40)
-    above = system.disks.taylor[0, 1] - 1e-3 * np.sin(2 * np.pi * 7 / 20)
-    densities = np.histogram(above, bins=80, range=(0, 80e-3))[0] / (8 * p.diameter**2)
-    assert profiles["number_density"] == pytest.approx(densities, rel=1e-12)
-
-
-@pytest.mark.parametrize(("phase", "begins"), [(0.0, 0), (90.0, 15), (80.0, 16)])
+@pytest.mark.parametrize(("phase", "begins"), [(0.0, 0), (80.0, 16)])
 def test_profiles_of_the_start_of_the_cycle_are_those_of_one_sample_in_twenty(phase, begins):
     """Samples are 18 degrees apart: from 80 on number 16, at 8 degrees, is nearer than 15."""
     system = settled_belt(phase=phase, phase_0_profiles=True, slice_height=0.5)
@@ -130,7 +76,7 @@ def test_profiles_of_the_start_of_the_cycle_are_those_of_one_sample_in_twenty(ph
     assert profiles["number_density"].sum() == pytest.approx(np.sum(mean))
 
 
-@pytest.mark.parametrize(("damping", "shear_damping"), [(5, 0), (2, 2), (0, 0.8)])
+@pytest.mark.parametrize(("damping", "shear_damping"), [(5, 0), (0, 0.8)])
 def test_a_bed_of_little_damping_settles_in_about_the_steps_of_its_estimate(damping, shear_damping):
     values = {"beads": 10, "width": 5, "damping": damping, "shear_damping": shear_damping}
     point = belt_point(**values)
@@ -160,31 +106,11 @@ def test_the_force_on_the_belt_is_what_changes_the_momentum_of_the_bed():
         before = after
     forces = [sample["belt_normal_force"] for sample in samples]
     assert 0.0 in forces and max(forces) > 2 * weight
-    for sample in samples:
-        touched, resting = sample["belt_contact_time"], sample["belt_contacts"]
-        assert 0.0 <= touched <= 1.0 and touched <= resting <= 40 * touched
-        assert (sample["belt_normal_force"] == 0.0) == (touched == 0.0)
     times = [sample["belt_contact_time"] for sample in samples]
     assert min(times) == 0.0 and max(times) == 1.0
-
-
-def test_profiles_of_the_start_of_the_cycle_are_kept_where_they_are_asked_for():
-    system = settled_belt()
-    assert not set(parts(AT_PHASE_0, "belt")) & set(system.tables(sums_of(system)))
-
-
-@pytest.mark.parametrize("beads", [1, 2, 5])
-def test_few_beads_settle_and_shake(beads):
-    system = settled_belt(beads=beads, width=5)
-    samples = [system.advance() for _ in range(40)]
-    assert all(np.isfinite(list(sample.values())).all() for sample in samples)
-
-
-def test_too_soft_beads_blow_up_with_a_reason():
-    with pytest.raises(
-        BlowUp, match=r"overlap exceeds overlap_limit at step \d+ while the bed settles"
-    ):
-        settled_belt(stiffness=1.0)
+    for sample, touched in zip(samples, times, strict=True):
+        assert touched <= sample["belt_contacts"] <= 40 * touched
+        assert (sample["belt_normal_force"] == 0.0) == (touched == 0.0)
 
 
 def test_a_belt_without_shear_damping_moves_nothing_along():

@@ -25,8 +25,6 @@ LENGTHS = {
 PUBLISHED = SimpleNamespace(protocol="published", longest_samples=16, **LENGTHS)
 CONVERGED = SimpleNamespace(protocol="converged", longest_samples=64, **LENGTHS)
 
-BELT = {"system": "belt", "beads": 20, "width": 5}
-
 CHUTE = {"system": "chute", "depth": 2, "cell": 5}
 
 SHORT = {"transient": 2, "average": 3, "replicates": 2, "progress": False}
@@ -87,9 +85,6 @@ class Ramp:
     def tables(self, sums):
         return {"samples": sums[0].samples}
 
-    def trace(self):
-        return np.full((3, 1, 3), float(self.number))
-
     def snapshot(self):
         return {"position": np.full((1, 3), float(self.number))}
 
@@ -133,28 +128,18 @@ def test_averages_are_over_the_window_and_extremes_over_the_whole_run():
     assert scalars["base_shear"] == 4.0
     assert scalars["max_overlap"] == 0.3
     assert (scalars["status"], scalars["reason"]) == ("completed", "")
-
-
-def test_the_ledger_says_what_it_lacks_and_where_the_power_goes():
-    """Of 1.02 J lost per sample the kinetic energy knows 1."""
-    scalars = record_ramp().scalars
+    # Of 1.02 J lost per sample the kinetic energy knows 1.
     assert scalars["energy_residual"] == pytest.approx(0.02 / 1.02)
     assert scalars["normal_power"] == pytest.approx(10.2)
-
-
-def test_the_momentum_budget_is_that_of_the_window():
-    """A mass of 2 kg that gains 10 m/s each second under a drag of 4 N: 24 N."""
-    assert record_ramp().scalars["momentum_budget"] == pytest.approx(24.0)
-
-
-def test_profiles_are_cumulative_over_the_window_and_of_the_last_sample():
-    record = record_ramp()
+    # A mass of 2 kg that gains 10 m/s each second under a drag of 4 N.
+    assert scalars["momentum_budget"] == pytest.approx(24.0)
     assert record.profiles["velocity_profile"] == pytest.approx([10.5])
     assert record.profiles["velocity_profile_instantaneous"] == pytest.approx([16.0])
     assert record.profiles["packing_profile"] == pytest.approx([2.0])
+    assert [float(state[0, 0]) for state in record.snapshots["position"]] == [0.0, 16.0]
 
 
-def test_a_converged_run_goes_on_until_its_mean_is_known():
+def test_a_converged_run_goes_on_until_its_mean_is_known_or_to_its_limit():
     noise = 1e-3 * np.random.default_rng(0).normal(size=257)
     parameters = SimpleNamespace(**vars(CONVERGED) | {"longest_samples": 256})
     record = record_ramp(
@@ -167,18 +152,9 @@ def test_a_converged_run_goes_on_until_its_mean_is_known():
     assert record.scalars["average_start"] > 0.3
     first = round(record.scalars["average_start"] / 0.1) + 1
     assert record.profiles["velocity_profile"] == pytest.approx([(first + length) / 2], abs=1.0)
-
-
-def test_a_converged_run_ends_at_its_limit():
     noise = np.random.default_rng(1).normal(size=65)
     record = record_ramp(parameters=CONVERGED, velocity=lambda number: 1.0 + noise[number])
-    assert record.series["mean_velocity"].size == 64
-    assert record.scalars["stopped"] == "limit"
-
-
-def test_snapshots_are_the_first_and_the_last_state():
-    first, last = record_ramp().snapshots["position"]
-    assert (first[0, 0], last[0, 0]) == (0.0, 16.0)
+    assert (record.series["mean_velocity"].size, record.scalars["stopped"]) == (64, "limit")
 
 
 @pytest.mark.filterwarnings("error")
@@ -203,60 +179,40 @@ def still(samples: int) -> SimpleNamespace:
     return SimpleNamespace(snapshot=lambda: {"position": place, "radius": np.ones(1)})
 
 
-def trajectory_of(samples: int, until: int) -> Trajectory:
-    """A trajectory of a system that has gone from frame to frame."""
-    trajectory, done = Trajectory(samples), 0
-    while done < until:
-        done = min([until, *trajectory.next_frame(done)])
-        trajectory.take(still(done), done)
-    return trajectory
-
-
-def test_frames_are_taken_at_multiples_of_their_distance():
-    assert Trajectory(3).next_frame(0) == Trajectory(3).next_frame(2) == [3] and Trajectory(
-        3
-    ).next_frame(3) == [6]
-    frames = trajectory_of(3, 11).frames()
-    assert list(frames) == ["trajectory_position"]
-    assert frames["trajectory_position"][:, 0, 0].tolist() == [3, 6, 9]
-    assert frames["trajectory_position"].dtype == np.float32
-
-
-def test_without_a_distance_there_are_none():
-    assert Trajectory(0).next_frame(5) == [] and trajectory_of(0, 7).frames() == {}
-
-
-def test_frames_go_on_where_they_were():
-    held, again = trajectory_of(2, 5).frames(), Trajectory(2)
+def test_frames_are_taken_at_multiples_of_their_distance_and_go_on_where_they_were():
+    trajectory = Trajectory(2)
+    assert [trajectory.next_frame(count) for count in range(4)] == [[2], [2], [4], [4]]
+    for count in range(1, 6):
+        trajectory.take(still(count), count)
+    held, again = trajectory.frames(), Trajectory(2)
     again.restore(held, 5)
     again.take(still(6), 6)
-    assert np.array_equal(again.frames()["trajectory_position"][:, 0, 0], [2, 4, 6])
+    assert list(held) == ["trajectory_position"]
+    assert again.frames()["trajectory_position"][:, 0, 0].tolist() == [2, 4, 6]
+    assert again.frames()["trajectory_position"].dtype == np.float32
     Trajectory(2).restore({}, 1)
     for frames, samples in ((held, 6), ({}, 2), (held, 0)):
         with pytest.raises(ValueError, match="frames"):
             Trajectory(2).restore(frames, samples)
+    none = Trajectory(0)
+    none.take(still(5), 5)
+    assert none.next_frame(5) == [] and none.frames() == {}
 
 
-@pytest.mark.parametrize("point", [BELT, CHUTE], ids=["belt", "chute"])
-def test_a_trajectory_changes_nothing_else_and_its_frames_are_the_flow(point):
-    usual = sim.simulate(**point, **SHORT)
-    run = sim.simulate(**point, **SHORT, trajectory=0.5)
-    added = {"trajectory", "trajectory_time", "trajectory_position", "trajectory_velocity"}
-    added |= {"trajectory_spin"} if point is CHUTE else set()
+def test_a_trajectory_changes_nothing_else_and_its_frames_are_the_flow():
+    usual = sim.simulate(**CHUTE, **SHORT)
+    run = sim.simulate(**CHUTE, **SHORT, trajectory=0.5)
+    shown = {"position": "positions", "velocity": "velocities", "spin": "spins"}
+    added = {"trajectory", "trajectory_time", *(f"trajectory_{name}" for name in shown)}
     assert set(run.variables) - set(usual.variables) == added
     for name in set(usual.variables) - {"wall_time", "loop_time"}:
         np.testing.assert_array_equal(run[name], usual[name], name)
-
-    assert run.sizes["trajectory_time"] == 10 and run.trajectory_position.dtype == np.float32
-    unit = float(run.time[-1]) / 5
-    np.testing.assert_allclose(run.trajectory_time, np.arange(1, 11) * 0.5 * unit)
-    flow = sim.Flow(**point, replicate=1).run(1.5, progress=False)
+    assert run.sizes["trajectory_time"] == 10
+    flow = sim.Flow(**CHUTE, replicate=1).run(1.5, progress=False)
     frame = run.isel(replicate=1, trajectory_time=2)
     assert float(frame.trajectory_time) == pytest.approx(flow.time)
-    assert np.array_equal(frame.trajectory_position, np.float32(flow.positions))
-    assert np.array_equal(frame.trajectory_velocity, np.float32(flow.velocities))
-    if point is CHUTE:
-        assert np.array_equal(frame.trajectory_spin, np.float32(flow.spins))
+    for name, of_flow in shown.items():
+        assert np.array_equal(frame[f"trajectory_{name}"], np.float32(getattr(flow, of_flow)))
 
 
 INTERVAL, MASS, WEIGHT = 0.01, 2.0, 3.0
@@ -287,19 +243,12 @@ def test_the_error_of_a_bounded_fluctuation_falls_with_the_length():
 
 
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("samples", [0, 1])
-def test_a_window_of_one_sample_has_no_error(samples):
-    found = base_forces(*(np.ones(samples) for _ in range(3)), MASS, (0.5, 2.0), INTERVAL)
-    assert np.isnan(found["base_normal_error"]) and np.isnan(found["momentum_budget"])
-    assert found["base_normal"] == 1.0 or samples == 0
-
-
-def test_balances_are_relative_to_the_weight():
-    found = base_forces(np.full(20, 0.6), np.full(20, 1.9), np.ones(20), MASS, (0.5, 2.0), INTERVAL)
-    assert found["shear_balance"] == pytest.approx(1.2)
-    assert found["normal_balance"] == pytest.approx(0.95)
-
-
-def test_a_level_plane_carries_no_weight_along_it():
-    found = base_forces(np.zeros(20), np.ones(20), np.zeros(20), MASS, (0.0, 1.0), INTERVAL)
-    assert np.isnan(found["shear_balance"])
+def test_balances_are_relative_to_the_weight_and_one_sample_has_no_error():
+    for samples in (0, 1):
+        found = base_forces(*(np.ones(samples) for _ in range(3)), MASS, (0.5, 2.0), INTERVAL)
+        assert np.isnan(found["base_normal_error"]) and np.isnan(found["momentum_budget"])
+        assert found["base_normal"] == 1.0 or samples == 0
+    series = np.full(20, 0.6), np.full(20, 1.9), np.ones(20), MASS
+    found = base_forces(*series, (0.5, 2.0), INTERVAL)
+    assert (found["shear_balance"], found["normal_balance"]) == pytest.approx((1.2, 0.95))
+    assert np.isnan(base_forces(*series, (0.0, 1.0), INTERVAL)["shear_balance"])

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from sim.engine.dynamics.cells import BlowUp
-from sim.engine.observe.profiles import EDGES, LEVELS, WAVES, bed_energies, wave_power, waves
 from sim.engine.systems import build, replica
-from tests.engine_motion.points import belt_point, chute_point, sums_of
+from tests.engine_motion.points import belt_point, chute_point
 
 CHUTE = chute_point(depth=2, cell=5)
 BELT = belt_point(beads=40, width=8, obstacle=1.5)
@@ -41,42 +40,6 @@ def test_many_at_once_are_those_taken_one_by_one(point):
         assert values.shape == (23,) and np.array_equal(several[name], values), name
     for mine, theirs in zip(together, apart, strict=True):
         assert np.array_equal(mine, theirs)
-
-
-def test_samples_of_the_belt_are_what_array_arithmetic_makes_of_the_state():
-    """To the bit: the sums are those of numpy, in its order."""
-    system = running_system(BELT)
-    p, disks = system.parameters, system.disks
-    width, squares = system.box.length[0], system.slices.squares
-    for _ in range(20):
-        sample = system.sample(1, profiles=True)
-        row, field = sample.first(), sample.profiles[2]
-        (x, z), velocity, mass = disks.taylor[0], disks.taylor[1] / p.time_step, disks.mass
-        assert row["kinetic_energy"] == 0.5 * (mass * (velocity**2).sum(axis=0)).sum()
-        assert row["height_of_mass"] == np.average(z, weights=mass)
-        assert row["potential_energy"] == p.gravity * float(mass @ z)
-        assert row["base_occupancy"] == (np.abs(z) < p.amplitude * p.diameter).mean()
-        wave = np.exp(2j * np.pi / width * x)
-        power = sum(abs((wave**k).sum()) ** 2 for k in range(1, WAVES + 1)) / (WAVES * len(x))
-        assert row["wave_power"] == power
-        column = np.floor(x / squares.width).astype(int) % squares.columns
-        level = np.floor((z - squares.lowest) / squares.height).astype(int)
-        inside = (level >= 0) & (level < LEVELS)
-        place = (column * LEVELS + level)[inside]
-        for found, weights in ((field.count, None), (field.moved, velocity[0][inside])):
-            expected = np.bincount(place, weights, minlength=squares.columns * LEVELS)
-            assert np.array_equal(found[0].ravel(), expected)
-
-
-def test_samples_of_the_chute_are_what_array_arithmetic_makes_of_the_state():
-    system = running_system(CHUTE)
-    spheres = system.spheres
-    for _ in range(5):
-        row = system.advance()
-        speed, rim = ((parts**2).sum(axis=0) for parts in (spheres.velocity, spheres.rim))
-        assert row["kinetic_energy"] == 0.5 * (spheres.mass * speed).sum()
-        assert row["rotational_energy"] == 0.5 * 0.4 * (spheres.mass * rim).sum()
-        assert row["height_of_mass"] == np.average(spheres.position[2], weights=spheres.mass)
 
 
 @pytest.mark.parametrize("point", [CHUTE, BELT], ids=["chute", "belt"])
@@ -136,8 +99,7 @@ def test_the_path_of_a_belt_is_one_cycle_from_phase_zero():
     system = settled_belt(frequency=30)
     for _ in range(7):
         system.advance()
-    path = system.trace()
-    p = system.parameters
+    path, p = system.trace(), system.parameters
     assert path.shape == (41, 40, 2) and system.loop.step[0] == 2 * p.steps_per_cycle
     assert system.coordinates["path_time"][2][-1] == pytest.approx(1 / 30)
     assert np.abs(np.diff(path, axis=0)).max() < 0.5 * p.width * p.diameter
@@ -145,12 +107,9 @@ def test_the_path_of_a_belt_is_one_cycle_from_phase_zero():
     laps = (final - path[-1]) / (p.width * p.diameter)
     assert laps[:, 0] == pytest.approx(np.round(laps[:, 0]), abs=1e-9)
     assert final[:, 1] == pytest.approx(path[-1][:, 1])
-
-
-def test_an_odd_number_of_steps_is_shared_out_among_the_intervals():
-    system = settled_belt(frequency=30, steps_per_cycle=1990, samples_per_cycle=10)
-    system.trace()
-    assert system.loop.step[0] == 1990
+    odd = settled_belt(frequency=30, steps_per_cycle=1990, samples_per_cycle=10)
+    odd.trace()
+    assert odd.loop.step[0] == 1990
 
 
 def test_the_path_of_a_fast_chute_is_not_folded_into_the_cell():
@@ -167,44 +126,30 @@ def test_the_path_of_a_fast_chute_is_not_folded_into_the_cell():
     assert way.min() > 0.5 * way.mean()
 
 
-def test_the_field_counts_every_bead_once_where_it_is():
-    system = settled_belt(frequency=60)
-    system.sample(29)
-    *_, field = sums = sums_of(system)
-    assert field.count.sum() == 40 and field.samples == 1
-    x, z = system.disks.taylor[0]
-    column, level = int(x[3] / 1e-3) % 8, int(np.floor((z[3] + 1e-3) / 1e-3))
-    assert field.count[column, level] >= 1
-    assert field.moved.sum() == pytest.approx(system._velocity()[0].sum())
-    tables = system.tables(sums)
-    assert np.nansum(tables["field_density"]) * 1e-6 == pytest.approx(40)
-    assert np.isnan(tables["field_velocity"][tables["field_density"] == 0]).all()
-
-
-def test_waves_of_beads_in_one_place_are_as_strong_as_can_be_and_even_beads_have_none():
-    found = np.zeros((2, 5, 2))
-    for x, sums in zip((np.full(40, 1e-3), np.arange(40) * 0.2e-3), found, strict=True):
-        waves(x, 8e-3, sums)
-    assert wave_power(found, 40) == pytest.approx([40, 0], abs=1e-12)
-
-
-def test_occupancy_counts_beads_within_an_amplitude_of_the_mean_belt():
-    taylor = np.zeros((6, 2, 40))
-    taylor[0, 1] = np.linspace(-2e-3, 6e-3, 40)
-    *_, found = bed_energies(taylor, np.ones(40), 1e-5, 1.5e-3)
-    assert found == (np.abs(taylor[0, 1]) < 1.5e-3).mean()
-
-
-def test_overlaps_of_all_contacts_are_counted_in_their_intervals():
-    system = build(chute_point(cell=4, depth=3), 0)
-    rows = [system.advance() for _ in range(60)]
-    last = system.sample(1, profiles=True)
-    rows.append(last.first())
-    overlaps = last.profiles[1]
-    assert 0 < overlaps.counts.sum() < 12 * system.parameters.particles
-    largest = EDGES[np.flatnonzero(overlaps.counts).max()]
-    assert largest <= max(row["largest_overlap"] for row in rows)
-    x, r = system.spheres.position, system.spheres.radius
-    resting = ((r - x[2]) / (2 * r))[x[2] < r]
-    expected, _ = np.histogram(resting, EDGES)
-    assert (overlaps.counts[0] >= expected).all()
+def test_a_sample_of_a_chute_is_what_the_state_and_the_impulses_say():
+    p = chute_point(cell=5, depth=1.24)
+    system = build(p, 0)
+    samples = []
+    for _ in range(40):
+        before = system.spheres.velocity.mean(axis=1)
+        sample = system.advance()
+        interval = p.sample_steps * p.time_step
+        change = (system.spheres.velocity.mean(axis=1) - before) / interval
+        weight = p.particles * p.mass * p.gravity
+        along, _, down = np.array(system.gravity) * p.particles * p.mass
+        force = p.particles * p.mass * change
+        assert along - sample["base_shear_force"] == pytest.approx(force[0], abs=1e-11 * weight)
+        assert sample["base_normal_force"] + down == pytest.approx(force[2], abs=1e-11 * weight)
+        samples.append(sample)
+    state = system.snapshot()
+    velocity, spin = state["particle_velocity"], state["particle_spin"]
+    inertia = 0.4 * p.mass * (0.5 * p.diameter) ** 2
+    assert np.mean([each["base_normal_force"] for each in samples]) > 0.5 * weight
+    assert sample["mean_velocity"] == pytest.approx(velocity[:, 0].mean(), rel=0.02)
+    flux = sample["mean_velocity"] * p.particles * p.mass / (5 * p.diameter) ** 2
+    assert sample["mass_flux"] == pytest.approx(flux, rel=1e-12)
+    assert sample["kinetic_energy"] == pytest.approx(0.5 * p.mass * (velocity**2).sum())
+    assert sample["rotational_energy"] == pytest.approx(0.5 * inertia * (spin**2).sum())
+    assert sample["height_of_mass"] == pytest.approx(state["position"][:, 2].mean())
+    assert 0.1 < np.mean([each["contact_number"] for each in samples]) < 6
+    assert 1e-4 < sample["largest_overlap"] < 0.05
