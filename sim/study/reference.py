@@ -154,7 +154,7 @@ def _figures() -> list[str]:
         other = {key: each for key, each in spec.taken.items() if str(each) != usual.get(key)}
         only = [f"{key} {each}" for key, each in other.items()]
         if len(other) == len(spec.taken):
-            only.append("any others")
+            only.append("any")
         curves = f" ({', '.join(spec.curves)})" if spec.curves else ""
         vary = ", ".join(spec.axes) + curves
         row = (f"`{name}`", spec.title, vary, "; ".join(only))
