@@ -118,11 +118,10 @@ def write(folder: Path) -> None:
 
 
 def _keys(model: type[BaseModel]) -> str:
-    rows = [
-        (f"`{name}`{', required' * field.is_required()}", field.description or "")
+    return "\n".join(
+        f"- `{name}`{' (required)' * field.is_required()}: {field.description or ''}"
         for name, field in model.model_fields.items()
-    ]
-    return _table(("key", "meaning"), rows)
+    )
 
 
 #: Letters of what an observable is, and a kind of plot that shows such.
@@ -130,62 +129,67 @@ _SHOWN = {"n": "curves", "p": "profiles", "t": "time_series"}
 
 
 def _observables() -> list[str]:
-    rows: dict[str, dict[str, Sequence[str]]] = {}
+    rows: dict[str, list[str]] = {}
     shown = shown_by()
     every = dict(item for kind in shown.values() for each in kind.values() for item in each.items())
     for name, observable in every.items():
         systems = [one for one in SYSTEMS if any(name in kind[one] for kind in shown.values())]
-        letters = [
+        letters = "".join(
             letter
             for letter, kind in _SHOWN.items()
             if any(name in names for names in shown[kind].values())
-        ]
-        needs = f" (needs `{observable.asked_by}`)" if observable.asked_by else ""
+        )
+        needs = f", `{observable.asked_by}`" if observable.asked_by else ""
         unit = f", {observable.unit}" if observable.unit != "1" else ""
-        meaning = observable.meaning.removesuffix(", mean of all particles") + unit + needs
-        row = (f"`{name}`", "".join(letters), meaning)
-        rows.setdefault(_of(systems), {})[name] = row
-    return _sections("Observables", ("observable", "shown", "meaning"), rows)
+        meaning = observable.meaning.removesuffix(", mean of all particles") + unit
+        rows.setdefault(_of(systems), []).append(f"- `{name}` ({letters}{needs}): {meaning}")
+    return _sections("Observables", {of: "\n".join(lines) for of, lines in rows.items()})
 
 
 def _figures() -> list[str]:
-    rows: dict[str, dict[str, Sequence[str]]] = {}
+    rows: dict[str, list[Sequence[str]]] = {}
     for name, spec in FIGURES.items():
         fields = field_info(SYSTEMS[spec.system])
         usual = {key: _default(field.default) for key, field in fields.items()}
         other = {key: each for key, each in spec.taken.items() if str(each) != usual.get(key)}
         only = [f"{key} {each}" for key, each in other.items()]
-        if len(other) < len(spec.taken):
-            only.append("…")
+        if len(other) == len(spec.taken):
+            only.append("any")
         curves = f" ({', '.join(spec.groups)})" if spec.groups else ""
         vary = ", ".join(spec.axes) + curves
         row = (f"`{name}`", spec.title, vary, "; ".join(only))
-        rows.setdefault(f"the {spec.system}", {})[name] = row
+        rows.setdefault(f"the {spec.system}", []).append(row)
     headings = ("figure", "shows", "points vary (curves)", "takes only")
-    return _sections("Figures", headings, rows)
+    return _sections("Figures", {of: _table(headings, each) for of, each in rows.items()})
 
 
 def _parameters() -> list[str]:
-    systems: dict[tuple[str, Sequence[str]], list[str]] = {}
+    systems: dict[Sequence[str], dict[str, list[str]]] = {}
     for system, model in SYSTEMS.items():
         for name, one in field_info(model).items():
             if name != "system":
-                systems.setdefault((name, _parameter(one)), []).append(system)
-    rows: dict[str, dict[str, Sequence[str]]] = {}
-    for (name, row), each in systems.items():
-        rows.setdefault(_of(each), {})[name] = row
+                defaults = systems.setdefault(_parameter(one), {})
+                defaults.setdefault(_default(one.default), []).append(system)
+    rows: dict[str, list[Sequence[str]]] = {}
+    for (name, symbol, allowed, meaning), defaults in systems.items():
+        each = [f"{value} ({', '.join(those)})" for value, those in defaults.items()]
+        default = "; ".join(each if len(each) > 1 else defaults)
+        of = _of([system for those in defaults.values() for system in those])
+        rows.setdefault(of, []).append((name, symbol, allowed, default, meaning))
     headings = ("parameter", "symbol (unit)", "allowed", "default", "meaning")
-    return _sections("Parameters", headings, rows)
+    return _sections("Parameters", {of: _table(headings, lines) for of, lines in rows.items()})
 
 
 def _parameter(row: FieldRow) -> Sequence[str]:
+    """Return name, symbol, allowed values and meaning."""
     unit = row.scale or ("" if row.unit == "1" else row.unit)
+    # A place in a paper alone tells a user nothing; what stands there does.
+    equation = f" ({row.equation})" if ":" in row.equation or "=" in row.equation else ""
     return (
         f"`{row.name}`",
         f"{row.symbol} ({unit})" if row.symbol and unit else row.symbol or unit,
-        row.allowed.removeprefix("a number ").removeprefix("one of "),
-        _default(row.default),
-        f"{row.description} ({row.equation})" if row.equation else row.description,
+        row.allowed.removeprefix("a number ").removeprefix("an ").removeprefix("one of "),
+        row.description + equation,
     )
 
 
@@ -193,15 +197,9 @@ def _of(systems: Sequence[str]) -> str:
     return "all systems" if len(systems) == len(SYSTEMS) else "the " + " and ".join(systems)
 
 
-def _sections(
-    what: str, headings: Sequence[str], rows: Mapping[str, Mapping[str, Sequence[str]]]
-) -> list[str]:
-    shared = sorted(rows, key=lambda of: (of != "all systems", " and " not in of))
-    return [
-        part
-        for of in shared
-        for part in (f"### {what} of {of}", _table(headings, rows[of].values()))
-    ]
+def _sections(what: str, texts: Mapping[str, str]) -> list[str]:
+    shared = sorted(texts, key=lambda of: (of != "all systems", " and " not in of))
+    return [part for of in shared for part in (f"### {what} of {of}", texts[of])]
 
 
 def _default(value: Any) -> str:
