@@ -38,19 +38,19 @@ ONLY = {
 #: Most lines of code of each room: no docstring, comment, import or blank line. Whoever adds takes
 #: away elsewhere; a commit that raises a number here says what for.
 WEIGHT = {
-    "base": 1_453,
-    "parameters": 1_971,
-    "study": 3_699,
-    "engine": 5_734,
+    "base": 1_431,
+    "parameters": 1_411,
+    "study": 3_407,
+    "engine": 5_668,
     "laws": 182,
     "engines": 402,
     "measures": 455,
-    "dataset": 1_602,
-    "surrogates": 1_828,
-    "figures": 3_959,
-    "claims": 1_428,
-    "papers": 2_321,
-    "report": 2_548,
+    "dataset": 1_545,
+    "surrogates": 1_785,
+    "figures": 3_621,
+    "claims": 1_435,
+    "papers": 2_324,
+    "report": 2_537,
 }
 
 
