@@ -37,7 +37,7 @@ def test_an_observable_has_a_unit_a_meaning_and_a_place_in_plots_and_reference(s
     shown = numbers(system)[name]
     assert (shown.unit, shown.meaning) == (variable.unit, variable.meaning)
     assert not variable.asked_by or variable.asked_by in SYSTEMS[system].model_fields
-    assert f"| `{name}` |" in reference_text()
+    assert f"- `{name}`" in reference_text()
     assert unit_of(variable.unit, "natural", system) != "1"
 
 

@@ -1,6 +1,7 @@
 """Particles in other formats, read again by programs that know nothing of this one."""
 
 from pathlib import Path
+from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import chemfiles
@@ -58,12 +59,14 @@ def record(point: Parameters, seed: int, samples: int) -> Record:
 def write(path: Path, point: Parameters) -> Path:
     """Write a run file of two replicates, the second of which ended after four of six samples."""
     records = [record(point, seed, samples) for seed, samples in ((1, 6), (2, 4))]
-    axes = ("x", "y", "z") if point.system == "chute" else ("x", "z")
-    interval = point.sample_steps * point.time_step
-    series = {"mean_velocity": variables_of("series")["mean_velocity"]}
-    layout = run_file.Layout(interval, np.arange(2.0), series, axes, {})
+    replica = SimpleNamespace(
+        profile_height=np.arange(2.0),
+        series={"mean_velocity": variables_of("series")["mean_velocity"]},
+        axes=("x", "y", "z") if point.system == "chute" else ("x", "z"),
+        coordinates={},
+    )
     attributes = {"system": point.system, "point_id": point_id(point), "status": "completed"}
-    run_file.write(path, [run_file.Stage(point, records)], layout, attributes)
+    run_file.write(path, [run_file.Stage(point, records)], replica, attributes)
     return path
 
 
