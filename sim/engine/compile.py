@@ -350,7 +350,7 @@ def compile_ahead(task: Callable[[], object]) -> None:
     """Compile the kernel that ``task`` would call first and none that is called at its address.
 
     For a process that runs nothing any more, beside one that does the same task and begins with the
-    others: on two cores the two take half of the time.
+    others. What the two take on two cores: docs/performance.md.
     """
     global _ahead
     _ahead = True

@@ -73,14 +73,14 @@ def ask(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
     """
     entries, names = dict(study.entries), {name.lower() for name in (*study.entries, *FIGURES)}
     for key in KEYS:
-        asked = set[str]()
+        own_names = set[str]()
         for path, file in files:
             families = {one.name: one for _, one in file.entries}
             for index, entry in enumerate(getattr(file, key) or []):
                 place = Place(path, f"{key}[{index}]", families)
-                if entry.name.lower() in asked:
+                if entry.name.lower() in own_names:
                     raise place.error("name", entry.name, f"a name that no other {key} has")
-                asked.add(entry.name.lower())
+                own_names.add(entry.name.lower())
                 question = entry.resolve(study, place)
                 study = replace(study, questions=(*study.questions, question))
                 for picture in _pictures(question):

@@ -167,15 +167,15 @@ class FigureSpec(PlotFile):
         return {name: ", ".join(map(written, _tuple(value))) for name, value in self.where.items()}
 
     def shows(self, parameters: Parameters) -> bool:
-        """Return whether a point with these parameters is among those drawn."""
+        """True for the parameters of a point that is drawn."""
         return all(self.takes(name, parameters) for name in self.where)
 
     def is_fed_by(self, system: str, series: Iterable[str]) -> bool:
-        """Return whether a point of some series is one of those that a study's own plot shows."""
+        """True for the system and series of a point that a study's own plot shows."""
         return system == self.system and not set(series).isdisjoint(self.series or ())
 
     def takes(self, name: str, parameters: Parameters) -> bool:
-        """Return whether a point is not left out for the parameter ``name`` of ``where``."""
+        """True where a point has a value that ``where`` takes of the parameter ``name``."""
         return getattr(parameters, name) in _tuple(self.where[name])
 
     def place(self, parameters: Parameters) -> tuple[Any, ...]:
