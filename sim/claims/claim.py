@@ -35,8 +35,8 @@ from sim.base.plugins import (
 from sim.claims.verdict import Ambiguous, Check, Line, Untestable
 from sim.parameters import SYSTEMS
 from sim.parameters.common import broken_rule
-from sim.study.catalogue import FIGURES
 from sim.study.entries import JUDGE
+from sim.study.figure_spec import FIGURES
 from sim.study.papers import OWN, PAPER, Paper, papers
 
 Amount = int | float

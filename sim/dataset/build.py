@@ -48,7 +48,7 @@ from sim.parameters.variables import variables_of
 from sim.study.expand import point_with_membership
 from sim.study.load import Boundary, Point, Study, load_study
 from sim.study.plot_kinds import Shown
-from sim.study.refine import Sides
+from sim.study.points import Sides
 
 #: NetCDF compression of arrays.
 COMPRESSION = {"zlib": True, "complevel": 9, "shuffle": True}

@@ -19,7 +19,8 @@ from sim.dataset.earlier import earlier_rows
 from sim.dataset.gather import read_run
 from sim.dataset.rows import Row, reader_hash
 from sim.parameters import amounts
-from sim.study.model import Need, Point, Study
+from sim.study.model import Need, Study
+from sim.study.points import Point
 
 #: Most run files that are read before their rows are handed over.
 BATCH = 40

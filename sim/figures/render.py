@@ -31,8 +31,7 @@ from sim.figures.data import Drawing, FigureData, figure_data, point_table
 from sim.figures.figure_records import current_record, read_records, write_records
 from sim.figures.plot import message_figure
 from sim.figures.style import DOUBTFUL, SETTINGS, escape_label
-from sim.study.catalogue import FIGURES
-from sim.study.figure_spec import FigureSpec
+from sim.study.figure_spec import FIGURES, FigureSpec
 from sim.study.load import load_study
 from sim.study.plot_kinds import ROLES, find_kind
 from sim.surrogates.answers import Refusal, caveats_in, require_answer, sentence, with_caveats

@@ -17,7 +17,7 @@ from sim.parameters import SYSTEMS
 from sim.parameters.roles import reading_parameters as parameters_of
 from sim.parameters.words import PROTOCOLS
 from sim.report.numbers import bounds, strip, threshold, value_with_interval, value_with_p
-from sim.study.catalogue import FIGURES
+from sim.study.figure_spec import FIGURES
 from sim.study.papers import Paper, papers
 
 #: Verdicts, best first, each with its tone and its sign.

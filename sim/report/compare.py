@@ -27,8 +27,7 @@ from sim.parameters import SYSTEMS, Parameters, canonical_values, point_id
 from sim.parameters.laws import engine_of
 from sim.parameters.words import setting
 from sim.report.numbers import value_with_interval
-from sim.study.extra_amounts import OWN, other_engines, twins
-from sim.study.load import load_study
+from sim.study.load import OWN, load_study, other_engines, twins
 from sim.study.model import Study
 
 _HEADINGS = ("point", "A", "B", "B - A", "p", "")

@@ -14,8 +14,14 @@ from sim.claims.judge import judge
 from sim.claims.judgement import Judgement
 from sim.dataset.results import Results, load_current
 from sim.study.command import run_with_signals, snakemake_command
-from sim.study.extra_amounts import ExtraAmounts, read_extra_amounts, write_extra_amounts
-from sim.study.load import Point, Study, load_study
+from sim.study.load import (
+    ExtraAmounts,
+    Point,
+    Study,
+    load_study,
+    read_extra_amounts,
+    write_extra_amounts,
+)
 
 #: Largest factor by which a round multiplies the replicates of a point: few replicates give a poor
 #: estimate of the number that is needed.

@@ -42,8 +42,7 @@ from sim.report.runs import (
 )
 from sim.study.figure_spec import FigureSpec
 from sim.study.load import Study, load_study
-from sim.study.paper_values import paper_values
-from sim.study.papers import papers
+from sim.study.papers import paper_values, papers
 from sim.surrogates.answers import answer_name, caveats_in, refusal_in, sentence
 from sim.surrogates.storage import load_surrogate
 

@@ -17,11 +17,10 @@ from sim.engine.shared_runs import SharedRun, describe, find_runs
 from sim.parameters import complete_values, field_info
 from sim.parameters.density import doubts_of
 from sim.report import earlier_regimes
-from sim.study import paper_values
-from sim.study.cost import Estimate, estimate
 from sim.study.load import Point, Study, load_study
+from sim.study.papers import paper_value_lines
 from sim.study.plot_contents import SCATTER_HINT
-from sim.study.refine import PARTS, divide_range
+from sim.study.points import PARTS, Estimate, divide_range, estimate
 
 CORES = 2
 MEGABYTE = 1e6
@@ -74,7 +73,7 @@ def as_table(study: Study, shared: Mapping[str, SharedRun] = _NOTHING) -> str:
         _plot_lines(study),
         study.omission_notes,
         [*_caveat_lines(study), *_pair_lines(study)],
-        paper_values.lines(point.parameters for point in study.points.values()),
+        paper_value_lines(point.parameters for point in study.points.values()),
         [
             _total_line(list(costs.values())),
             *_shared_lines(shared, costs),

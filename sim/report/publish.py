@@ -21,8 +21,7 @@ from sim.dataset.results import Results, load_current
 from sim.figures.figure_records import require_unchanged
 from sim.report.claims import read_claims, require_table
 from sim.report.page import relative_link, render
-from sim.study.extra_amounts import extra_amounts_file
-from sim.study.load import Study, load_study
+from sim.study.load import Study, extra_amounts_file, load_study
 
 # A published study as an RO-Crate 1.1 (https://w3id.org/ro/crate/1.1): who made it, under which
 # licence, and how, by the profile Process Run Crate.

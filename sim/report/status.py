@@ -27,16 +27,18 @@ from sim.engine.shared_runs import SharedRun, describe, find_runs
 from sim.engine.stored_run import has_enough, starts_to_run, summary_of
 from sim.parameters import Parameters, amounts, point_id
 from sim.report.numbers import template
-from sim.study.cost import estimate
-from sim.study.extra_amounts import (
+from sim.study.load import (
+    DEFAULT_STUDY,
     ExtraAmounts,
+    Study,
+    load_study,
     other_engines,
     read_extra_amounts,
     twins,
     with_extra_amounts,
 )
-from sim.study.load import DEFAULT_STUDY, Study, load_study
 from sim.study.model import Need
+from sim.study.points import estimate
 from sim.surrogates.answers import summary_lines
 
 STATES = ("done", "failed", "running", "interrupted", "waiting")

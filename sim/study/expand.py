@@ -20,11 +20,12 @@ from sim.parameters import (
     with_larger_amounts,
 )
 from sim.parameters.density import DENSITY
-from sim.study.catalogue import FIGURES
-from sim.study.design import Axis, DesignFile
+from sim.study.design import Axis
+from sim.study.design_file import DesignFile
+from sim.study.figure_spec import FIGURES
 from sim.study.file import MAX_POINTS, BoundaryFile, SeriesFile, StudyFile
 from sim.study.model import Boundary, Point, Study
-from sim.study.refine import divide_range
+from sim.study.points import divide_range
 
 
 def expand(files: Sequence[tuple[Path, StudyFile]]) -> Study:

@@ -15,8 +15,8 @@ from sim.parameters import AMOUNTS, SYSTEMS, Parameters
 from sim.parameters.common import TWO_NUMBERS, Real, broken_rule, sphere_volume
 from sim.parameters.density import DENSITY
 from sim.study.calibration import CalibrateFile
-from sim.study.catalogue import FIGURES
-from sim.study.design import Axis, DesignFile, axis_of
+from sim.study.design import Axis, axis_of
+from sim.study.design_file import DesignFile
 from sim.study.entries import (
     ALLOWED_NAME,
     JUDGE,
@@ -29,11 +29,11 @@ from sim.study.entries import (
     optional,
     require_printable,
 )
+from sim.study.figure_spec import FIGURES
 from sim.study.papers import papers
 from sim.study.plot_file import PlotFile
-from sim.study.refine import MAX_ROUNDS, PARTS, further_rounds
-from sim.study.sensitivity import SensitivityFile
-from sim.study.surrogate import SurrogateFile
+from sim.study.points import MAX_ROUNDS, PARTS, further_rounds
+from sim.study.surrogate import SensitivityFile, SurrogateFile
 
 #: Maximum number of points of a study.
 MAX_POINTS = 100_000

@@ -1,6 +1,6 @@
 """Model of a study: points, boundaries to be found, figures."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import chain
@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from sim.base.additions import Plugin
-from sim.parameters import Parameters
-from sim.study.design import Axis, DesignFile
+from sim.study.design import Axis
+from sim.study.design_file import DesignFile
 from sim.study.entries import DecideFile
 from sim.study.figure_spec import FigureSpec
 from sim.study.plot_kinds import Shown
-from sim.study.refine import further_rounds
+from sim.study.points import Boundary, Point
 from sim.study.surrogate import MOST_ROUNDS, Question, SurrogateFile
 
 
@@ -23,60 +23,6 @@ class Need(NamedTuple):
     particles: Shown
     profiles: bool
     series: bool = False
-
-
-@dataclass(frozen=True)
-class Point:
-    """One point of a study, which may belong to several series and figures.
-
-    ``left_out`` holds the figures that its series feed but that do not show it. ``looks`` is how
-    often claims on it are judged with the option of buying more runs. ``profiles`` is whether the
-    dataset has its profiles.
-    """
-
-    id: str
-    parameters: Parameters
-    series: tuple[str, ...]
-    figures: tuple[str, ...]
-    left_out: tuple[str, ...] = ()
-    looks: int = 0
-    profiles: bool = True
-
-
-@dataclass(frozen=True)
-class Boundary:
-    """One boundary to be found, with all parameters but one fixed.
-
-    Attributes
-    ----------
-    name : str
-        Name of its entry in the study file; boundaries of one entry differ in ``grid``.
-    of, along : str
-        What changes at the boundary; the parameter along which it is searched.
-    low, high, tolerance : float
-        Range of that parameter, and required width of the interval that contains the boundary.
-    grid : dict
-        Values of the grid that belong to this boundary.
-    figures : tuple of str
-        Figures that it feeds.
-    parameters_at : callable
-        Function: value of ``along`` → parameters of the point there.
-    """
-
-    name: str
-    of: str
-    along: str
-    low: float
-    high: float
-    tolerance: float
-    grid: dict[str, Any]
-    figures: tuple[str, ...]
-    parameters_at: Callable[[float], Parameters]
-
-    @property
-    def rounds(self) -> int:
-        """Number of rounds of refinement after the first."""
-        return further_rounds(self.low, self.high, self.tolerance)
 
 
 @dataclass(frozen=True)

@@ -1,11 +1,11 @@
 """Papers: what one says of itself, and the call that adds one.
 
 A paper is a package with ``paper.yaml``, and where it has them ``figures.yaml``
-(`sim.study.catalogue`) and ``claims.yaml`` with the functions that judge them (`sim.claims.claim`).
+(`sim.study.figure_spec`) and ``claims.yaml`` with the functions that judge them.
 """
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
@@ -18,8 +18,10 @@ from sim.base.errors import InputError
 from sim.base.messages import input_error
 from sim.base.plugins import module_names, require_one_of
 from sim.base.yaml import read_yaml
-from sim.parameters import SYSTEMS
+from sim.parameters import SYSTEMS, Parameters, field_info
+from sim.parameters.common import CHOICES
 from sim.parameters.laws import LAW
+from sim.parameters.words import quantity
 from sim.study.entries import Strict, Text
 
 #: Kind of the additions that are papers.
@@ -140,3 +142,46 @@ def papers() -> dict[str, Paper]:
     every = sorted(shipped(PAPER).values(), key=lambda one: order.index(one.system))
     every += [addition.value for addition in additions(PAPER).values()]
     return {one.name: one for one in every}
+
+
+def paper_values(points: Iterable[Parameters]) -> dict[str, list[str]]:
+    """Return these parameters in words, by paper and system: ``Walton (1993), chute``.
+
+    They are numbers of the physics that a source in a paper is declared for, but for those that
+    are zero and so without effect.
+    """
+    by_system: dict[str, list[Parameters]] = {}
+    for point in points:
+        by_system.setdefault(point.system, []).append(point)
+    values: dict[str, list[str]] = {}
+    for system, members in by_system.items():
+        unused = set.intersection(*map(_without_effect, members))
+        for name, row in field_info(members[0]).items():
+            is_number = type(row.default) in (int, float) and row.default != 0
+            if row.role != "physics" or not is_number or name in unused:
+                continue
+            if any(getattr(point, name) != row.default for point in members):
+                continue
+            for paper in papers().values():
+                if row.equation.startswith(paper.author.split()[0]):
+                    texts = values.setdefault(f"{paper.quote}, {system}", [])
+                    texts.append(quantity(system, name, [row.default]))
+    return values
+
+
+def _without_effect(point: Parameters) -> set[str]:
+    """Return the parameters of laws and motions that the point does not have."""
+    used, others = set[str](), set[str]()
+    for choice in CHOICES:
+        for name, option in point.options(choice).items():
+            is_chosen = name == getattr(point, choice, name)
+            (used if is_chosen else others).update((*option.owns, *option.parameters))
+    return others - used
+
+
+def paper_value_lines(points: Iterable[Parameters]) -> list[str]:
+    """Return a line for each paper and system."""
+    return [
+        f"left as in {heading}: {', '.join(texts)}"
+        for heading, texts in paper_values(points).items()
+    ]

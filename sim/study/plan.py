@@ -16,8 +16,8 @@ from sim.base.errors import InputError
 from sim.base.files import age, atomic_write, lock_of, read_regular
 from sim.parameters import RUN_FILE, Parameters, canonical_json
 from sim.parameters.laws import engine_of
-from sim.study.cost import Estimate, estimate, plan_batches
 from sim.study.model import Need, Study
+from sim.study.points import Estimate, estimate, plan_batches
 
 
 class Plan:

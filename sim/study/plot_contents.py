@@ -13,16 +13,16 @@ from sim.base.messages import near
 from sim.parameters import NUMERICAL, SYSTEMS, Parameters, field_info
 from sim.study.figure_spec import DataSet, FigureSpec, written
 from sim.study.measured import PURE, MeasuredTable, read_measured
-from sim.study.model import Point
 from sim.study.plot_file import MAX_MAGNITUDE, BesideFile, PlotFile, allowed_on_logarithmic
-from sim.study.plot_kinds import REGIME
-from sim.study.plottable import (
+from sim.study.plot_kinds import (
+    REGIME,
     Observable,
     every_name,
     find_observable,
     require_parameter,
     require_stored,
 )
+from sim.study.points import Point
 
 
 def _points(

@@ -17,8 +17,7 @@ from sim.base.messages import one_of
 from sim.parameters.common import Real, broken_rule
 from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional, require_printable
 from sim.study.measured import ALLOWED_FILE, FILE
-from sim.study.plot_kinds import REGIME, Keys, find_kind, study_kinds
-from sim.study.plottable import every_name
+from sim.study.plot_kinds import REGIME, Keys, every_name, find_kind, study_kinds
 
 #: Kinds of plot that the explorer draws, and no study.
 _OF_EXPLORER = ("pairs", "parallel")

@@ -11,13 +11,12 @@ from pydantic.json_schema import models_json_schema
 from sim.base.errors import InputError
 from sim.parameters import SYSTEMS, FieldRow, field_info
 from sim.study.calibration import CalibrateFile
-from sim.study.catalogue import FIGURES
-from sim.study.design import DesignFile, Distribution
+from sim.study.design_file import DesignFile, Distribution
 from sim.study.entries import RANGE, RANGE_SCHEMA
+from sim.study.figure_spec import FIGURES
 from sim.study.plot_file import BesideFile, PlotFile
-from sim.study.plottable import shown_by
-from sim.study.sensitivity import SensitivityFile
-from sim.study.surrogate import SurrogateFile
+from sim.study.plot_kinds import shown_by
+from sim.study.surrogate import SensitivityFile, SurrogateFile
 from sim.study.validate import file_models
 
 SCHEMA_NAME = "schema.json"

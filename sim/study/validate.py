@@ -13,8 +13,7 @@ from sim.base.errors import InputError
 from sim.base.messages import input_error
 from sim.parameters import AMOUNTS, SYSTEMS, Parameters, roles
 from sim.parameters.density import DENSITY
-from sim.study.catalogue import FIGURES
-from sim.study.design import DesignFile, Distribution, Over, read_values
+from sim.study.design_file import DesignFile, Distribution, Over, read_values
 from sim.study.entries import (
     Lists,
     Override,
@@ -25,6 +24,7 @@ from sim.study.entries import (
     expand_range,
     optional,
 )
+from sim.study.figure_spec import FIGURES
 from sim.study.file import BoundaryFile, SeriesFile, StudyFile
 
 #: Description of the key ``of`` in the first system, whose models the reference shows.

@@ -22,7 +22,7 @@ import pandas as pd
 
 from sim.base.errors import percent
 from sim.base.statistics import MANY, student
-from sim.study.sensitivity import FEWEST_BLOCKS
+from sim.study.surrogate import FEWEST_BLOCKS
 from sim.surrogates.answers import EVEN, Refusal
 from sim.surrogates.predictor import counted_probability, scaled
 from sim.surrogates.process import LENGTHS

@@ -12,8 +12,8 @@ from sim.base.seals import to_sealed_json
 from sim.dataset.boundaries import added_points
 from sim.dataset.rounds import read_round
 from sim.parameters import Parameters, canonical_values
-from sim.study.cost import estimate
 from sim.study.load import Study, load_study
+from sim.study.points import estimate
 from sim.study.surrogate import SurrogateFile
 
 

@@ -33,7 +33,7 @@ from sim.claims.verdict import (
 from sim.claims.verdict_files import as_mapping, as_table
 from sim.dataset.grids import GRIDS
 from sim.parameters import SYSTEMS, roles
-from sim.study.catalogue import FIGURES
+from sim.study.figure_spec import FIGURES
 from sim.study.papers import Readings, papers
 from tests.made.paper_belt import paper_point
 from tests.made.results import made_point, made_results

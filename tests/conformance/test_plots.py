@@ -16,8 +16,7 @@ from PIL import Image
 from sim.dataset.build import build
 from sim.figures import animation
 from sim.figures.render import find_spec, render
-from sim.study.catalogue import FIGURES
-from sim.study.figure_spec import FigureSpec
+from sim.study.figure_spec import FIGURES, FigureSpec
 from sim.study.load import load_study
 from sim.study.plot_kinds import Keys, find_kind, kinds, study_kinds
 from tests import conformance  # noqa: F401  (loads the plug-ins)

@@ -22,13 +22,13 @@ from sim.engine.states import States
 from sim.figures.figure_records import RECORD_FILE, require_unchanged
 from sim.parameters import canonical_values, point_id
 from sim.report.claims import read_claims, require_table
-from sim.study.extra_amounts import (
+from sim.study.load import (
     ExtraAmounts,
     extra_amounts_file,
+    load_study,
     read_extra_amounts,
     write_extra_amounts,
 )
-from sim.study.load import load_study
 from sim.surrogates import answers, storage
 from tests.engine_motion.points import belt_point
 from tests.made.figures import make_figures

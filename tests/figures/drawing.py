@@ -15,7 +15,7 @@ from sim.dataset.results import Results, load_results
 from sim.figures.data import FigureData, figure_data
 from sim.figures.render import Animation, derive_texts, drawing_of, find_spec, render
 from sim.figures.style import SETTINGS
-from sim.study.catalogue import FIGURES
+from sim.study.figure_spec import FIGURES
 
 _loaded = cache(load_results)
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from sim.dataset.build import build
 from sim.parameters import BeltParameters
-from sim.study.catalogue import FIGURES
+from sim.study.figure_spec import FIGURES
 from sim.study.load import load_study
 from tests.made.once import once
 from tests.made.runs import SAMPLES, write_run

@@ -6,7 +6,7 @@ from matplotlib.collections import EllipseCollection
 
 from sim.dataset.results import load_results
 from sim.figures import animation
-from sim.study.catalogue import FIGURES
+from sim.study.figure_spec import FIGURES
 from tests.figures.drawing import data_of_figure, drawn, picture, without_particles
 
 ANIMATIONS = [name for name, spec in FIGURES.items() if spec.animated]

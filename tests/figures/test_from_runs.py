@@ -2,7 +2,7 @@
 
 from sim.dataset.build import build
 from sim.engine.run import run_point
-from sim.study.catalogue import FIGURES
+from sim.study.figure_spec import FIGURES
 from sim.study.load import load_study
 from tests.figures.drawing import draw
 from tests.made.processes import ROOT

@@ -6,7 +6,7 @@ from sim.base.errors import InputError
 from sim.figures import render
 from sim.figures.figure_records import RECORD_FILE
 from sim.figures.render import draw_figures
-from sim.study.catalogue import FIGURES
+from sim.study.figure_spec import FIGURES
 
 NAMES = ("gallas_2b", "gallas_6")
 

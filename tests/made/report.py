@@ -17,8 +17,7 @@ from sim.claims.verdict_files import write
 from sim.dataset.results import load_results
 from sim.report.claims import read_claims
 from sim.report.page import data_uri, render
-from sim.study.catalogue import FIGURES
-from sim.study.figure_spec import FigureSpec
+from sim.study.figure_spec import FIGURES, FigureSpec
 from sim.study.load import load_study
 from sim.surrogates.storage import save_surrogate
 from tests.made.figures import make_figures

@@ -8,7 +8,7 @@ import sim
 from sim.parameters import SYSTEMS, parse_point, point_id
 from sim.parameters.density import doubts, doubts_of
 from sim.study.load import parse_study, points
-from sim.study.paper_values import paper_values
+from sim.study.papers import paper_values
 
 DIAMETER, DENSITY = 0.008, 1300.0
 MASS = DENSITY * pi / 6 * DIAMETER**3

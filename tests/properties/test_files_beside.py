@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from sim.base.errors import InputError
 from sim.claims.claim import claims
-from sim.study.catalogue import FIGURES
+from sim.study.figure_spec import FIGURES
 from sim.study.load import load_study
 from tests.made.plugins import restore_plugins
 from tests.made.processes import ROOT

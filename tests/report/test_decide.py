@@ -18,8 +18,7 @@ from sim.claims.verdict import Check
 from sim.dataset.build import build
 from sim.dataset.results import load_results
 from sim.report import decide as deciding
-from sim.study.extra_amounts import extra_amounts_file
-from sim.study.load import load_study, parse_study
+from sim.study.load import extra_amounts_file, load_study, parse_study
 from tests.made.netcdf import edit_file
 from tests.made.processes import refusal
 from tests.made.runs import write_run

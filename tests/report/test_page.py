@@ -35,7 +35,7 @@ from sim.report.page import (
 )
 from sim.report.publish import publish
 from sim.report.runs import state_of
-from sim.study.catalogue import FIGURES
+from sim.study.figure_spec import FIGURES
 from sim.study.load import load_study
 from sim.surrogates import inquiries
 from tests.made.figures import make_figures

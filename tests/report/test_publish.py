@@ -12,9 +12,8 @@ from sim.base.errors import InputError
 from sim.base.seals import DamagedError
 from sim.figures.figure_records import RECORD_FILE
 from sim.report import publish
-from sim.study.catalogue import FIGURES
-from sim.study.extra_amounts import ExtraAmounts, write_extra_amounts
-from sim.study.load import load_study
+from sim.study.figure_spec import FIGURES
+from sim.study.load import ExtraAmounts, load_study, write_extra_amounts
 from tests.made.processes import refusal
 
 

@@ -13,8 +13,7 @@ from sim.parameters import parse_point, point_id
 from sim.report.compare import Opinion, ask
 from sim.report.page import build as build_report
 from sim.report.status import survey
-from sim.study.extra_amounts import twin_of, twins
-from sim.study.load import load_study
+from sim.study.load import load_study, twin_of, twins
 from tests.made.processes import ROOT
 from tests.made.runs import write_run
 

@@ -14,7 +14,7 @@ from sim.engine.command import warm
 from sim.engine.progress import read_progress
 from sim.parameters import canonical_values, parse_point, point_id
 from sim.report.status import STATES, as_json, as_text
-from sim.study.cost import estimate
+from sim.study.points import estimate
 from tests.made.folder import BOUNDED, EARLIER, LATER, STUDY, Folder
 from tests.made.netcdf import edit_file
 from tests.made.processes import refusal, start_run, wait_until

@@ -9,8 +9,8 @@ import pytest
 from sim.base.errors import InputError
 from sim.claims.claim import claims
 from sim.parameters import SYSTEMS
-from sim.study import catalogue
-from sim.study.catalogue import FIGURES, read_figures
+from sim.study import figure_spec
+from sim.study.figure_spec import FIGURES, read_figures
 from sim.study.papers import Paper
 from sim.study.plot_kinds import LARGEST_PORTION
 from tests.made.processes import ROOT
@@ -92,15 +92,15 @@ def test_figures_of_one_name_are_refused(tmp_path, monkeypatch):
         (tmp_path / name).mkdir()
         (tmp_path / name / "figures.yaml").write_text(ENTRY)
         same[name] = paper_in(tmp_path / name, name)
-    monkeypatch.setattr(catalogue, "papers", lambda: same)
+    monkeypatch.setattr(figure_spec, "papers", lambda: same)
     allowed = "a name that no other"
     with pytest.raises(InputError, match=rf"b/figures\.yaml: name: got 'one'; allowed: {allowed}"):
-        len(catalogue.Catalogue())
+        len(figure_spec.Catalogue())
 
 
 def test_the_files_are_read_when_a_figure_is_asked_for():
     code = (
-        "import sim.study.entries, sim.study.catalogue as c; assert 'data' not in vars(c.FIGURES)"
+        "import sim.study.entries, sim.study.figure_spec as c; assert 'data' not in vars(c.FIGURES)"
     )
     subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True)
 

@@ -9,7 +9,7 @@ from sim.base.errors import InputError
 from sim.figures.data import split_curves
 from sim.parameters import SYSTEMS, BeltParameters, ChuteParameters
 from sim.report.points import as_table
-from sim.study.catalogue import FIGURES
+from sim.study.figure_spec import FIGURES
 from sim.study.load import Study, load_study, parse_study
 
 

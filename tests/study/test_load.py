@@ -12,11 +12,10 @@ from hypothesis import strategies as st
 from sim.base.errors import InputError, duration
 from sim.parameters import BeltParameters, ChuteParameters, parse_point, point_id
 from sim.report.points import as_json, as_table, warnings
-from sim.study.catalogue import FIGURES
-from sim.study.cost import estimate
-from sim.study.extra_amounts import ExtraAmounts, with_extra_amounts
+from sim.study.figure_spec import FIGURES
 from sim.study.file import MAX_POINTS
-from sim.study.load import Study, parse_study
+from sim.study.load import ExtraAmounts, Study, parse_study, with_extra_amounts
+from sim.study.points import estimate
 
 EXAMPLE = {
     "study": "example",

@@ -23,7 +23,9 @@ from sim.parameters import (
     parse_point,
     point_id,
 )
-from sim.study.cost import (
+from sim.study.load import load_study
+from sim.study.plan import Plan
+from sim.study.points import (
     MAX_BATCH_POINTS,
     MAX_BATCH_SECONDS,
     MIN_BATCH_SECONDS,
@@ -31,8 +33,6 @@ from sim.study.cost import (
     estimate,
     plan_batches,
 )
-from sim.study.load import load_study
-from sim.study.plan import Plan
 
 STUDY = """\
 study: planned

@@ -131,8 +131,7 @@ def test_every_kind_shows_its_usual_observable_of_every_system(parse, kind, syst
 
 OWN = """
 import sim
-from sim.study.plot_kinds import Keys
-from sim.study.plottable import numbers
+from sim.study.plot_kinds import Keys, numbers
 
 keys = Keys(axes=("x",), observable="y", usual="shear_depth", shows=numbers, log=("y",))
 sim.plot_kind("own", keys=keys)(print)

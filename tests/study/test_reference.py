@@ -15,7 +15,7 @@ from sim.base.plugins import load_plugins
 from sim.parameters import SYSTEMS, BeltParameters, canonical_values, parse_point
 from sim.parameters.choices import extended
 from sim.parameters.laws import MOTION, law
-from sim.study.catalogue import FIGURES
+from sim.study.figure_spec import FIGURES
 from sim.study.load import load_study, parse_study
 from sim.study.reference import BEGIN, END, insert_reference, reference_text, schema, schema_text
 from tests.made.plugins import restore_plugins

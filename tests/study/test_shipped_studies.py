@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 from sim.base.errors import InputError
-from sim.study.catalogue import FIGURES
+from sim.study.figure_spec import FIGURES
 from sim.study.load import load_study, parse_study
 
 CONFIG = Path(__file__).parents[2] / "config"

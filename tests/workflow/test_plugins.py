@@ -14,7 +14,7 @@ import xarray as xr
 
 from sim.base.errors import InputError
 from sim.claims.claim import claims
-from sim.study.catalogue import FIGURES
+from sim.study.figure_spec import FIGURES
 from sim.study.load import load_study
 from sim.study.papers import papers
 from tests.made.plugins import restore_plugins

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from sim.study.cost import estimate
 from sim.study.load import load_study
+from sim.study.points import estimate
 from tests.made.processes import wait_until
 from tests.made.project import command, jobs, planned_jobs, points, snakemake
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from sim.base.program import room_hash
-from sim.study.catalogue import FIGURES
+from sim.study.figure_spec import FIGURES
 from sim.study.load import load_study
 from tests.made.project import copy_tree, planned_jobs, snakemake
 

@@ -1,0 +1,310 @@
+"""Entries under ``design`` of a series: points spread over ranges of its parameters."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from functools import cached_property
+from math import log2
+from typing import Annotated, Any, ClassVar, Literal
+
+import numpy as np
+from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import PydanticCustomError
+
+from sim.base.errors import InputError
+from sim.base.messages import allowed_values
+from sim.parameters import AMOUNTS, Parameters, canonical_number
+from sim.parameters.common import TWO_NUMBERS, Real, broken_rule
+from sim.study.design import OPERATORS, Axis, axis_of, block_size, read_comparison, unit_points
+from sim.study.entries import Lists, Strict, optional
+
+#: Kinds of design that keep their first points where more are wanted.
+GROWING = ("sobol", "random", "saltelli", "morris")
+
+#: Points of a sequence that are looked at before `where` may be given up, and the share of them
+#: that must satisfy it.
+_MIN_DRAWN, _MIN_SHARE = 2**16, 1e-3
+
+_ALLOWED_VALUES = f"{TWO_NUMBERS}; {{between, scale}}, {{mean, deviation, between}} or {{choices}}"
+_ALLOWED_COMPARISON = (
+    f"two sides with one of {' '.join(OPERATORS)} between, numbers or parameters under over that "
+    "take numbers"
+)
+
+
+#: Largest deviation of a normal distribution, in ranges: what is wider cannot be told from even.
+MOST_RANGES = 1000.0
+
+
+class Distribution(Strict):
+    """How the values of a parameter are spread: between two numbers, or over choices."""
+
+    between: list[Real] = optional(
+        "lowest and highest value", {"allowed": TWO_NUMBERS}, min_length=2, max_length=2
+    )
+    scale: Literal["linear", "log"] = Field(
+        "linear", description="whether values or their logarithms are evenly spread between"
+    )
+    mean: Real = optional("mean of a normal distribution, which between cuts off")
+    deviation: Real = optional("standard deviation of that distribution", gt=0)
+    choices: list[Any] = optional(
+        "the values, each equally often",
+        {"allowed": "a list of two different values or more"},
+        min_length=2,
+    )
+
+    def rules(self) -> Iterator[PydanticCustomError]:
+        given = self.model_dump(exclude_unset=True)
+        if given.keys() not in (
+            {"between"},
+            {"between", "scale"},
+            {"between", "mean", "deviation"},
+            {"choices"},
+        ):
+            yield broken_rule("", given, _ALLOWED_VALUES)
+        if self.between:
+            low, high = self.between
+            if not low < high:
+                yield broken_rule("between", self.between, TWO_NUMBERS)
+            if self.scale == "log" and low <= 0:
+                yield broken_rule("between", self.between, "two numbers > 0 where the scale is log")
+            if self.mean is not None and not low <= self.mean <= high:
+                allowed = f"a number in [{low:g}, {high:g}], as of between"
+                yield broken_rule("mean", self.mean, allowed)
+            if self.deviation is not None and self.deviation > MOST_RANGES * (high - low):
+                allowed = f"a number <= {MOST_RANGES:g} times the range; what is wider is even"
+                yield broken_rule("deviation", self.deviation, allowed)
+        choices = self.choices or []
+        if not all(isinstance(value, bool | int | float | str) for value in choices) or len(
+            {str(canonical_number(value)) for value in choices}
+        ) < len(choices):
+            yield broken_rule("choices", choices, "a list of two different values or more")
+
+    def axis(self, name: str, is_integer: bool) -> Axis:
+        """Return the axis of a parameter that is spread like this."""
+        if self.choices:
+            axis = axis_of(name, self.choices, is_integer)
+            return replace(axis, choices=tuple(self.choices))
+        normal = None if self.mean is None else (self.mean, self.deviation)
+        low, high = self.between
+        return Axis(name, low, high, self.scale, normal=normal, is_integer=is_integer)
+
+
+def read_values(value: Any) -> Any:
+    """Return what a mapping says of the values of a parameter; a list stays one."""
+    if isinstance(value, dict):
+        return Distribution.model_validate(value)
+    if not isinstance(value, list) or not value:
+        raise broken_rule("", value, _ALLOWED_VALUES)
+    return value
+
+
+class Over(Lists):
+    """Values of the parameters of a design."""
+
+    @classmethod
+    def hint(cls, key: str, value: Any) -> str:
+        """Return a hint at the intended key, empty if there is none."""
+        if key in AMOUNTS:
+            return f"{key} belongs under base, as it makes no other point"
+        return super().hint(key, value)
+
+
+class DesignFile(Strict):
+    """Points that are spread over ranges of parameters, in place of a grid."""
+
+    #: What `expand` adds. Function: values by parameter → parameters of the point there, under the
+    #: first reading; study file and key of the design, for messages.
+    parameters_at: ClassVar[Any]
+    place: ClassVar[tuple[str, str]]
+
+    kind: Literal["sobol", "latin_hypercube", "random", "zip", "saltelli", "morris"] = Field(
+        description="how points are spread: `sobol` evenly, `latin_hypercube` evenly along each "
+        "parameter, `random`; `zip` pairs lists; `saltelli` and `morris` for sensitivity"
+    )
+    points: int = optional("number of points (of zip, the lists give it)", ge=1)
+    seed: int = Field(1, description="seed of the points", ge=0, le=2**32 - 1)
+    over: Over = Field(
+        description="the parameters that vary: `[lowest, highest]`, `{between, scale: log}`, "
+        "`{mean, deviation, between}`, `{choices}`; of zip lists of equal length"
+    )
+    where: list[str] = optional(
+        "conditions that all points satisfy, as `friction < restitution` (sobol, random, zip)",
+        min_length=1,
+    )
+
+    def rules(self) -> Iterator[PydanticCustomError]:
+        yield from self._wrong_values()
+        yield from self._wrong_number()
+        if self.where and self.kind not in ("sobol", "random", "zip"):
+            allowed = f"none with {self.kind}, whose points belong together"
+            yield broken_rule("where", self.where, allowed)
+        numeric = {axis.name for axis in self.axes if axis.is_number}
+        for index, text in enumerate(self.where or []):
+            comparison = read_comparison(text)
+            if not comparison or not comparison.names or not numeric.issuperset(comparison.names):
+                yield broken_rule(f"where[{index}]", text, _ALLOWED_COMPARISON)
+
+    def _wrong_values(self) -> Iterator[PydanticCustomError]:
+        values = self._values
+        first = next(iter(values))
+        for name, given in values.items():
+            if self.kind != "zip":
+                spread = self._distribution(name)
+                yield from self._not_allowed(name, spread.choices or spread.between)
+            elif not isinstance(given, list):
+                yield broken_rule(
+                    f"over.{name}",
+                    given.model_dump(exclude_unset=True),
+                    "a list of values, as kind is zip",
+                )
+            elif len(given) != (wanted := len(values[first])):
+                yield broken_rule(f"over.{name}", given, f"{wanted} values, as {first} has")
+            else:
+                yield from self._not_allowed(name, given)
+
+    def _not_allowed(self, name: str, values: Iterable[Any]) -> Iterator[PydanticCustomError]:
+        field = self._field(name)
+        kind: Any = Annotated[(field.annotation, *field.metadata, None)]
+        adapter = TypeAdapter(kind, config=ConfigDict(strict=True, allow_inf_nan=False))
+        for value in values:
+            if self._is_integer(name) and isinstance(value, float) and value.is_integer():
+                value = int(value)
+            try:
+                adapter.validate_python(value)
+            except ValidationError:
+                yield broken_rule(f"over.{name}", value, allowed_values(field))
+
+    def _wrong_number(self) -> Iterator[PydanticCustomError]:
+        if self.kind == "zip":
+            if self.points is not None:
+                yield broken_rule("points", self.points, "none, as the lists of zip say how many")
+            return
+        if self.points is None:
+            yield broken_rule("points", None, "an integer >= 1")
+            return
+        block = block_size(self.kind, len(self._values))
+        blocks = max(2, self.points // block)
+        match self.kind:
+            case "saltelli":
+                blocks = 2 ** int(log2(blocks))
+                fitting, factor = (blocks * block, 2 * blocks * block), "a power of two"
+            case "morris":
+                fitting, factor = (blocks * block, (blocks + 1) * block), "two or more"
+            case _:
+                return
+        if self.points not in fitting:
+            allowed = f"{fitting[0]:,} or {fitting[1]:,}, as {block} times {factor}"
+            yield broken_rule("points", self.points, allowed)
+
+    @property
+    def _values(self) -> dict[str, Any]:
+        return {name: values for name, values in self.over if values is not None}
+
+    def _distribution(self, name: str) -> Distribution:
+        values = self._values[name]
+        if not isinstance(values, list):
+            return values
+        try:
+            return Distribution(between=values)
+        except ValidationError:
+            raise broken_rule(f"over.{name}", values, _ALLOWED_VALUES) from None
+
+    def _field(self, name: str) -> FieldInfo:
+        return (self.over.parameters.model_fields | self.over.in_place)[name]
+
+    def _is_integer(self, name: str) -> bool:
+        return self._field(name).annotation is int
+
+    @cached_property
+    def axes(self) -> tuple[Axis, ...]:
+        """The parameters that it varies, in the order of the reference."""
+        return tuple(
+            axis_of(name, values, self._is_integer(name))
+            if self.kind == "zip"
+            else self._distribution(name).axis(name, self._is_integer(name))
+            for name, values in self._values.items()
+        )
+
+    @property
+    def max_points(self) -> int:
+        """Number of points, those of zip that do not satisfy ``where`` included."""
+        return self.points or len(next(iter(self._values.values())))
+
+    @cached_property
+    def size(self) -> int:
+        """Number of its points in the study. Equal ones count each."""
+        return self.points or len(self.rows(self.max_points))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters, in order."""
+        return tuple(axis.name for axis in self.axes)
+
+    @property
+    def grows(self) -> bool:
+        """Whether further points follow those of the study, so that more points keep these."""
+        return self.kind in GROWING
+
+    def sequence(self, count: int, after: int = 0) -> list[Parameters]:
+        """Return the next points of the sequence, in order; equal ones stand there each time.
+
+        Parameters
+        ----------
+        count : int
+            Number of points. Fewer come back at the end of a design that does not grow.
+        after : int
+            Number of points before them; `size` for the first ones that the study does not have.
+
+        Raises
+        ------
+        InputError
+            If too few points satisfy ``where``, or a point is not valid.
+        """
+        return [self.parameters_at(row) for row in self.rows(after + count)[after:]]
+
+    def rows(self, count: int) -> list[dict[str, Any]]:
+        """Return the values by parameter of the first ``count`` points, as `sequence` does."""
+        return self._draw(count)[1]
+
+    def shares(self, count: int) -> np.ndarray:
+        """Return the first ``count`` points in the unit cube, shape (count, number of axes).
+
+        Each number is the share of the distribution below the value. With the bounds [0, 1], this
+        is the sample that SALib has made for ``saltelli`` (without second order) and ``morris``
+        (of four levels). It has no columns for ``zip``.
+        """
+        return self._draw(count)[0]
+
+    def _draw(self, count: int) -> tuple[np.ndarray, list[dict[str, Any]]]:
+        shares: list[np.ndarray] = []
+        rows: list[dict[str, Any]] = []
+        drawn = 0
+        comparisons = [read_comparison(text) for text in self.where or []]
+        for chunk, columns in self._chunks(count if self.grows else self.max_points):
+            conditions = [one.satisfied(columns) for one in comparisons if one]
+            chosen = np.flatnonzero(np.all(conditions, axis=0)) if conditions else range(len(chunk))
+            shares.append(chunk[chosen])
+            rows += [{name: values[i] for name, values in columns.items()} for i in chosen]
+            drawn += len(chunk)
+            if len(rows) >= count or (drawn >= _MIN_DRAWN and len(rows) < _MIN_SHARE * drawn):
+                break
+        if not rows or (self.grows and len(rows) < count):
+            given = [str(one) for one in comparisons]
+            allowed = "conditions that at least 1 in 1,000 points of the design satisfies"
+            source, key = self.place
+            raise InputError.of_value(source, f"{key}.where", given, allowed)
+        return np.concatenate(shares)[:count], rows[:count]
+
+    def _chunks(self, count: int) -> Iterator[tuple[np.ndarray, Mapping[str, list[Any]]]]:
+        if self.kind == "zip":
+            yield np.empty((self.max_points, 0)), self._values
+            return
+        for shares in unit_points(self.kind, len(self.axes), count, self.seed):
+            yield (
+                shares,
+                {
+                    axis.name: axis.values(column)
+                    for axis, column in zip(self.axes, shares.T, strict=True)
+                },
+            )
