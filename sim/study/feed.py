@@ -1,4 +1,4 @@
-"""Last step of a study: feed its points to figures of the catalogue and to its own plots."""
+"""Last steps of a study: its points feed figures and plots, and its questions are asked."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -29,13 +29,10 @@ from sim.study.surrogate import Place, Question, SensitivityFile, SurrogateFile
 def feed(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
     """Return the study with the figures that its points feed, and with the plots of its files.
 
-    Raises
-    ------
-    InputError
-        If a figure is listed but not fed, or fed but not listed. Also if it shows none of its
-        points, if these do not vary its axes, or if two would share one position on a curve. For
-        plots with clashing names, unknown series, parameters or observables, and parameters that
-        do not vary.
+    Raises ``InputError`` for a figure that is listed but not fed, or fed but not listed, and for
+    one that shows none of its points, whose points do not vary its axes or share one position on a
+    curve; for plots with clashing names, unknown series, parameters or observables, and parameters
+    that do not vary.
     """
     entries, data = _figures(study, files), []
     for number, (path, file) in enumerate(files):
@@ -124,39 +121,27 @@ def _require_points_vary(
 def _require_distinct_positions(
     spec: FigureSpec, figure_points: Sequence[Point], source: str, path: str
 ) -> None:
-    if not spec.draws_curves:
+    if spec.regimes or not spec.axes:
         return
     points_by_position: dict[tuple[Any, ...], Point] = {}
     for point in figure_points:
         other = points_by_position.setdefault(spec.place(point.parameters), point)
-        if other is not point:
-            raise InputError(
-                f"{source}: {path}: got {spec.name} with two points at "
-                f"{_settings(spec, point.parameters)} that differ in "
-                f"{_differences(other.parameters, point.parameters)}{_series_note(other, point)}, "
-                "which it does not show; allowed: one point at each place of a curve, the other "
-                "in a series that does not feed it"
-            )
-
-
-def _settings(spec: FigureSpec, parameters: Parameters) -> str:
-    names = dict.fromkeys((*spec.axes, *spec.groups))
-    return ", ".join(f"{name} = {written(getattr(parameters, name))}" for name in names)
-
-
-def _differences(first: Parameters, second: Parameters) -> str:
-    names = type(first).model_fields
-    pairs = {name: (getattr(first, name), getattr(second, name)) for name in names}
-    return ", ".join(
-        f"{name} ({written(value)}, {written(other_value)})"
-        for name, (value, other_value) in pairs.items()
-        if value != other_value
-    )
-
-
-def _series_note(first: Point, second: Point) -> str:
-    names = first.series[0], second.series[0]
-    return f" (series {names[0]} and {names[1]})" if names[0] != names[1] else ""
+        if other is point:
+            continue
+        at, before = dict(point.parameters), dict(other.parameters)
+        names = dict.fromkeys((*spec.axes, *spec.groups))
+        settings = ", ".join(f"{name} = {written(at[name])}" for name in names)
+        pairs = {name: (before[name], at[name]) for name in at if before[name] != at[name]}
+        differences = ", ".join(
+            f"{name} ({written(a)}, {written(b)})" for name, (a, b) in pairs.items()
+        )
+        first, second = other.series[0], point.series[0]
+        note = f" (series {first} and {second})" if first != second else ""
+        raise InputError(
+            f"{source}: {path}: got {spec.name} with two points at {settings} that differ in "
+            f"{differences}{note}, which it does not show; allowed: one point at each place of a "
+            "curve, the other in a series that does not feed it"
+        )
 
 
 #: Parameters that captions give elsewhere or not at all.
@@ -185,57 +170,36 @@ def _caption_parameters(system: str, points: Sequence[Parameters]) -> list[str]:
 #: Keys of study files with questions. Surrogates come first, as the others are asked of them.
 KEYS = ("surrogate", "sensitivity", "calibrate")
 
-#: Title and lead of each kind of picture.
-PICTURES = {
-    "section": (
-        "{What} against {x}",
-        "{What} ({meaning}) against {x_phrase}, as the {source} gives it with its 95 % band.",
-    ),
-    "surface": (
-        "{What} over {x} and {y}",
-        "{What} ({meaning}) over {x_phrase} and {y_phrase}, as the {source} gives it.",
-    ),
-    "agreement": (
-        "{What} predicted and run",
-        "{What} ({meaning}) of each run, against what the {source} predicts from all the others.",
-    ),
-    "screening": (
-        "Screening of what changes the {what}",
-        "Elementary effects of each parameter on {what} ({meaning}), from the runs of the "
-        "{source}.",
-    ),
-    "indices": (
-        "What the {what} depends on",
-        "Sobol' indices of {what} ({meaning}), from the {source}.",
-    ),
-    "interactions": (
-        "What acts together on the {what}",
-        "Second-order Sobol' indices of {what} ({meaning}), from the {source}.",
-    ),
-    "posterior": (
-        "Which {names} the measurements allow",
-        "Posterior of {names} from {count} of {what} ({meaning}), by the {source}.",
-    ),
-    "predictions": (
-        "{What} measured and calibrated",
-        "{What} ({meaning}): measurements, and what the calibrated {source} says of each.",
-    ),
-    "experiment": (
-        "The next experiment",
-        "Where a further measurement of {what} would narrow the posterior of {names}.",
-    ),
+#: Titles of pictures of answers, and the first sentences of their captions.
+TITLES = {
+    "section": "{What} against {x}",
+    "surface": "{What} over {x} and {y}",
+    "agreement": "{What} predicted and run",
+    "screening": "Screening of what changes the {what}",
+    "indices": "What the {what} depends on",
+    "interactions": "What acts together on the {what}",
+    "posterior": "Which {names} the measurements allow",
+    "predictions": "{What} measured and calibrated",
+    "experiment": "The next experiment",
+}
+LEADS = {
+    "section": "{About} against {x_phrase}, as the {source} gives it with its 95 % band.",
+    "surface": "{About} over {x_phrase} and {y_phrase}, as the {source} gives it.",
+    "agreement": "{About} of each run, against what the {source} predicts from all the others.",
+    "screening": "Elementary effects of each parameter on {about}, from the runs of the {source}.",
+    "indices": "Sobol' indices of {about}, from the {source}.",
+    "interactions": "Second-order Sobol' indices of {about}, from the {source}.",
+    "posterior": "Posterior of {names} from {count} of {about}, by the {source}.",
+    "predictions": "{About}: measurements, and what the calibrated {source} says of each.",
+    "experiment": "Where a further measurement of {what} would narrow the posterior of {names}.",
 }
 
 
 def ask(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
     """Return the study with the questions of its files, and pictures of the answers.
 
-    Measurements are read here, before anything runs.
-
-    Raises
-    ------
-    InputError
-        See `sim.study.surrogate.Question.resolve`; for a name that is taken.
+    Measurements are read here, before anything runs. Raises ``InputError`` as
+    `sim.study.surrogate.Question.resolve` does, and for a name that is taken.
     """
     entries, names = dict(study.entries), {name.lower() for name in (*study.entries, *FIGURES)}
     for key in KEYS:
@@ -291,21 +255,20 @@ def _picture(question: Question, kind: str, x: str = "", y: str = "", **words: s
     """Return a picture of an answer, against parameters x and y where it has these."""
     of = question.of
     observable = numbers(of.system)[of.observable]
-    what = name_in_words(observable.name)
-    words = {"source": f"surrogate {of.name}", "meaning": observable.meaning, **words}
-    words |= {"what": what, "What": what.capitalize()}
+    what, meaning = name_in_words(observable.name), observable.meaning
+    words = {"source": f"surrogate {of.name}", **words}
+    words |= {"what": what, "about": f"{what} ({meaning})"}
+    words |= {"What": what.capitalize(), "About": f"{what.capitalize()} ({meaning})"}
     for key, name in (("x", x), ("y", y)):
         if name:
-            words[key] = name_in_words(name)
-            words[f"{key}_phrase"] = parameter_phrase(of.system, name)
-    title, lead = (text.format_map(words) for text in PICTURES[kind])
+            words |= {key: name_in_words(name), f"{key}_phrase": parameter_phrase(of.system, name)}
     noun = "surrogate " if isinstance(question, SurrogateFile) else ""
     return FigureSpec.model_construct(
         name="-".join((question.name, *filter(None, (x, y)))) if x else f"{question.name}-{kind}",
         kind=kind,
         system=of.system,
-        title=f"{title}, {noun}{question.name}",
-        lead=lead,
+        title=f"{TITLES[kind].format_map(words)}, {noun}{question.name}",
+        lead=LEADS[kind].format_map(words),
         series=[of.series],
         answer=Answer(
             question.file, of.observable, observable.unit, of.mean_regimes, question.settings, x, y

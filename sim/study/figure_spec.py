@@ -1,21 +1,22 @@
 """A figure as it is drawn: the keys of its file, and what follows from its points."""
 
 from collections import UserDict
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import AfterValidator, Field, ValidationError, model_validator
+from pydantic import AfterValidator, Field, ValidationError
+from pydantic_core import PydanticCustomError
 
 from sim.base.additions import on_change
 from sim.base.errors import InputError
-from sim.base.messages import input_error, one_of
+from sim.base.messages import input_error
 from sim.base.yaml import read_yaml
 from sim.parameters import NUMERICAL, SYSTEMS, Parameters
 from sim.parameters.common import broken_rule
 from sim.study.entries import Strict, Text
 from sim.study.papers import Paper, papers
-from sim.study.plot_file import PlotFile
+from sim.study.plot_file import PlotFile, require_kind
 from sim.study.plot_kinds import (
     CREEP,
     LARGEST_PORTION,
@@ -131,7 +132,9 @@ class FigureSpec(PlotFile):
         """Parameters that must take at least two values; curves are drawn along the first."""
         if self.keys.several:
             return tuple(self.parameters)
-        return (*(() if self.second else self.axis_names), *self.vary)
+        # At a second key, an axis may show an observable.
+        named = () if self.second else (getattr(self, key) for key in self.keys.axes)
+        return (*named, *self.vary)
 
     @property
     def by(self) -> tuple[str, ...]:
@@ -143,11 +146,6 @@ class FigureSpec(PlotFile):
         """Parameters that tell curves and panels apart; a study may vary them or not."""
         names = (*self.by, *filter(None, (self.panels,)))
         return tuple(name for name in names if name not in self.vary)
-
-    @property
-    def show(self) -> str:
-        """The observable that is shown, or ``regime``."""
-        return self.observable
 
     @property
     def second(self) -> str:
@@ -171,11 +169,6 @@ class FigureSpec(PlotFile):
     def animated(self) -> bool:
         """Whether it moves: a GIF with a poster instead of a picture."""
         return self.keys.animated
-
-    @property
-    def draws_curves(self) -> bool:
-        """Whether points are joined to curves, on which each has a place of its own."""
-        return bool(self.axes) and not self.regimes
 
     @property
     def taken(self) -> dict[str, str]:
@@ -235,36 +228,26 @@ _LIMITS = {
 }
 
 
-def _require_kind(kind: str) -> str:
-    if kind not in kinds():
-        raise broken_rule("", kind, one_of(kind, kinds()))
-    return kind
-
-
 class FigureFile(FigureSpec):
     """A figure of a paper, as its file has it. Words in braces in its texts are filled in."""
 
-    kind: Annotated[str, AfterValidator(_require_kind)] = "curves"
+    kind: Annotated[str, AfterValidator(lambda kind: require_kind(kind, kinds()))] = "curves"
 
-    @model_validator(mode="after")
-    def _require_keys_of_figures(self) -> Self:
+    def rules(self) -> Iterator[PydanticCustomError]:
+        yield from super().rules()
         systems = self.keys.systems or SYSTEMS
         if self.system not in systems:
             allowed = f"a kind of the {self.system}; this is one of the {', '.join(systems)}"
-            raise broken_rule("kind", self.kind, allowed)
+            yield broken_rule("kind", self.kind, allowed)
         for key in ("title", "about", "lead", "named", "says"):
             if key not in self.model_fields_set:
-                raise broken_rule(key, None, "text")
+                yield broken_rule(key, None, "text")
         for key in sorted(self.model_fields_set - {*self.keys_of_kind}):
             allowed = f"a key of {self.kind}: {', '.join(self.keys_of_kind)}"
-            raise broken_rule(key, getattr(self, key), allowed)
-        return self
-
-    @model_validator(mode="after")
-    def _require_parameters(self) -> Self:
+            yield broken_rule(key, getattr(self, key), allowed)
         shown = self.keys.observable
         if shown and shown in self.model_fields_set:
-            find_observable(self.kind, shown, self.observable, self.system, broken_rule)
+            find_observable(self.kind, shown, self.show, self.system, broken_rule)
         key: str
         for key in (*self.keys.axes, "curves", "panels", "vary", "where", "named", "alike"):
             value = getattr(self, key) or ()
@@ -275,7 +258,6 @@ class FigureFile(FigureSpec):
             find_observable(self.kind, f"{key}.name", measure.name, self.system, broken_rule)
             if measure.over:
                 require_parameter(f"{key}.over", measure.over, self.system, (), broken_rule)
-        return self
 
     @property
     def keys_of_kind(self) -> tuple[str, ...]:
@@ -290,54 +272,35 @@ class PaperFigures(Strict):
     figures: list[FigureFile]
 
 
-def _give_system(contents: Any, system: str) -> Any:
-    """Return contents of a file whose figures are of a system, but where they name another."""
-    match contents:
-        case {"figures": [*figures]}:
-            figures = [
-                {"system": system, **one} if isinstance(one, dict) else one for one in figures
-            ]
-            return contents | {"figures": figures}
-    return contents
-
-
 def read_figures(paper: Paper) -> list[FigureSpec]:
     """Read ``figures.yaml`` of a paper; a paper without this file has none.
 
-    Raises
-    ------
-    InputError
-        For a file that is not readable, and for the first wrong or unknown key, kind or name.
+    Raises ``InputError`` for the first wrong or unknown key, kind or name.
     """
     path = paper.folder / "figures.yaml"
     if not path.exists():
         return []
-    source = str(path)
+    source, contents = str(path), read_yaml(path)
+    match contents:
+        case {"figures": [*figures]}:
+            for one in figures:
+                if isinstance(one, dict):
+                    one.setdefault("system", paper.system)
     try:
-        file = PaperFigures.model_validate(_give_system(read_yaml(path), paper.system))
+        file = PaperFigures.model_validate(contents)
     except ValidationError as error:
         raise input_error(error, PaperFigures, source) from None
-    words = _LIMITS | _fill(file.words, _LIMITS, source, "words")
-    return [
-        _spec(paper, figure, words, source, f"figures[{number}]")
-        for number, figure in enumerate(file.figures)
-    ]
-
-
-def _spec(
-    paper: Paper, figure: FigureFile, words: Mapping[str, str], source: str, key: str
-) -> FigureSpec:
-    words = {**words, **figure.words, **figure.where}
-    texts = _fill(
-        figure.model_dump(include={"title", "lead", "says", "details"}), words, source, key
-    )
-    return figure.model_copy(
-        update={
-            **texts,
+    shared, specs = _LIMITS | _fill(file.words, _LIMITS, source, "words"), []
+    for number, figure in enumerate(file.figures):
+        words = {**shared, **figure.words, **figure.where}
+        texts = figure.model_dump(include={"title", "lead", "says", "details"})
+        follows = {
+            **_fill(texts, words, source, f"figures[{number}]"),
             "paper": f"{paper.quote}, {figure.about}",
             "vary": [*filter(None, (figure.panels,)), *figure.vary],
         }
-    )
+        specs.append(figure.model_copy(update=follows))
+    return specs
 
 
 def _fill(

@@ -1,7 +1,8 @@
 """Entries under ``plots`` of a study file: observables, parameters, and data beside them."""
 
+from collections.abc import Collection, Iterator
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
 from pydantic import (
     AfterValidator,
@@ -9,8 +10,8 @@ from pydantic import (
     ConfigDict,
     Field,
     WithJsonSchema,
-    model_validator,
 )
+from pydantic_core import PydanticCustomError
 
 from sim.base.additions import NAME as PLUGIN_NAME
 from sim.base.messages import one_of
@@ -19,15 +20,10 @@ from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional, require_prin
 from sim.study.measured import ALLOWED_FILE, FILE
 from sim.study.plot_kinds import REGIME, Keys, every_name, find_kind, study_kinds
 
-#: Kinds of plot that the explorer draws, and no study.
-_OF_EXPLORER = ("pairs", "parallel")
 
-
-def _require_known_kind(kind: str) -> str:
-    kinds = study_kinds(own=True)
-    if kind in _OF_EXPLORER and kind not in kinds:
-        allowed = "scatter or main_effects; the explorer of the report shows pairs of parameters"
-        raise broken_rule("", kind, allowed)
+def require_kind(kind: str, kinds: Collection[str] = ()) -> str:
+    """Return the name of a kind of studies' plots, or one of other ``kinds``; refuse any other."""
+    kinds = kinds or study_kinds(own=True)
     if kind not in kinds:
         raise broken_rule("", kind, one_of(kind, kinds))
     return kind
@@ -36,7 +32,7 @@ def _require_known_kind(kind: str) -> str:
 #: Type of a kind of plot, of Talus or of a plug-in.
 Kind = Annotated[
     str,
-    AfterValidator(_require_known_kind),
+    AfterValidator(require_kind),
     WithJsonSchema(
         {"anyOf": [{"enum": study_kinds()}, {"type": "string", "pattern": PLUGIN_NAME}]}
     ),
@@ -58,7 +54,7 @@ Names = Annotated[
 ]
 
 _OBSERVABLE_EXAMPLES = {"examples": every_name()}
-
+_NAME_OR_NAMES: dict[str, Any] = {"allowed": "a name, or a list of names"}
 
 #: Maximum number of data sets beside a plot; each has a style of its own.
 MAX_BESIDE = 6
@@ -69,23 +65,22 @@ _MAX_LABEL_LENGTH = 60
 #: Largest magnitude of a number that can be drawn; on a logarithmic axis, its inverse is the least.
 MAX_MAGNITUDE = 1e100
 
-_LABEL: dict[str, Any] = {"allowed": "a text that is not empty"}
-_POINTS: dict[str, Any] = {
-    "allowed": f"a list of points [x, y], numbers of size up to {MAX_MAGNITUDE:g}"
+_LABEL = "a text that is not empty"
+_POINTS = f"a list of points [x, y], numbers of size up to {MAX_MAGNITUDE:g}"
+_COLUMN = "the name of a column of the file"
+
+#: What data beside a plot need and what they cannot have: points, and columns of a file.
+_NEEDED = {
+    False: {"label": _LABEL, "points": f"{_POINTS}, or a file"},
+    True: {"x": _COLUMN, "y": _COLUMN},
 }
+_OTHERS = {False: ("x", "y", "yerr"), True: ("points",)}
 
 #: Values of ``beside``: its entry in the JSON schema, and in words.
 _ONE_OR_SEVERAL: dict[str, Any] = {
     "type": ["array", "object"],
     "anyOf": [{"type": "array"}, {"$ref": "#/$defs/BesideFile"}],
     "allowed": f"a list of at most {MAX_BESIDE} mappings with label and points, or with file",
-}
-
-_NEEDED = {
-    "label": _LABEL["allowed"],
-    "points": f"{_POINTS['allowed']}, or a file",
-    "x": "the name of a column of the file",
-    "y": "the name of a column of the file",
 }
 
 #: A number that can be drawn.
@@ -105,12 +100,12 @@ class BesideFile(Strict):
         f"what it is, for legend and caption, at most {_MAX_LABEL_LENGTH} letters (omitted: the "
         "name of the file)",
         pattern=r"\S",
-        json_schema=_LABEL,
+        json_schema={"allowed": _LABEL},
     )
     points: list[Annotated[list[_DrawableNumber], Field(min_length=2, max_length=2)]] = optional(
         "points [x, y], in the units of the axes as they are drawn",
         min_length=1,
-        json_schema=_POINTS,
+        json_schema={"allowed": _POINTS},
     )
     file: str = optional(
         "in place of points: a CSV file in the folder of the study file, with units in its "
@@ -123,22 +118,17 @@ class BesideFile(Strict):
     yerr: str = optional("of a file: column with the errors of y, half the length of their bars")
     line: bool = Field(False, description="a line through the points, in their order, not markers")
 
-    @model_validator(mode="after")
-    def _require_points_or_columns(self) -> Self:
-        if self.file is None:
-            needed, others = ("label", "points"), ("x", "y", "yerr")
-        else:
-            needed, others = ("x", "y"), ("points",)
-        for key in needed:
+    def rules(self) -> Iterator[PydanticCustomError]:
+        has_file = self.file is not None
+        for key, allowed in _NEEDED[has_file].items():
             if getattr(self, key) is None:
-                raise broken_rule(key, None, _NEEDED[key])
-        for key in others:
+                yield broken_rule(key, None, allowed)
+        for key in _OTHERS[has_file]:
             if (value := getattr(self, key)) is not None:
-                raise broken_rule(key, value, "points, or columns of a file, not both")
+                yield broken_rule(key, value, "points, or columns of a file, not both")
         require_printable(self.name, "label", _MAX_LABEL_LENGTH)
         if self.points and self.line and len(self.points) < 2:
-            raise broken_rule("points", self.points, "at least two points for a line")
-        return self
+            yield broken_rule("points", self.points, "at least two points for a line")
 
     @property
     def name(self) -> str:
@@ -188,12 +178,11 @@ class PlotFile(Strict):
     )
     parameters: Names = optional(
         "of `main_effects`: parameters on the axes (omitted: all that vary)",
-        json_schema={"allowed": "a name, or a list of names"},
+        json_schema=_NAME_OR_NAMES,
         min_length=1,
     )
     curves: Names = optional(
-        "parameter, or list of them, that tells curves apart",
-        json_schema={"allowed": "a name, or a list of names"},
+        "parameter, or list of them, that tells curves apart", json_schema=_NAME_OR_NAMES
     )
     panels: str = optional(
         "parameter that tells panels apart", json_schema={"allowed": "the name of one parameter"}
@@ -228,51 +217,36 @@ class PlotFile(Strict):
         json_schema_extra={"allowed": "a list of 'x', 'y' or 'colour'"},
     )
 
-    @model_validator(mode="after")
-    def _require_printable_title(self) -> Self:
+    def rules(self) -> Iterator[PydanticCustomError]:
         require_printable(self.title)
-        return self
-
-    @model_validator(mode="after")
-    def _require_keys_of_kind(self) -> Self:
         keys = ("x", "y", "colour", "parameters", "curves", "panels", "between", "beside", "fit")
         for key in keys:
             value = getattr(self, key)
             if value is not None and key not in self.keys_of_kind:
                 allowed = f"a key of {self.kind}: {', '.join(self.keys_of_kind)}"
-                raise broken_rule(key, value[0].name if key == "beside" else value, allowed)
+                yield broken_rule(key, value[0].name if key == "beside" else value, allowed)
             if value is None and key in self.keys.axes:
                 alternative = ", or an observable" if self.keys.second == key else ""
-                raise broken_rule(key, value, f"a parameter that the points vary{alternative}")
+                yield broken_rule(key, value, f"a parameter that the points vary{alternative}")
         for number, axis in enumerate(self.log):
             if axis not in self.log_axes:
-                raise broken_rule(f"log[{number}]", axis, "one of " + ", ".join(self.log_axes))
-        return self
-
-    @model_validator(mode="after")
-    def _require_valid_heights(self) -> Self:
+                yield broken_rule(f"log[{number}]", axis, "one of " + ", ".join(self.log_axes))
         low, high = self.between or (0, 1)
         if not 0 <= low < high:
-            raise broken_rule("between", self.between, _ALLOWED_BETWEEN)
-        return self
-
-    @model_validator(mode="after")
-    def _require_drawable_beside(self) -> Self:
+            yield broken_rule("between", self.between, _ALLOWED_BETWEEN)
         labels: set[str] = set()
         for number, data in enumerate(self.beside or []):
             if data.name in labels:
-                raise broken_rule(f"beside[{number}].label", data.name, "a label of its own")
+                yield broken_rule(f"beside[{number}].label", data.name, "a label of its own")
             labels.add(data.name)
             for index, point in enumerate(data.points or []):
-                low = [
-                    axis
-                    for axis, value in zip("xy", point, strict=True)
-                    if value < self.least(axis)
-                ]
-                if low:
-                    allowed = allowed_on_logarithmic(low[0])
-                    raise broken_rule(f"beside[{number}].points[{index}]", point, allowed)
-        return self
+                for axis, value in zip("xy", point, strict=True):
+                    if value < self.least(axis):
+                        key, allowed = (
+                            f"beside[{number}].points[{index}]",
+                            allowed_on_logarithmic(axis),
+                        )
+                        yield broken_rule(key, point, allowed)
 
     def least(self, axis: str) -> float:
         """Return the least number that can be drawn on the axis ``"x"`` or ``"y"``."""
@@ -297,12 +271,7 @@ class PlotFile(Strict):
         return tuple(axis for axis in axes if axis != "colour" or is_coloured)
 
     @property
-    def observable(self) -> str:
+    def show(self) -> str:
         """Name of the observable that is shown, or ``regime``."""
         key = self.keys.observable
         return (getattr(self, key) or self.keys.usual) if key else ""
-
-    @property
-    def axis_names(self) -> tuple[str, ...]:
-        """Names on the axes that show parameters; at a second key it may be an observable."""
-        return tuple(getattr(self, key) for key in self.keys.axes)

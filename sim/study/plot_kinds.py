@@ -1,9 +1,9 @@
-"""Kinds of plot: what a kind is, and the call that declares one, for Talus and for plug-ins alike.
+"""Kinds of plot, the call that declares one, and the observables and parameters that they can show.
 
 Those that ship stand in `sim.figures.kinds`. Nothing imports it by a statement.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from functools import wraps
@@ -11,18 +11,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, Literal
 
 from sim.base.additions import AdditionError, add, additions, attribute_errors_to, shipped
-from sim.base.errors import in_short, printable
+from sim.base.errors import Allowed, in_short, printable
+from sim.base.messages import MOST_NAMES, did_you_mean, near, one_of
 from sim.base.plugins import require_function, require_one_of, with_declared_types
+from sim.parameters import SYSTEMS
+from sim.parameters.variables import Variable, observable_variables, plotted_name, variables_of
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
-from collections.abc import Collection
-
-from sim.base.errors import Allowed
-from sim.base.messages import MOST_NAMES, did_you_mean, near, one_of
-from sim.parameters import SYSTEMS
-from sim.parameters.variables import Variable, observable_variables, plotted_name, variables_of
 
 #: Kind of the additions that are kinds of plot, and package of those that ship.
 PLOT, SHIPPED = "plot", "sim.figures.kinds"
@@ -32,10 +28,6 @@ REGIME = "regime"
 
 #: Function of the data of a figure, `sim.figures.data.FigureData`.
 OfData = Callable[[Any], Any]
-
-#: Function: data of a figure → picture.
-Drawing = Callable[[Any], "Figure"]
-
 
 #: What functions of a plug-in return: a method or attribute of it, and in words.
 _RETURNED = {
@@ -57,36 +49,15 @@ class Shown(IntEnum):
 class Keys:
     """The keys that a kind of plot takes, and what they name.
 
-    Attributes
-    ----------
-    axes : tuple of str
-        Keys of the parameters on its axes.
-    observable : str
-        Key of the observable; empty for a kind of papers' figures alone.
-    usual : str
-        What is shown where this key is omitted.
-    shows : callable
-        Function: system → observables that can be shown by name.
-    second : str
-        Key of a second observable, for a kind that can show one against another.
-    several : str
-        Key of a list of parameters, of which each has an axis; all that vary where it is omitted.
-    most : int
-        Most parameters in that list.
-    log : tuple of str
-        Axes that can be logarithmic.
-    others : tuple of str
-        Further keys.
-    of_papers : str
-        Keys of papers' figures, where these take others, as `sim.study.figure_spec` says.
-    systems : tuple of str
-        Systems of which papers can have figures of the kind, empty for all.
-    what, over : str
-        What titles make of the name of the observable, and what they say of the axes.
-    particles : Shown
-        What it shows of the particles, which the dataset then keeps.
-    animated, from_runs : bool
-        Whether it moves, and whether it reads run files.
+    ``axes`` are keys of the parameters on its axes, ``observable`` is that of the observable (empty
+    for a kind of papers' figures alone), ``usual`` what is shown where this is omitted, and
+    ``shows`` a function: system → observables that can be shown, by name. ``second`` is the key of
+    an observable that the first is shown against; ``several`` that of a list of at most ``most``
+    parameters, each on an axis (all that vary, where it is omitted). ``log`` are axes that can be
+    logarithmic, ``others`` further keys. ``of_papers`` are the keys of papers' figures, where these
+    take others, and ``systems`` those of which papers can have figures, empty for all. ``what`` and
+    ``over`` say what titles make of the name of the observable, and of the axes. ``particles`` is
+    what the dataset keeps of them for it. It is ``animated`` or reads run files, ``from_runs``.
     """
 
     axes: tuple[Literal["x", "y"], ...] = ()
@@ -118,8 +89,7 @@ class Keys:
         return len(self.axes) == 2
 
 
-#: Roles of the functions of the data of a figure: the picture, the data behind it with units in the
-#: headings, the sentences of the caption, and the data with the points to draw only.
+#: Names of the functions of a kind.
 ROLES = "draw", "table", "notes", "select"
 
 
@@ -127,14 +97,10 @@ ROLES = "draw", "table", "notes", "select"
 class PlotKind:
     """A kind of plot.
 
-    Attributes
-    ----------
-    keys : Keys
-        The keys that it takes.
-    drawing : str
-        Module, or object in one, that has its functions by their `ROLES`; imported to draw.
-    own : mapping
-        Functions of a plug-in, in place of those.
+    ``drawing`` names a module, or an object in one, that has its functions; it is imported to draw.
+    They are ``draw`` (the picture), ``table`` (the data behind it, with units in the headings),
+    ``notes`` (the sentences of the caption) and ``select`` (the data with the points to draw only).
+    ``own`` are those of a plug-in, in their place.
     """
 
     keys: Keys
@@ -150,7 +116,7 @@ def plot_kind(
     table: "Callable[[Any], pd.DataFrame] | None" = None,
     notes: Callable[[Any], Sequence[str]] | None = None,
     select: OfData | None = None,
-) -> Callable[[Drawing], Drawing]:
+) -> Callable[[OfData], OfData]:
     """Declare a kind of plot; the decorated function draws it.
 
     The function gets the data of a figure: its ``spec``, a table ``rows`` of its points, and the
@@ -175,9 +141,8 @@ def plot_kind(
         require_one_of(f"plot {name}: like", like, study_kinds())
         base = find_kind(like)
     elif like or not isinstance(keys, Keys):
-        raise AdditionError(
-            f"plot {name}: keys is of type Keys, without like: got {in_short(keys)}"
-        )
+        got = in_short(keys)
+        raise AdditionError(f"plot {name}: keys is of type Keys, without like: got {got}")
     else:
         base = PlotKind(with_declared_types(f"plot {name}: keys", keys))
     # Nothing draws data beside the plot of a plug-in, or fits a law to it.
@@ -189,7 +154,7 @@ def plot_kind(
     if notes:
         own["notes"] = lambda data: [printable(note) for note in notes(data)]
 
-    def register(draw: Drawing) -> Drawing:
+    def register(draw: OfData) -> OfData:
         require_function(f"plot {name}", draw, takes=1)
         every = (own | {"draw": draw}).items()
         functions = {role: _attributed(name, role, function) for role, function in every}
@@ -217,10 +182,8 @@ def _attributed(name: str, role: str, function: OfData) -> OfData:
 def kinds() -> Mapping[str, PlotKind]:
     """Return all kinds of plot by name: those that ship, then those of plug-ins."""
     import_module(SHIPPED)
-    return {
-        **dict(sorted(shipped(PLOT).items())),
-        **{name: addition.value for name, addition in additions(PLOT).items()},
-    }
+    own = {name: addition.value for name, addition in additions(PLOT).items()}
+    return dict(sorted(shipped(PLOT).items())) | own
 
 
 def find_kind(name: str) -> PlotKind:
@@ -230,11 +193,8 @@ def find_kind(name: str) -> PlotKind:
 
 def study_kinds(*, own: bool = False) -> list[str]:
     """Return the names of the kinds of studies' plots, with ``own`` those of plug-ins, too."""
-    return [
-        name
-        for name, kind in kinds().items()
-        if kind.keys.observable and (own or name in shipped(PLOT))
-    ]
+    every, ours = kinds(), shipped(PLOT)
+    return [name for name in every if every[name].keys.observable and (own or name in ours)]
 
 
 def plugin_code(kind: str) -> str:
@@ -258,20 +218,11 @@ TALLEST = 24.0
 
 @dataclass(frozen=True)
 class Observable:
-    """An observable of the points of one system.
+    """An observable of the points of one system, by the name that study files call it.
 
-    Attributes
-    ----------
-    name : str
-        What study files call it.
-    source : str
-        Variable of the dataset, or of the run file, that it is from.
-    unit, meaning : str
-        Unit as UDUNITS reads it, and what it is.
-    is_mean : bool
-        Whether it is the mean of a profile over the particles.
-    asked_by : str
-        Parameter that a point needs for it to be kept, if any.
+    ``source`` is the variable of the dataset or the run file that it is from, ``unit`` as UDUNITS
+    reads it, ``is_mean`` whether it is the mean of a profile over the particles, ``asked_by`` the
+    parameter that a point needs for it to be kept, if any.
     """
 
     name: str
@@ -296,17 +247,18 @@ def numbers(system: str) -> dict[str, Observable]:
 
 def profiles(system: str) -> dict[str, Observable]:
     """Return the profiles over the height that datasets keep, averages of the window."""
-    return {
-        (name := plotted_name(source)): _observable(name, row)
-        for source, row in variables_of("profile", system=system).items()
-        if system in row.in_datasets and not row.of
-    }
+    rows = variables_of("profile", system=system).values()
+    return _by_name(row for row in rows if system in row.in_datasets and not row.of)
 
 
 def series(system: str) -> dict[str, Observable]:
     """Return the time series of run files."""
-    rows = variables_of("series", system=system)
-    return {(name := plotted_name(source)): _observable(name, row) for source, row in rows.items()}
+    return _by_name(variables_of("series", system=system).values())
+
+
+def _by_name(rows: Iterable[Variable]) -> dict[str, Observable]:
+    named = {plotted_name(row.name): row for row in rows}
+    return {name: _observable(name, row) for name, row in named.items()}
 
 
 def _observable(name: str, row: Variable) -> Observable:
@@ -315,10 +267,8 @@ def _observable(name: str, row: Variable) -> Observable:
 
 def shown_by() -> dict[str, dict[str, Mapping[str, Observable]]]:
     """Return the observables that each kind of a study's plots can show, by kind and system."""
-    return {
-        kind: {system: find_kind(kind).keys.shows(system) for system in SYSTEMS}
-        for kind in study_kinds()
-    }
+    shows = {kind: find_kind(kind).keys.shows for kind in study_kinds()}
+    return {kind: {system: show(system) for system in SYSTEMS} for kind, show in shows.items()}
 
 
 def every_name() -> list[str]:
@@ -359,14 +309,12 @@ def find_observable(
         return observables[name]
     for other in SYSTEMS:
         if name in shows(other):
-            raise plot_error(
-                key, name, f"an observable of the {system}; {name} is one of the {other}"
-            )
+            allowed = f"an observable of the {system}; {name} is one of the {other}"
+            raise plot_error(key, name, allowed)
     for other, shown in shown_by().items():
         if name in shown[system]:
-            raise plot_error(
-                key, name, f"an observable of {kind}; {name} is shown by kind: {other}"
-            )
+            allowed = f"an observable of {kind}; {name} is shown by kind: {other}"
+            raise plot_error(key, name, allowed)
     raise plot_error(key, name, one_of(name, observables))
 
 
@@ -385,11 +333,10 @@ def require_parameter(
     """
     fields = SYSTEMS[system].model_fields
     if name not in fields or name == "system":
-        others = [other for other, model in SYSTEMS.items() if name in model.model_fields]
-        if name != "system" and others:
-            raise plot_error(
-                key, name, f"a parameter of the {system}; this is one of the {others[0]}"
-            )
+        for other, model in SYSTEMS.items():
+            if name in model.model_fields.keys() - {"system"}:
+                allowed = f"a parameter of the {system}; this is one of the {other}"
+                raise plot_error(key, name, allowed)
         names, most = [field for field in fields if field != "system"], MOST_NAMES // 2
         allowed = f"a parameter of the {system} that the points vary: "
         allowed += near(name, varied or names, most)
