@@ -96,11 +96,8 @@ class CalibrateFile(Question):
         for name in self.units:
             table.require_column(name, "as units has it")
         values, errors = self._measurements(table, surrogate, place)
-        conditions = {
-            name: self._condition(table, axis, surrogate)
-            for name, axis in axes.items()
-            if name not in self.parameters
-        }
+        others = [axis for axis in surrogate.axes if axis.name not in self.parameters]
+        conditions = {axis.name: self._condition(table, axis, surrogate) for axis in others}
         self._require_other_columns(table, surrogate, study, place)
         return self.with_values(
             of=surrogate, conditions=conditions, values=values, errors=errors, path=table.path
@@ -129,33 +126,23 @@ class CalibrateFile(Question):
             if own in (*taken, *SYSTEMS[surrogate.system].model_fields):
                 allowed = "a column of its own: neither a parameter nor what was measured"
                 raise place.error(key, own, allowed)
-        unit = units.get(name, "")
-        values = table.numbers(
-            name, observable.unit, unit=unit, low=-_HUGE, high=_HUGE, allowed="a number"
-        )
+        to, unit = observable.unit, units.get(name, "")
+        values = table.numbers(name, to, unit=unit, low=-_HUGE, high=_HUGE, allowed="a number")
         # Errors are in the unit of what was measured, unless they have one of their own.
-        of_errors = units.get(column, "" if table.units[column] else unit or table.units[name])
-        errors = table.numbers(
-            column, observable.unit, unit=of_errors, low=_TINY, high=_HUGE, allowed="an error > 0"
-        )
-        return values, errors
+        unit = units.get(column, "" if table.units[column] else unit or table.units[name])
+        ends: dict[str, Any] = {"low": _TINY, "high": _HUGE, "allowed": "an error > 0"}
+        return values, table.numbers(column, to, unit=unit, **ends)
 
     def _condition(
         self, table: MeasuredTable, axis: Axis, surrogate: SurrogateFile
     ) -> tuple[float, ...]:
-        table.require_column(
-            axis.name, f"as surrogate {surrogate.name} varies it and parameters does not name it"
-        )
-        unit = field_info(SYSTEMS[surrogate.system])[axis.name].unit
-        allowed = (
-            f"a number in [{axis.low:g}, {axis.high:g}]"
-            + (f" {unit}" if unit != PURE else "")
-            + f", the range of surrogate {surrogate.name}"
-        )
-        own = self.units.get(axis.name, "")
-        return table.numbers(
-            axis.name, unit, unit=own, low=axis.low, high=axis.high, allowed=allowed
-        )
+        name, low, high = axis.name, axis.low, axis.high
+        why = f"as surrogate {surrogate.name} varies it and parameters does not name it"
+        table.require_column(name, why)
+        unit, own = field_info(SYSTEMS[surrogate.system])[name].unit, self.units.get(name, "")
+        allowed = f"a number in [{low:g}, {high:g}]{f' {unit}' if unit != PURE else ''}"
+        allowed += f", the range of surrogate {surrogate.name}"
+        return table.numbers(name, unit, unit=own, low=low, high=high, allowed=allowed)
 
     def _require_other_columns(
         self, table: MeasuredTable, surrogate: SurrogateFile, study: Any, place: Place
@@ -172,10 +159,8 @@ class CalibrateFile(Question):
                 raise place.error(f"parameters.{name}", self.parameters[name], allowed)
             fixed, *others = dict.fromkeys(getattr(point, name) for point in points)
             if not others:
-                unit = fields[name].unit
-                self._require_value(
-                    table, name, fixed, unit, f"as all points of {surrogate.series}"
-                )
+                reason = f"as all points of {surrogate.series}"
+                self._require_value(table, name, fixed, fields[name].unit, reason)
 
     def _require_value(
         self, table: MeasuredTable, name: str, fixed: Any, unit: str, reason: str

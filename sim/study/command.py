@@ -34,19 +34,13 @@ YAML_SUFFIXES = (".yaml", ".yml")
 def init(target: Path, model: str) -> str:
     """Write a copy of a shipped study for the user to edit; return a line with the next command.
 
-    Parameters
-    ----------
-    target : Path
-        The file, which gives the study its name; or a folder, for a file named after the model.
-    model : str
-        Name of the study to copy, one of those that come with Talus.
-
-    Raises
-    ------
-    InputError
-        If there is no such study, the file's name cannot name a study, or the file exists.
+    ``target`` is the file, which gives the study its name, or a folder for a file named after the
+    ``model``, the study to copy. Raises ``InputError`` if there is no such study, the file's name
+    cannot name a study, or the file exists.
     """
-    texts = _template_texts()
+    files = sorted(package_folder("config").glob("*.yaml"))
+    texts = {path.stem: path.read_text("utf-8") for path in files}
+    texts = {name: text for name, text in texts.items() if "\nparts:" not in text}
     if model not in texts:
         raise InputError.of_value("--from", "", model, one_of(model, texts))
     is_file = target.name.lower().endswith(YAML_SUFFIXES)
@@ -55,23 +49,15 @@ def init(target: Path, model: str) -> str:
         raise InputError.of_value("init", "", str(path), f"{ALLOWED_NAME['allowed']}, then .yaml")
     require_writable(path.parent, "init")
     path.parent.mkdir(parents=True, exist_ok=True)
-    name_pattern = re.compile(
-        rf"(?<=^study: ){model}\b|\b{model}(?=\.yaml)|(?<=results/){model}\b", re.M
-    )
+    named = rf"(?<=^study: ){model}\b|\b{model}(?=\.yaml)|(?<=results/){model}\b"
+    text = re.sub(named, path.stem, texts[model], flags=re.M)
     schema = f"$schema={package_folder('config') / 'schema.json'}"
     try:
         with path.open("x", encoding="utf-8") as file:
-            file.write(
-                name_pattern.sub(path.stem, texts[model]).replace("$schema=schema.json", schema)
-            )
+            file.write(text.replace("$schema=schema.json", schema))
     except FileExistsError:
         raise InputError(f"{path}: is there already, and stays as it is") from None
     return f"{path}: written; {program()} study {path} runs it"
-
-
-def _template_texts() -> dict[str, str]:
-    texts = {path.stem: path.read_text("utf-8") for path in package_folder("config").glob("*.yaml")}
-    return {name: texts[name] for name in sorted(texts) if "\nparts:" not in texts[name]}
 
 
 def study(
@@ -79,25 +65,10 @@ def study(
 ) -> int:
     """Check a study, then replace this process by the Snakemake that runs it in the current folder.
 
-    Signals and exit code are therefore Snakemake's own.
-
-    Parameters
-    ----------
-    study_path : Path
-        The study file.
-    cores : int, optional
-        Number of cores to use; by default the number in the profile, else all cores.
-    profile : str, optional
-        Folder of a Snakemake profile, or the name of one that comes with Talus.
-    dry_run : bool
-        Have Snakemake list what it would run, and run nothing.
-    extra : sequence of str
-        Further arguments for Snakemake.
-
-    Raises
-    ------
-    InputError
-        For any mistake that prevents the study from being run as written.
+    Signals and exit code are therefore Snakemake's own. ``cores`` are by default the number in the
+    profile, else all. ``profile`` is the folder of a Snakemake profile, or the name of one that
+    comes with Talus; ``extra`` are further arguments for Snakemake. Raises ``InputError`` for any
+    mistake that prevents the study from being run as written.
     """
     if cores is not None and cores < 1:
         raise InputError.of_value("--cores", "", cores, "an integer >= 1")
@@ -196,15 +167,8 @@ def job_environment(study: Study, package: Path, own_interpreter: bool) -> str:
     """Return the shell command by which jobs find package, study and interpreter.
 
     The path of a study file is no parameter of its results: a moved or copied study reruns nothing.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-    package : Path
-        Folder that contains ``sim``.
-    own_interpreter : bool
-        True where jobs have an interpreter of their own, as with conda and in containers.
+    ``package`` is the folder that contains ``sim``. Jobs have their own interpreter with conda
+    and in containers.
     """
     # PYTHONSAFEPATH: jobs must not import modules from the folder of the results.
     variables: dict[str, list[str | None]] = {"PYTHONPATH": [str(package)], "PYTHONSAFEPATH": ["1"]}

@@ -71,21 +71,10 @@ def _number_or_name(text: str) -> float | str:
 class Axis:
     """A parameter that the points of a series vary, and how its values are spread.
 
-    Attributes
-    ----------
-    name : str
-        The parameter.
-    low, high : float
-        Lowest and highest value, in the unit of a study file; of words and switches the first and
-        the last index of `choices`.
-    scale : str
-        ``linear`` or ``log``: in which scale values are evenly spread.
-    choices : tuple
-        The values that it takes; empty where it takes any between ``low`` and ``high``.
-    normal : tuple of two floats, optional
-        Mean and deviation of a normal distribution that is cut off at ``low`` and ``high``.
-    is_integer : bool
-        Whether it takes whole numbers alone.
+    ``low`` and ``high`` are its lowest and highest value, in the unit of a study file; of words and
+    switches the first and the last index of ``choices``. These are the values that it takes, empty
+    where it takes any between, evenly spread in its ``scale``, or with the mean and the deviation
+    of a ``normal`` distribution that is cut off at the ends.
     """
 
     name: str

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from math import log2
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -26,6 +26,7 @@ GROWING = ("sobol", "random", "saltelli", "morris")
 _MIN_DRAWN, _MIN_SHARE = 2**16, 1e-3
 
 _ALLOWED_VALUES = f"{TWO_NUMBERS}; {{between, scale}}, {{mean, deviation, between}} or {{choices}}"
+_ALLOWED_CHOICES = "a list of two different values or more"
 _ALLOWED_COMPARISON = (
     f"two sides with one of {' '.join(OPERATORS)} between, numbers or parameters under over that "
     "take numbers"
@@ -34,6 +35,10 @@ _ALLOWED_COMPARISON = (
 
 #: Largest deviation of a normal distribution, in ranges: what is wider cannot be told from even.
 MOST_RANGES = 1000.0
+
+
+#: Keys that a distribution may have together.
+_KEYS = "between", "between scale", "between deviation mean", "choices"
 
 
 class Distribution(Strict):
@@ -49,18 +54,13 @@ class Distribution(Strict):
     deviation: Real = optional("standard deviation of that distribution", gt=0)
     choices: list[Any] = optional(
         "the values, each equally often",
-        {"allowed": "a list of two different values or more"},
+        {"allowed": _ALLOWED_CHOICES},
         min_length=2,
     )
 
     def rules(self) -> Iterator[PydanticCustomError]:
         given = self.model_dump(exclude_unset=True)
-        if given.keys() not in (
-            {"between"},
-            {"between", "scale"},
-            {"between", "mean", "deviation"},
-            {"choices"},
-        ):
+        if " ".join(sorted(given)) not in _KEYS:
             yield broken_rule("", given, _ALLOWED_VALUES)
         if self.between:
             low, high = self.between
@@ -75,10 +75,10 @@ class Distribution(Strict):
                 allowed = f"a number <= {MOST_RANGES:g} times the range; what is wider is even"
                 yield broken_rule("deviation", self.deviation, allowed)
         choices = self.choices or []
-        if not all(isinstance(value, bool | int | float | str) for value in choices) or len(
-            {str(canonical_number(value)) for value in choices}
-        ) < len(choices):
-            yield broken_rule("choices", choices, "a list of two different values or more")
+        are_values = all(isinstance(value, bool | int | float | str) for value in choices)
+        different = {str(canonical_number(value)) for value in choices}
+        if not are_values or len(different) < len(choices):
+            yield broken_rule("choices", choices, _ALLOWED_CHOICES)
 
     def axis(self, name: str, is_integer: bool) -> Axis:
         """Return the axis of a parameter that is spread like this."""
@@ -153,11 +153,11 @@ class DesignFile(Strict):
                 spread = self._distribution(name)
                 yield from self._not_allowed(name, spread.choices or spread.between)
             elif not isinstance(given, list):
-                yield broken_rule(
-                    f"over.{name}",
+                got, allowed = (
                     given.model_dump(exclude_unset=True),
                     "a list of values, as kind is zip",
                 )
+                yield broken_rule(f"over.{name}", got, allowed)
             elif len(given) != (wanted := len(values[first])):
                 yield broken_rule(f"over.{name}", given, f"{wanted} values, as {first} has")
             else:
@@ -168,7 +168,7 @@ class DesignFile(Strict):
         kind: Any = Annotated[(field.annotation, *field.metadata, None)]
         adapter = TypeAdapter(kind, config=ConfigDict(strict=True, allow_inf_nan=False))
         for value in values:
-            if self._is_integer(name) and isinstance(value, float) and value.is_integer():
+            if field.annotation is int and isinstance(value, float) and value.is_integer():
                 value = int(value)
             try:
                 adapter.validate_python(value)
@@ -213,18 +213,15 @@ class DesignFile(Strict):
     def _field(self, name: str) -> FieldInfo:
         return (self.over.parameters.model_fields | self.over.in_place)[name]
 
-    def _is_integer(self, name: str) -> bool:
-        return self._field(name).annotation is int
-
     @cached_property
     def axes(self) -> tuple[Axis, ...]:
         """The parameters that it varies, in the order of the reference."""
-        return tuple(
-            axis_of(name, values, self._is_integer(name))
-            if self.kind == "zip"
-            else self._distribution(name).axis(name, self._is_integer(name))
-            for name, values in self._values.items()
-        )
+        axes = []
+        for name, values in self._values.items():
+            spread = partial(axis_of, values=values)
+            make = spread if self.kind == "zip" else self._distribution(name).axis
+            axes.append(make(name, is_integer=self._field(name).annotation is int))
+        return tuple(axes)
 
     @property
     def max_points(self) -> int:
@@ -247,19 +244,11 @@ class DesignFile(Strict):
         return self.kind in GROWING
 
     def sequence(self, count: int, after: int = 0) -> list[Parameters]:
-        """Return the next points of the sequence, in order; equal ones stand there each time.
+        """Return the next ``count`` points of the sequence, in order; equal ones stand each time.
 
-        Parameters
-        ----------
-        count : int
-            Number of points. Fewer come back at the end of a design that does not grow.
-        after : int
-            Number of points before them; `size` for the first ones that the study does not have.
-
-        Raises
-        ------
-        InputError
-            If too few points satisfy ``where``, or a point is not valid.
+        Fewer come back at the end of a design that does not grow. There are ``after`` points before
+        them: `size` for the first ones that the study does not have. Raises ``InputError`` if too
+        few points satisfy ``where``, or a point is not valid.
         """
         return [self.parameters_at(row) for row in self.rows(after + count)[after:]]
 
@@ -290,9 +279,8 @@ class DesignFile(Strict):
             if len(rows) >= count or (drawn >= _MIN_DRAWN and len(rows) < _MIN_SHARE * drawn):
                 break
         if not rows or (self.grows and len(rows) < count):
-            given = [str(one) for one in comparisons]
+            (source, key), given = self.place, list(map(str, comparisons))
             allowed = "conditions that at least 1 in 1,000 points of the design satisfies"
-            source, key = self.place
             raise InputError.of_value(source, f"{key}.where", given, allowed)
         return np.concatenate(shares)[:count], rows[:count]
 
@@ -301,10 +289,5 @@ class DesignFile(Strict):
             yield np.empty((self.max_points, 0)), self._values
             return
         for shares in unit_points(self.kind, len(self.axes), count, self.seed):
-            yield (
-                shares,
-                {
-                    axis.name: axis.values(column)
-                    for axis, column in zip(self.axes, shares.T, strict=True)
-                },
-            )
+            pairs = zip(self.axes, shares.T, strict=True)
+            yield shares, {axis.name: axis.values(column) for axis, column in pairs}

@@ -60,8 +60,7 @@ def optional(
 ) -> Any:
     """Declare an optional key: ``None`` if the file omits it, but null is not a valid value.
 
-    A key without a value is a mistake, not a request for the default. ``json_schema`` holds
-    further entries for the JSON schema.
+    ``json_schema`` holds further entries for the JSON schema.
     """
 
     def adapt_schema(schema: dict[str, Any]) -> None:
@@ -157,9 +156,7 @@ def expand_range(value: Any, are_whole: bool = False) -> Any:
     """
     if not isinstance(value, dict):
         return value
-    are_numbers = all(
-        type(number) in (int, float) and abs(number) < 1e15 for number in value.values()
-    )
+    are_numbers = all(type(one) in (int, float) and abs(one) < 1e15 for one in value.values())
     if not are_numbers or set(value) not in ({"start", "stop", "num"}, {"start", "stop", "step"}):
         raise broken_rule("", value, _ALLOWED_RANGE)
     start, stop = value["start"], value["stop"]
@@ -172,9 +169,8 @@ def expand_range(value: Any, are_whole: bool = False) -> Any:
         step = value["step"]
         steps = (stop - start) / step if step else -1.0
         if not 0 <= steps <= MAX_VALUES - 1:
-            raise broken_rule(
-                "step", step, f"a step from start to stop, of {MAX_VALUES} values at most"
-            )
+            allowed = f"a step from start to stop, of {MAX_VALUES} values at most"
+            raise broken_rule("step", step, allowed)
         count = floor(steps * (1 + _SLACK) + _SLACK) + 1
     numbers = [canonical_number(start + number * step) for number in range(count)]
     return [int(one) if are_whole and float(one).is_integer() else one for one in numbers]

@@ -29,18 +29,10 @@ from sim.study.points import divide_range
 
 
 def expand(files: Sequence[tuple[Path, StudyFile]]) -> Study:
-    """Return the study that a file and its parts describe, without its figures.
+    """Return the study that a file and its parts, with their paths, describe, without its figures.
 
-    Parameters
-    ----------
-    files : sequence of (Path, StudyFile)
-        The study file, then its parts, with their paths.
-
-    Raises
-    ------
-    InputError
-        For a point that is not valid, a start from a point or file that is not there, and too
-        many points.
+    Raises ``InputError`` for a point that is not valid, a start from a point or file that is not
+    there, and too many points.
     """
     points: dict[str, Point] = {}
     series: dict[str, tuple[str, ...]] = {}
@@ -58,7 +50,6 @@ def expand(files: Sequence[tuple[Path, StudyFile]]) -> Study:
             if family.design:
                 designs[entry.name] = family.design
     path, file = files[0]
-    readings = _readings_by_system(file)
     _require_valid_points(points, str(path))
     return Study(
         name=file.study,
@@ -69,7 +60,7 @@ def expand(files: Sequence[tuple[Path, StudyFile]]) -> Study:
         boundaries=tuple(boundaries),
         axes=axes,
         designs=designs,
-        readings=readings,
+        readings=_readings_by_system(file),
         decide=file.decide,
     )
 
@@ -87,8 +78,7 @@ class _Draft:
 
     def with_values(self, values: dict[str, Any], path: str) -> "_Draft":
         """Return a copy in which ``values``, given at ``path``, replace earlier ones."""
-        paths = {name: f"{path}.{name}" for name in values}
-        return self._replaced(values, paths)
+        return self._replaced(values, {name: f"{path}.{name}" for name in values})
 
     def _replaced(self, values: dict[str, Any], paths: dict[str, str]) -> "_Draft":
         other = {DENSITY: "mass", "mass": DENSITY}
@@ -146,34 +136,22 @@ class _Family:
         for draft in self._drafts():
             for index, value in enumerate(self.entry.range):
                 self._parameters_along(draft, value, f"range[{index}]")
-            yield Boundary(
-                name=self.entry.name,
-                of=self.entry.of,
-                along=self.entry.along,
-                low=self.entry.range[0],
-                high=self.entry.range[1],
-                tolerance=self.entry.tolerance,
-                grid={name: draft.values[name] for name in self.entry.grid_lists},
-                figures=tuple(self.entry.figures),
-                parameters_at=partial(self._parameters_along, draft),
-            )
+            grid = {name: draft.values[name] for name in self.entry.grid_lists}
+            named = self.entry.model_dump(include={"name", "of", "along", "tolerance"})
+            named |= {"low": self.entry.range[0], "high": self.entry.range[1], "grid": grid}
+            at, figures = partial(self._parameters_along, draft), tuple(self.entry.figures)
+            yield Boundary(**named, figures=figures, parameters_at=at)
 
     def _members(
         self, boundaries: Iterable[Boundary]
     ) -> Iterator[tuple[Parameters, Iterable[str]]]:
-        """Yield the parameters of each point, and the figures that it feeds.
-
-        Under another reading, these are the figures with a curve for that.
-        """
+        """Yield each point and its figures; under another reading those with a curve for that."""
         for boundary in boundaries:
             for value in divide_range(boundary.low, boundary.high):
                 yield boundary.parameters_at(value), boundary.figures
         for draft in self._drafts() if isinstance(self.entry, SeriesFile) else ():
-            figures = [
-                name
-                for name in self.entry.figures
-                if draft.other_readings <= set(FIGURES[name].groups)
-            ]
+            others = draft.other_readings
+            figures = [one for one in self.entry.figures if others <= set(FIGURES[one].groups)]
             yield self._parameters(draft), figures
 
     def _drafts(self) -> Iterator[_Draft]:
@@ -236,9 +214,8 @@ class _Family:
         names = roles.amount_parameters(type(parameters))
         same_amounts = {name: getattr(point.parameters, name) for name in names}
         if parameters.model_copy(update=same_amounts) != point.parameters:
-            raise InputError(
-                f"{self.source}: two different points have the id {point.id}; change either's seed"
-            )
+            what = f"two different points have the id {point.id}; change either's seed"
+            raise InputError(f"{self.source}: {what}")
 
 
 def point_with_membership(
@@ -272,23 +249,17 @@ def _readings_by_system(file: StudyFile) -> dict[str, list[dict[str, Any]]]:
     readings = {}
     for system, model in SYSTEMS.items():
         if lists := file.reading_lists(system):
-            default = model()
+            usual = dict(model())
+            every = [draft.values for _, draft in _Draft().combinations(lists, "")]
             readings[system] = [
-                {
-                    name: value
-                    for name, value in draft.values.items()
-                    if value != getattr(default, name)
-                }
-                for _, draft in _Draft().combinations(lists, "")
+                {name: value for name, value in one.items() if value != usual[name]}
+                for one in every
             ]
     return readings
 
 
 def _require_valid_points(points: dict[str, Point], source: str) -> None:
-    """Raise ``InputError`` for too many points, or a start from what is not there.
-
-    A point may start from one of the study or from a run file.
-    """
+    """Refuse too many points, and a start that is neither a point of the study nor a run file."""
     if len(points) > MAX_POINTS:
         allowed = f"at most {MAX_POINTS:,} points in the study"
         raise InputError.of_value(source, "parts", f"{len(points):,} points", allowed)

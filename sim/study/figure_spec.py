@@ -210,6 +210,8 @@ def _tuple(value: Any) -> tuple[Any, ...]:
 
 def written(value: Any) -> str:
     """Write a value of a parameter for people."""
+    if isinstance(value, bool):
+        return str(value).lower()
     return value if isinstance(value, str) else f"{value:g}"
 
 
@@ -248,16 +250,15 @@ class FigureFile(FigureSpec):
         shown = self.keys.observable
         if shown and shown in self.model_fields_set:
             find_observable(self.kind, shown, self.show, self.system, broken_rule)
-        key: str
-        for key in (*self.keys.axes, "curves", "panels", "vary", "where", "named", "alike"):
-            value = getattr(self, key) or ()
+        for one in (*self.keys.axes, "curves", "panels", "vary", "where", "named", "alike"):
+            value = getattr(self, one) or ()
             for name in [value] if isinstance(value, str) else value:
-                require_parameter(key, name, self.system, (), broken_rule)
+                require_parameter(one, name, self.system, (), broken_rule)
         for number, measure in enumerate(self.quantities):
-            key = f"quantities[{number}]"
-            find_observable(self.kind, f"{key}.name", measure.name, self.system, broken_rule)
+            place = f"quantities[{number}]"
+            find_observable(self.kind, f"{place}.name", measure.name, self.system, broken_rule)
             if measure.over:
-                require_parameter(f"{key}.over", measure.over, self.system, (), broken_rule)
+                require_parameter(f"{place}.over", measure.over, self.system, (), broken_rule)
 
     @property
     def keys_of_kind(self) -> tuple[str, ...]:
@@ -290,7 +291,7 @@ def read_figures(paper: Paper) -> list[FigureSpec]:
         file = PaperFigures.model_validate(contents)
     except ValidationError as error:
         raise input_error(error, PaperFigures, source) from None
-    shared, specs = _LIMITS | _fill(file.words, _LIMITS, source, "words"), []
+    shared, specs = _LIMITS | _fill(file.words, _LIMITS, source, "words"), list[FigureSpec]()
     for number, figure in enumerate(file.figures):
         words = {**shared, **figure.words, **figure.where}
         texts = figure.model_dump(include={"title", "lead", "says", "details"})

@@ -41,8 +41,8 @@ MAX_POINTS = 100_000
 #: Pattern of the name of a part. A lone hyphen would be standard input.
 PART_NAME = r"^([^/\\-]|[^/\\]{2,})$"
 
-#: Names that no study may have: folders of results that hold published studies.
-_RESERVED_NAMES = ("published",)
+#: Name that no study may have: the folder of results that holds published studies.
+_RESERVED_NAME = "published"
 
 
 class _Family(Strict):
@@ -135,9 +135,8 @@ class SeriesFile(_Family):
         """Number of points under each reading, duplicates included."""
         if self.design:
             return self.design.max_points
-        return (prod(map(len, self.grid_lists.values())) if self.grid else 0) + len(
-            self.cases or []
-        )
+        number = prod(map(len, self.grid_lists.values())) if self.grid else 0
+        return number + len(self.cases or [])
 
 
 def _of_mass(axis: Axis, points: Sequence[Parameters]) -> Axis:
@@ -179,9 +178,7 @@ class BoundaryFile(_Family):
             finest = (high - low) / PARTS ** (MAX_ROUNDS + 1)
             yield broken_rule("tolerance", self.tolerance, f"a number >= {1.01 * finest:.3g}")
         sections = {"base": self.base, "grid": self.grid}
-        sections |= {
-            f"overrides[{i}].set": override.set for i, override in enumerate(self.overrides)
-        }
+        sections |= {f"overrides[{i}].set": one.set for i, one in enumerate(self.overrides)}
         for path, section in sections.items():
             if section and self.along in section.model_fields_set:
                 value = getattr(section, self.along)
@@ -210,9 +207,7 @@ class StudyFile(Strict):
 
     @classmethod
     def hint(cls, key: str, value: Any) -> str:
-        """Return where a parameter belongs that stands at the top of the file, or what is gone."""
-        if key == "pages":
-            return "gone: talus points RUN.nc describes a run, talus export RUN.nc shows it"
+        """Return where a parameter belongs that stands at the top of the file, empty for others."""
         is_parameter = any(key in model.model_fields for model in SYSTEMS.values())
         text = f"{key} is a parameter: it belongs under defaults.<system>, or base of a series"
         return text if is_parameter and key not in cls.model_fields else ""
@@ -221,7 +216,7 @@ class StudyFile(Strict):
         pattern=NAME,
         max_length=60,
         description="name of the study and of its folder of results, not published",
-        json_schema_extra=ALLOWED_NAME | {"not": {"enum": list(_RESERVED_NAMES)}},
+        json_schema_extra=ALLOWED_NAME | {"not": {"enum": [_RESERVED_NAME]}},
     )
     title: str = Field("", description="one line for the report")
     figures: list[str] = optional(
@@ -264,19 +259,18 @@ class StudyFile(Strict):
     )
 
     def rules(self) -> Iterator[PydanticCustomError]:
-        if self.study in _RESERVED_NAMES:
-            allowed = f"a name other than {', '.join(_RESERVED_NAMES)}, where published studies lie"
+        if self.study == _RESERVED_NAME:
+            allowed = f"a name other than {_RESERVED_NAME}, where published studies lie"
             yield broken_rule("study", self.study, allowed)
         require_printable(self.title)
         if not self.series and not self.boundaries and not self.parts:
             yield broken_rule("series", None, "at least one series, boundaries, or parts")
         yield from self._unknown_claims()
-        names, total = set[str](), 0
-        for key, entry in self.entries:
-            if entry.name in names:
+        entries, total = list(self.entries), 0
+        for number, (key, entry) in enumerate(entries):
+            if any(one.name == entry.name for _, one in entries[:number]):
                 yield broken_rule(f"{key}.name", entry.name, "a name that no other series has")
-            names.add(entry.name)
-        for key, entry in self.entries:
+        for key, entry in entries:
             lists = self.reading_lists(entry.system) if isinstance(entry, SeriesFile) else {}
             total += prod(map(len, lists.values())) * entry.max_points
             if total > MAX_POINTS:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from sim.base.additions import plain_name, plugin_options
+from sim.base.additions import Plugin, plain_name, plugin_options
 from sim.base.errors import InputError
 from sim.base.files import atomic_write, require_writable
 from sim.base.plugins import PATTERN as PLUGIN_NAME
@@ -31,16 +31,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ExtraAmounts:
-    """Amounts beyond those of the study file.
+    """Amounts beyond those of the study file, which rounds of decisions have added.
 
-    Attributes
-    ----------
-    amounts : mapping
-        Amounts by id of the point and name of the amount.
-    before : float
-        Core hours that the study had taken before the first round was added.
-    rounds : mapping
-        In how many rounds amounts were added, by id of the point.
+    ``amounts`` are by id of the point and name of the amount, ``rounds`` says in how many rounds
+    they were added, by id, and ``before`` how many core hours the study had taken before the first.
     """
 
     amounts: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
@@ -54,10 +48,7 @@ def extra_amounts_file(folder: Path) -> Path:
 
 
 def read_extra_amounts(folder: Path) -> ExtraAmounts:
-    """Return the extra amounts of a study; there are none without a file.
-
-    A damaged file is renamed. Raises ``InputError`` if it cannot be read.
-    """
+    """Return the extra amounts of a study, none without a file; a damaged one is renamed."""
     path = extra_amounts_file(folder)
     try:
         path.lstat()
@@ -86,14 +77,11 @@ def with_extra_amounts(
     A point that others start from gets at least as many replicates as they have. ``judged`` says
     whether runs are bought for open claims.
     """
-    new_points = {
-        name: replace(
-            point,
-            parameters=with_larger_amounts(point.parameters, extra.amounts.get(name, {})),
-            looks=1 + extra.rounds.get(name, 0) if judged else 0,
-        )
-        for name, point in points.items()
-    }
+    new_points = {}
+    for name, point in points.items():
+        larger = with_larger_amounts(point.parameters, extra.amounts.get(name, {}))
+        looks = 1 + extra.rounds.get(name, 0) if judged else 0
+        new_points[name] = replace(point, parameters=larger, looks=looks)
     for point in list(new_points.values()):
         name, wanted = point.parameters.start_from, {"replicates": point.parameters.replicates}
         while name in new_points:
@@ -144,35 +132,19 @@ DEFAULT_STUDY = Path("config/quick.yaml")
 def load_study(path: str | Path, results: str | Path | None = "results") -> Study:
     """Return the study that a study file describes.
 
-    Parameters
-    ----------
-    path : str or Path
-        The study file.
-    results : str, Path or None
-        Folder of the study's own folder of results, which must be writable. ``None`` if nothing
-        will be written.
-
-    Raises
-    ------
-    InputError
-        For any mistake that prevents the study from being run as written.
+    Its folder in the folder ``results`` must be writable; ``None`` if nothing will be written.
+    Raises ``InputError`` for any mistake that prevents the study from being run as written.
     """
     return parse_study(read_yaml(path), path, results)
 
 
 def parse_study(mapping: Any, path: str | Path, results: str | Path | None = "results") -> Study:
-    """Return the study that ``mapping``, read from ``path``, describes.
-
-    See `load_study`.
-    """
+    """Return the study that ``mapping``, read from ``path``, describes, as `load_study` does."""
     documents = [(Path(path), mapping), *_parts(mapping, Path(path))]
-    loaded = [
-        plugin
-        for place, contents in documents
-        for plugin in load(
-            _names(contents, "plugins", PLUGIN_NAME), place.parent, f"{place}: plugins"
-        )
-    ]
+    loaded = list[Plugin]()
+    for place, contents in documents:
+        names = _names(contents, "plugins", PLUGIN_NAME)
+        loaded += load(names, place.parent, f"{place}: plugins")
     files = validate(documents)
     study = ask(feed(expand(files), files), files)
     if results is not None:
@@ -196,11 +168,10 @@ def _parts(contents: Any, path: Path) -> Iterator[tuple[Path, Any]]:
 def _names(contents: Any, key: str, pattern: str) -> list[str]:
     """Return the names under a key, none if one is malformed, which `validate` refuses then."""
     names = contents.get(key) if isinstance(contents, dict) else None
-    if isinstance(names, list) and all(
+    is_right = isinstance(names, list) and all(
         isinstance(name, str) and re.match(pattern, name) for name in names
-    ):
-        return names
-    return []
+    )
+    return names if is_right and names else []
 
 
 def points(study: str | Path | Mapping[str, Any]) -> "pd.DataFrame":
@@ -209,7 +180,7 @@ def points(study: str | Path | Mapping[str, Any]) -> "pd.DataFrame":
     Parameters
     ----------
     study : str, Path or mapping
-        The study file, or a mapping with the contents of one.
+        The study file, or a mapping with its contents.
 
     Returns
     -------
@@ -239,19 +210,16 @@ def points(study: str | Path | Mapping[str, Any]) -> "pd.DataFrame":
         validated_study = load_study(study, None)
     else:
         raise InputError.of_value("points", "study", study, "the path of a study file or a mapping")
-    for text in doubts_of(point.parameters for point in validated_study.points.values()):
-        warnings.warn(text, stacklevel=2)
-    rows = {
-        point.id: complete_values(point.parameters)
-        | {
-            "particles": point.parameters.particles,
-            "core_seconds": estimate(point.parameters).core_seconds,
-            "series": point.series,
-            "figures": point.figures,
-        }
-        for point in validated_study.points.values()
-    }
-    table = pd.DataFrame.from_dict(rows, orient="index").rename_axis("point")
     members = [point.parameters for point in validated_study.points.values()]
+    for text in doubts_of(members):
+        warnings.warn(text, stacklevel=2)
+    rows = {}
+    for point in validated_study.points.values():
+        cost = estimate(point.parameters)
+        rows[point.id] = complete_values(point.parameters) | {
+            **{"particles": cost.particles, "core_seconds": cost.core_seconds},
+            **{"series": point.series, "figures": point.figures},
+        }
+    table = pd.DataFrame.from_dict(rows, orient="index").rename_axis("point")
     table.attrs["paper_values"] = paper_values(members)
     return table

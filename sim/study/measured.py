@@ -28,18 +28,9 @@ _HEADING = re.compile(r"\s*([^()\[\]]*[^()\[\]\s])\s*(?:[(\[]([^()\[\]]*(?:\([^(
 
 @dataclass(frozen=True)
 class MeasuredTable:
-    """The texts of a CSV file, by column.
+    """The file ``path``: the line of each row, and by column its texts and the unit of its heading.
 
-    Attributes
-    ----------
-    path : Path
-        The file.
-    lines : tuple of int
-        Line of each row in the file.
-    texts : mapping
-        Texts of each column, by its name.
-    units : mapping
-        Unit in the heading of each column; empty without any.
+    The unit is empty where the heading has none.
     """
 
     path: Path
@@ -56,33 +47,18 @@ class MeasuredTable:
 
     def error(self, row: int, column: str, value: Any, allowed: str) -> InputError:
         """Return the error of a value in a row (from 0) of a column."""
-        return InputError.of_value(
-            self.path, f"line {self.lines[row]}, column {column}", value, allowed
-        )
+        place = f"line {self.lines[row]}, column {column}"
+        return InputError.of_value(self.path, place, value, allowed)
 
     def numbers(
         self, column: str, to: str, *, unit: str = "", low: float, high: float, allowed: str = ""
     ) -> tuple[float, ...]:
-        """Return the numbers of a column, in the unit ``to``.
+        """Return the numbers of a column, in the unit ``to`` as UDUNITS reads it.
 
-        Parameters
-        ----------
-        column : str
-            Name of the column.
-        to : str
-            Unit of what is returned, as UDUNITS reads it.
-        unit : str
-            Unit of the column where its heading has none; without both it is ``to``.
-        low, high : float
-            Least and largest number allowed, in the unit ``to``.
-        allowed : str
-            The allowed numbers in words (omitted: the range).
-
-        Raises
-        ------
-        InputError
-            With file, line, column, value and allowed values: for a text that is no number, a
-            number out of range, and a unit that is unknown or of another kind.
+        ``unit`` is that of the column where its heading has none; without both it is ``to``.
+        ``low`` and ``high`` are the least and the largest number allowed, in the unit ``to``, which
+        ``allowed`` has in words (omitted: the range). Raises ``InputError`` for a text that is no
+        number, a number out of range, and a unit that is unknown or of another kind.
         """
         factor = self._factor(column, to, unit)
         allowed = allowed or f"a number in [{low:g}, {high:g}]" + (f" {to}" if to != PURE else "")
@@ -114,12 +90,8 @@ class MeasuredTable:
 def read_measured(path: Path) -> MeasuredTable:
     """Read a CSV file: a heading per column, as ``velocity (m/s)``, and a row per measurement.
 
-    Empty lines, and those that begin with ``#``, are left out.
-
-    Raises
-    ------
-    InputError
-        If the file is missing, empty, larger than allowed or no table, with file and line.
+    Empty lines, and those that begin with ``#``, are left out. Raises ``InputError`` for a file
+    that is missing, empty, larger than allowed or no table.
     """
     try:
         if not path.is_file():

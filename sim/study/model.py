@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,7 +17,7 @@ from sim.study.surrogate import MOST_ROUNDS, Question, SurrogateFile
 
 
 class Need(NamedTuple):
-    """What is read of a point besides scalars: a level of particles, profiles, and series."""
+    """What is read of a point besides scalars: particles, profiles, series of its run."""
 
     particles: Shown
     profiles: bool
@@ -29,36 +28,15 @@ class Need(NamedTuple):
 class Study:
     """A validated study.
 
-    Attributes
-    ----------
-    name, title : str
-        Name of the study and of its folder of results; one line for the report.
-    files : tuple of Path
-        The study file, then those of its parts.
-    points : dict
-        Points by id, in the order of the file; equal points of several series appear once. They
-        include the points of the first round of the boundaries.
-    series : dict
-        Ids of the points of each series (or boundary), in order.
-    boundaries : tuple of Boundary
-        Boundaries to be found.
-    axes : dict
-        The parameters that the points of each series vary, by grid, cases or design, in order.
-    designs : dict
-        The designs of the series that have one.
-    entries : dict
-        Figures that its points feed, by name: entries of the catalogue, then its own plots.
-    readings : mapping
-        Readings of the paper under which every series is run, by system. Each reading maps the
-        parameters that differ from their defaults to values.
-    decide : DecideFile or None
-        What more replicates are to decide. The parameters of the points include those added so far.
-    plugins : tuple of Plugin
-        The plug-ins that it and its parts name.
-    data : tuple of Path
-        CSV files of data from elsewhere that it names.
-    questions : tuple of Question
-        What is answered from the dataset: surrogates, sensitivities, calibrations.
+    ``files`` are the study file, then those of its parts. ``points`` are by id, in the order of the
+    file; equal points of several series appear once, and those of the first round of the boundaries
+    are among them. Of each series (or boundary), ``series`` has the ids, ``axes`` the parameters
+    that its points vary, by grid, cases or design, and ``designs`` the design, if it has one.
+    ``entries`` are the figures that the points feed, by name: those of papers, then its own plots.
+    ``readings`` are those of the papers under which every series is run, by system, each as values
+    that differ from the defaults. ``decide`` is what more replicates are to decide; the parameters
+    of the points include those added so far. ``plugins`` and ``data`` (CSV files) are what it and
+    its parts name, and ``questions`` what is answered from the dataset.
     """
 
     name: str
@@ -121,27 +99,23 @@ class Study:
         return max((self.entries[name].particles for name in figures), default=Shown.NOTHING)
 
     def need(self, point: str) -> Need:
-        """Return what the dataset must store of a point besides its scalars.
-
-        ``series`` is whether a plot reads time series from its run file.
-        """
+        """Return what the dataset must store of a point besides its scalars."""
         if point not in self.points:
             return self._later_need
         one = self.points[point]
         shown = max(self._later_need.particles, self.particles_shown(one.figures))
-        has_series = any(
-            spec.is_fed_by(one.parameters.system, one.series) for spec in self._time_series
-        )
+        system, plots = one.parameters.system, self._time_series
+        has_series = any(spec.is_fed_by(system, one.series) for spec in plots)
         return Need(shown, one.profiles, has_series)
 
     @cached_property
     def _later_need(self) -> Need:
         """What a point of a later round may need: the figures that it feeds are not known yet."""
-        lists = [one.figures for one in self.boundaries] + [one.figures for one in self.surrogates]
-        names = {boundary.name for boundary in self.boundaries}
-        names |= {one.series for one in self.surrogates}
+        growing: tuple[Any, ...] = (*self.boundaries, *self.surrogates)
+        names = {one.series if isinstance(one, SurrogateFile) else one.name for one in growing}
         has_series = any(not names.isdisjoint(spec.series or ()) for spec in self._time_series)
-        return Need(self.particles_shown(chain(*lists)), True, has_series)
+        shown = self.particles_shown(name for one in growing for name in one.figures)
+        return Need(shown, True, has_series)
 
     @cached_property
     def _time_series(self) -> list[FigureSpec]:
@@ -150,10 +124,7 @@ class Study:
 
     @property
     def omission_notes(self) -> list[str]:
-        """A sentence for each figure that omits points of its series: how many, and why.
-
-        Pictures of a single point get none, since they omit all other points by definition.
-        """
+        """A sentence for each figure that omits points, but for pictures of a single one."""
         sentences = []
         for name, members in self.figures.items():
             spec = self.entries[name]

@@ -73,10 +73,7 @@ class Readings(Strict):
 
 
 class Paper(Strict):
-    """A paper, by its file ``paper.yaml``.
-
-    ``package`` is the module with its judges, ``folder`` holds its files.
-    """
+    """A paper, by its file ``paper.yaml``; ``package`` has its judges, ``folder`` its files."""
 
     name: Text = Field(description="short name, by which figures and verdicts name it")
     author: Text = Field(min_length=1, description="who wrote it, for headings")
@@ -89,13 +86,7 @@ class Paper(Strict):
 
     @cached_property
     def claims(self) -> list[dict[str, Any]]:
-        """Its claims as ``claims.yaml`` has them, empty without this file.
-
-        Raises
-        ------
-        InputError
-            For a file that is not readable, and for one that is no list of claims.
-        """
+        """Its claims as ``claims.yaml`` has them, empty without this file."""
         path = self.folder / "claims.yaml"
         contents = read_yaml(path) if path.exists() else {"claims": []}
         match contents:
@@ -123,11 +114,9 @@ def paper(package: str) -> None:
     """
     folder = Path(str(sys.modules[package].__file__)).parent
     path = folder / "paper.yaml"
-    contents = read_yaml(path)
-    if not isinstance(contents, dict):
-        raise InputError.of_value(str(path), "", contents, "a mapping of names to values")
+    contents, place = read_yaml(path), {"folder": folder, "package": package}
     try:
-        one = Paper.model_validate(contents | {"folder": folder, "package": package})
+        one = Paper.model_validate(contents | place if isinstance(contents, dict) else contents)
     except ValidationError as error:
         raise input_error(error, Paper, str(path)) from None
     require_one_of(f"{path}: system", one.system, SYSTEMS)
@@ -160,9 +149,8 @@ def paper_values(points: Iterable[Parameters]) -> dict[str, list[str]]:
             is_number = type(row.default) in (int, float) and row.default != 0
             if row.role != "physics" or not is_number or name in unused:
                 continue
-            if any(getattr(point, name) != row.default for point in members):
-                continue
-            for paper in papers().values():
+            is_left = all(getattr(point, name) == row.default for point in members)
+            for paper in papers().values() if is_left else ():
                 if row.equation.startswith(paper.author.split()[0]):
                     texts = values.setdefault(f"{paper.quote}, {system}", [])
                     texts.append(quantity(system, name, [row.default]))

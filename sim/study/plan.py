@@ -25,10 +25,8 @@ class Plan:
 
     Parameters
     ----------
-    study : Study
-        The study.
-    folder : Path
-        Its results.
+    study, folder : Study, Path
+        The study, and its results.
     run_files : module
         What says how much run files hold: `sim.engine.stored_run`.
     read_round : callable
@@ -36,11 +34,6 @@ class Plan:
     shared_runs : module, optional
         What takes runs of other studies, `sim.engine.shared_runs`, where points lack a large enough
         run file here. They count as run files of this study, also before `take_shared` is called.
-
-    Raises
-    ------
-    InputError
-        When its results have a dataset that an earlier version adopted as a file.
     """
 
     def __init__(
@@ -62,7 +55,7 @@ class Plan:
         #: Points that are to be run since others start from them, though they have been adopted.
         self._starts = set[str]()
         self._reduced: list[str] = []
-        points = {key: point.parameters for key, point in study.points.items()}
+        points = self._points()
         self._look_up(points, points)
         self._amount_texts: dict[str, str] = {}
         #: Points of each round by its file and when that was written.
@@ -70,6 +63,9 @@ class Plan:
         self._owner, self._batches = folder / ".study", folder / "runs" / ".batches"
         points_code = hashlib.sha256(" ".join(sorted(study.points)).encode()).hexdigest()
         self._own_note = os.fsencode(study.path.resolve()) + b"\n" + points_code.encode()
+
+    def _points(self) -> dict[str, Parameters]:
+        return {key: point.parameters for key, point in self.study.points.items()}
 
     def parameters(self, point: str) -> Parameters:
         """Return the parameters of a point, from the study or any round of refinement."""
@@ -138,15 +134,10 @@ class Plan:
     ) -> list[str]:
         """Return the run files of the study and of some rounds.
 
-        Parameters
-        ----------
-        rounds : iterable of Path
-            The files of the rounds, each read before the next is asked for. A round that adds
-            no point is the last one.
-        forget : callable, optional
-            See `take_shared`, which is called if it is given.
+        The files of ``rounds`` are read one by one; a round that adds no point is the last one.
+        With ``forget``, `take_shared` is called.
         """
-        points = {key: point.parameters for key, point in self.study.points.items()}
+        points = self._points()
         for path in rounds:
             if not (added := self._read_round(path)):
                 break
@@ -189,7 +180,7 @@ class Plan:
         return f"[{','.join(canonical_json(self.parameters(point)) for point in points)}]"
 
     def batches_to_run(self, cores: float | None) -> dict[str, list[str]]:
-        """Return a map from names of batches to their points: short points to run or to continue.
+        """Return short points to run or to continue, by the names of their batches.
 
         The points of a batch have the same planned amounts, which are a parameter of the rule. None
         starts from the end of another point. ``cores`` is that of `plan_batches`.
@@ -198,11 +189,8 @@ class Plan:
         for point in self.study.points:
             if self.needs_run(point) and not self.origin_files(point):
                 points_by_amount[self.amount_text(point)][point] = self.parameters(point)
-        return {
-            name: members
-            for points in points_by_amount.values()
-            for name, members in plan_batches(points, cores).items()
-        }
+        batches = (plan_batches(points, cores) for points in points_by_amount.values())
+        return {name: members for each in batches for name, members in each.items()}
 
     def read_batches(self) -> dict[str, list[str]]:
         """Return the batches planned by the main Snakemake, for a job on a cluster."""
@@ -212,12 +200,8 @@ class Plan:
         """Write notes for jobs and later workflows; return the lock of the results.
 
         Keep the lock while the workflow lives. The kernel releases it with the process, so a killed
-        workflow leaves none. On a file system without locks, there is none.
-
-        Raises
-        ------
-        InputError
-            When another workflow has the lock.
+        workflow leaves none. On a file system without locks, there is none. Raises ``InputError``
+        when another workflow has it.
         """
         self._batches.parent.mkdir(parents=True, exist_ok=True)
         lock = lock_of(self.folder / ".lock")
@@ -240,16 +224,15 @@ class Plan:
     @property
     def ranks(self) -> dict[str, int]:
         """Number of processes of the points of the study that run as more than one."""
-        ranks = {key: getattr(one.parameters, "ranks", 1) for key, one in self.study.points.items()}
+        ranks = {key: getattr(point, "ranks", 1) for key, point in self._points().items()}
         return {key: number for key, number in ranks.items() if number > 1}
 
     def require_engines(self) -> None:
         """Raise `InputError` where a point to run is one of an engine that is not installed."""
-        for key, point in self.study.points.items():
-            if getattr(point.parameters, "engine", ""):
-                option = point.parameters.option("engine")
-                if option.module and self.needs_run(key):
-                    engine_of(point.parameters)
+        for key, point in self._points().items():
+            has_engine = getattr(point, "engine", "") and point.option("engine").module
+            if has_engine and self.needs_run(key):
+                engine_of(point)
 
     def core_seconds(self, points: Iterable[str]) -> float:
         """Return the time (s) that points take together on one core."""
@@ -273,15 +256,12 @@ class Plan:
     def figure_files(self) -> list[tuple[str, str, str]]:
         """Path, figure and kind of each figure's files; no kind if not in Snakemake's report."""
         kinds = {".csv": "data", ".svg": "picture", ".gif": "animation"}
-        return [
-            (
-                f"{self.folder}/figures/{name}{suffix}",
-                name,
-                "" if spec.animated and suffix == ".csv" else kinds.get(suffix, ""),
-            )
-            for name, spec in self.study.entries.items()
-            for suffix in spec.suffixes
-        ]
+        files = []
+        for name, spec in self.study.entries.items():
+            for suffix in spec.suffixes:
+                kind = "" if spec.animated and suffix == ".csv" else kinds.get(suffix, "")
+                files.append((f"{self.folder}/figures/{name}{suffix}", name, kind))
+        return files
 
     @property
     def answer_files(self) -> list[str]:

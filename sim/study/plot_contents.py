@@ -3,14 +3,13 @@
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from math import log, sqrt
 from pathlib import Path
-from statistics import median
 from typing import Any
 
 from sim.base.errors import Allowed, InputError
 from sim.base.messages import near
 from sim.parameters import NUMERICAL, SYSTEMS, Parameters, field_info
+from sim.study.design import axis_of
 from sim.study.figure_spec import DataSet, FigureSpec, written
 from sim.study.measured import PURE, MeasuredTable, read_measured
 from sim.study.plot_file import MAX_MAGNITUDE, BesideFile, PlotFile, allowed_on_logarithmic
@@ -56,11 +55,8 @@ def _column(
     return table.numbers(name, unit or PURE, low=low, high=MAX_MAGNITUDE, allowed=allowed)
 
 
-#: Maximum number of panels of a plot.
-MAX_PANELS = 12
-
-#: What is said of curves that have points of a design.
-SCATTER_HINT = "kind: scatter suits a design better"
+#: Maximum number of panels of a plot, and what is said of curves that have points of a design.
+MAX_PANELS, SCATTER_HINT = 12, "kind: scatter suits a design better"
 
 #: Fewest points of a design, and the share of them above which each would be a curve of its own.
 MIN_SCATTERED, SCATTERED_SHARE = 8, 0.6
@@ -84,7 +80,7 @@ class PlotContents:
         """System of the plot: the value of its key, or the only system of its points."""
         systems = list(dict.fromkeys(point.parameters.system for point in self.all_points))
         if self.plot.system is None and len(systems) > 1:
-            allowed = "one of " + ", ".join(systems) + ", as the series have several"
+            allowed = f"one of {', '.join(systems)}, as the series have several"
             raise self.error("system", None, allowed)
         system = self.plot.system or systems[0]
         if system not in systems:
@@ -193,12 +189,11 @@ class PlotContents:
             if len(values) < 2:
                 allowed = "a parameter that the points vary"
                 allowed += f": {near(name, varied)}" if varied else ""
-                got = f"{name}, which is {_value_text(values.pop())} throughout"
+                got = f"{name}, which is {written(values.pop())} throughout"
                 raise self.error(key, got, allowed)
         for key, name in named:
-            if name in places:
+            if places.setdefault(name, key) != key:
                 raise self.error(key, name, f"a parameter other than {places[name]}")
-            places[name] = key
         if spec.panels:
             count = len({getattr(point, spec.panels) for point in self.parameters})
             if count > MAX_PANELS:
@@ -215,13 +210,13 @@ class PlotContents:
         spec, keys = self.spec, self.spec.keys
         # Observables are refused before parameters.
         axes = set[str](keys.axes) - set(self.observables)
-        others = [(key, getattr(spec, key)) for key in sorted(axes)]
+        named = [(key, getattr(spec, key)) for key in sorted(axes)]
         several = enumerate(spec.axes if keys.several else ())
-        others += [(f"{keys.several}[{number}]", name) for number, name in several]
-        for number, name in enumerate(spec.by):
-            others.append((f"curves[{number}]" if len(spec.by) > 1 else "curves", name))
-        others += [("panels", spec.panels or ""), ("colour", self.coloured)]
-        return [(key, name) for key, name in others if name]
+        named += [(f"{keys.several}[{number}]", name) for number, name in several]
+        curves = "curves[{}]" if len(spec.by) > 1 else "curves"
+        named += [(curves.format(number), name) for number, name in enumerate(spec.by)]
+        named += [("panels", spec.panels or ""), ("colour", self.coloured)]
+        return [(key, name) for key, name in named if name]
 
     def _require_logarithms(self) -> None:
         """Raise an error for a logarithmic axis whose parameter is zero or less at some point."""
@@ -265,21 +260,13 @@ _WIDE = 8.0
 
 def has_logarithmic_values(values: Iterable[float]) -> bool:
     """Return whether values spread over a wide range evenly in their logarithm."""
-    numbers = list(values)
-    low, middle, high = min(numbers), median(numbers), max(numbers)
-    if low <= 0 or high < _WIDE * low:
-        return False
-    geometric, arithmetic = sqrt(low * high), (low + high) / 2
-    return abs(log(middle / geometric)) < abs(log(middle / arithmetic))
+    axis = axis_of("", values, is_integer=False)
+    return axis.scale == "log" and axis.high >= _WIDE * axis.low
 
 
 def same_plane(point: Parameters) -> bool:
     """Return whether the plane has no friction of its own."""
     return getattr(point, "friction_plane", 0) == getattr(point, "friction", 0)
-
-
-def _value_text(value: Any) -> str:
-    return str(value).lower() if isinstance(value, bool) else written(value)
 
 
 def parameter_phrase(system: str, name: str) -> str:
@@ -299,17 +286,14 @@ def in_words(names: Iterable[str]) -> str:
     return f"{', '.join(first)} and {last}" if first else last
 
 
-#: Most parameters that a title names.
-_MOST_NAMED = 3
-
-
 def default_title(contents: PlotContents) -> str:
     """Return the default title of a plot, such as ``Velocity against friction, by angle``."""
-    spec = contents.spec
+    spec, names = contents.spec, list(map(name_in_words, contents.spec.axes))
     vertical, horizontal = _y_then_x(contents)
     what = spec.keys.what.format(name_in_words(vertical.name)) if vertical else "regimes"
-    names = [name_in_words(name) for name in ([horizontal.name] if horizontal else spec.axes)]
-    if len(names) > _MOST_NAMED:
+    if horizontal:
+        names = [name_in_words(horizontal.name)]
+    elif len(names) > 3:
         names = [f"{len(names)} parameters"]
     colour = "" if spec.keys.observable == "colour" else spec.colour
     groups = [name_in_words(name) for name in (*spec.by, colour, spec.panels) if name]
@@ -327,15 +311,14 @@ def caption_lead(contents: PlotContents) -> str:
         what = f"{name_in_words(vertical.name).capitalize()}: {vertical.meaning}"
     if horizontal:
         against = [f"{name_in_words(horizontal.name)} ({horizontal.meaning})"]
-    parts = [f"{what}, {_over_phrase(spec, against, horizontal)}"]
-    if spec.by:
-        parts.append("curves: " + ", ".join(map(phrase, spec.by)))
+    groups = {"curves": ", ".join(map(phrase, spec.by))}
     if spec.colour and spec.keys.observable != "colour":
-        coloured = contents.coloured
-        parts.append(f"colour: {phrase(coloured) if coloured else name_in_words(spec.colour)}")
-    if spec.panels:
-        parts.append(f"panels: {phrase(spec.panels)}")
-    return "; ".join(parts) + "."
+        groups["colour"] = (
+            phrase(contents.coloured) if contents.coloured else name_in_words(spec.colour)
+        )
+    groups["panels"] = phrase(spec.panels) if spec.panels else ""
+    said = [f"; {key}: {names}" for key, names in groups.items() if names]
+    return f"{what}, {_over_phrase(spec, against, horizontal)}{''.join(said)}."
 
 
 def _y_then_x(contents: PlotContents) -> tuple[Observable | None, Observable | None]:

@@ -240,13 +240,10 @@ class PlotFile(Strict):
                 yield broken_rule(f"beside[{number}].label", data.name, "a label of its own")
             labels.add(data.name)
             for index, point in enumerate(data.points or []):
-                for axis, value in zip("xy", point, strict=True):
-                    if value < self.least(axis):
-                        key, allowed = (
-                            f"beside[{number}].points[{index}]",
-                            allowed_on_logarithmic(axis),
-                        )
-                        yield broken_rule(key, point, allowed)
+                place = f"beside[{number}].points[{index}]"
+                for letter, value in zip("xy", point, strict=True):
+                    if value < self.least(letter):
+                        yield broken_rule(place, point, allowed_on_logarithmic(letter))
 
     def least(self, axis: str) -> float:
         """Return the least number that can be drawn on the axis ``"x"`` or ``"y"``."""

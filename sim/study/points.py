@@ -28,42 +28,25 @@ class Point:
     profiles: bool = True
 
 
-#: Seconds to start a process and write its file.
-PROCESS_TIME = 0.9
-
-#: Work of a time step beside that of its particles, in particles.
-STEP_WORK = 15
+#: Seconds to start a process and write its file; work of a time step beside that of its particles,
+#: in particles.
+PROCESS_TIME, STEP_WORK = 0.9, 15
 
 #: Memory (MB) of a process, and of each of its particles, with a margin.
-PROCESS_MEMORY = 300.0
-PARTICLE_MEMORY = 4e-3
+PROCESS_MEMORY, PARTICLE_MEMORY = 300.0, 4e-3
 
 #: Space that a trajectory takes, per MB of its frames: in memory while a run file is written, and
 #: on the disk, where the run file and the saved states beside it both hold the frames.
-TRAJECTORY_MEMORY = 3.5
-TRAJECTORY_DISK = 2.0
+TRAJECTORY_MEMORY, TRAJECTORY_DISK = 3.5, 2.0
 
 
 @dataclass(frozen=True)
 class Estimate:
     """Size and cost of a point.
 
-    Attributes
-    ----------
-    particles : int
-        Number of particles.
-    steps : int
-        Time steps of all replicates together.
-    core_seconds : float
-        Time on one core (s).
-    threads : int
-        Threads of each of its runs.
-    memory : int
-        Memory (MB) to reserve.
-    frames : int
-        Maximum number of frames of its trajectories.
-    trajectory : float
-        Maximum disk space (MB) of its trajectories.
+    ``steps`` are those of all replicates together, ``core_seconds`` the time on one core (s),
+    ``threads`` those of each run, ``memory`` (MB) is what to reserve, ``frames`` and ``trajectory``
+    are the most frames of its trajectories and their space on the disk (MB).
     """
 
     particles: int
@@ -105,14 +88,9 @@ MAX_BATCH_POINTS = 50
 def plan_batches(points: Mapping[str, Parameters], cores: float | None) -> dict[str, list[str]]:
     """Return a map from the name of each batch of short points to their ids, longest first.
 
-    Parameters
-    ----------
-    points : mapping
-        Points to be run, by id. A point is in no batch if it takes long, needs several threads or
-        would be the only one of its batch.
-    cores : float, optional
-        Number of cores that they run on. If it is unknown, as on a cluster, batches are as long as
-        allowed: there, each batch is a job, which takes seconds to start.
+    A point is in no batch if it takes long, needs several threads or would be the only one of its
+    batch. If the number of ``cores`` is unknown, as on a cluster, batches are as long as allowed:
+    there, each batch is a job, which takes seconds to start.
     """
     seconds = {}
     for name, point in points.items():
@@ -120,11 +98,8 @@ def plan_batches(points: Mapping[str, Parameters], cores: float | None) -> dict[
         if cost.threads == 1 and cost.core_seconds - PROCESS_TIME <= MAX_BATCH_SECONDS / 2:
             seconds[name] = cost.core_seconds - PROCESS_TIME
     total = sum(seconds.values())
-    batch_seconds = (
-        min(max(total / cores, MIN_BATCH_SECONDS), MAX_BATCH_SECONDS)
-        if cores
-        else MAX_BATCH_SECONDS
-    )
+    share = max(total / cores, MIN_BATCH_SECONDS) if cores else MAX_BATCH_SECONDS
+    batch_seconds = min(share, MAX_BATCH_SECONDS)
     number = max(ceil(total / batch_seconds), ceil(len(seconds) / MAX_BATCH_POINTS))
     batches: list[list[str]] = [[] for _ in range(number)]
     open_batches = [(0.0, index) for index in range(number)]
@@ -134,31 +109,21 @@ def plan_batches(points: Mapping[str, Parameters], cores: float | None) -> dict[
         batches[index].append(name)
         if len(batches[index]) < MAX_BATCH_POINTS:
             heappush(open_batches, (seconds_taken + seconds[name], index))
-    return {_batch_name(members): members for members in batches if len(members) > 1}
-
-
-def _batch_name(members: list[str]) -> str:
-    return f"batch_{hashlib.sha256(' '.join(members).encode()).hexdigest()[:8]}"
+    return {
+        f"batch_{hashlib.sha256(' '.join(members).encode()).hexdigest()[:8]}": members
+        for members in batches
+        if len(members) > 1
+    }
 
 
 @dataclass(frozen=True)
 class Boundary:
     """One boundary to be found, with all parameters but one fixed.
 
-    Attributes
-    ----------
-    name : str
-        Name of its entry in the study file; boundaries of one entry differ in ``grid``.
-    of, along : str
-        What changes at the boundary; the parameter along which it is searched.
-    low, high, tolerance : float
-        Range of that parameter, and required width of the interval that contains the boundary.
-    grid : dict
-        Values of the grid that belong to this boundary.
-    figures : tuple of str
-        Figures that it feeds.
-    parameters_at : callable
-        Function: value of ``along`` → parameters of the point there.
+    ``name`` is that of its entry in the study file, whose boundaries differ in the values of their
+    ``grid``. ``of`` is what changes, ``along`` the parameter along which it is searched, from
+    ``low`` to ``high``, to within ``tolerance``. It feeds ``figures``; ``parameters_at`` is a
+    function: value of ``along`` → parameters of the point there.
     """
 
     name: str
@@ -194,17 +159,13 @@ Sides = Mapping[float, str | None]
 class BoundaryEstimate:
     """Estimate of a boundary.
 
-    Attributes
-    ----------
-    verdict : str
-        ``found``: known within the tolerance. ``wide``: known less exactly, as the values in
-        between are undecided or contradict each other. ``none``: all decided values, both ends of
-        the range among them, are on one side. ``several``: both ends are on the same side, values
-        in between on the other. ``open``: at most one side occurs, and an end is undecided.
-    below, above : str
-        Sides of the lowest and of the highest decided value, ``""`` if no value is decided.
-    low, high : float or None
-        Interval that contains the boundary; ``None`` unless it is ``found`` or ``wide``.
+    Its ``verdict`` is ``found``: known within the tolerance; ``wide``: known less exactly, as the
+    values in between are undecided or contradict each other; ``none``: all decided values, both
+    ends of the range among them, are on one side; ``several``: both ends are on the same side,
+    values in between on the other; ``open``: at most one side occurs, and an end is undecided.
+    ``below`` and ``above`` are the sides of the lowest and the highest decided value, empty if none
+    is decided; ``low`` and ``high`` the interval that contains the boundary, ``None`` unless it is
+    ``found`` or ``wide``.
     """
 
     verdict: str

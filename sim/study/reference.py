@@ -19,8 +19,6 @@ from sim.study.plot_kinds import shown_by
 from sim.study.surrogate import SensitivityFile, SurrogateFile
 from sim.study.validate import file_models
 
-SCHEMA_NAME = "schema.json"
-GUIDE_NAME = "README.md"
 BEGIN = "<!-- reference: begin; written by `talus schema --write`, do not edit -->"
 END = "<!-- reference: end -->"
 
@@ -77,13 +75,7 @@ def reference_text() -> str:
 
 
 def insert_reference(guide: str, source: str) -> str:
-    """Return the text of a guide with the current reference between its markers.
-
-    Raises
-    ------
-    InputError
-        If a marker is missing, or they are in the wrong order.
-    """
+    """Return the text of a guide with the current reference between its markers."""
     before, begin, rest = guide.partition(BEGIN)
     _, end, after = rest.partition(END)
     if not begin or not end:
@@ -100,18 +92,12 @@ def show(folder: Path | None) -> str | None:
 
 
 def write(folder: Path) -> None:
-    """Write ``schema.json`` and the reference in ``README.md`` of ``folder``.
-
-    Raises
-    ------
-    InputError
-        If the guide is missing or has no markers, or a file cannot be written.
-    """
-    guide = folder / GUIDE_NAME
+    """Write ``schema.json`` and the reference in ``README.md`` of ``folder``."""
+    guide = folder / "README.md"
     try:
         text = insert_reference(guide.read_text(encoding="utf-8"), str(guide))
         guide.write_text(text, encoding="utf-8")
-        (folder / SCHEMA_NAME).write_text(schema_text(), encoding="utf-8")
+        (folder / "schema.json").write_text(schema_text(), encoding="utf-8")
     except OSError as error:
         raise InputError(f"{error.filename or folder}: {error.strerror}") from None
 
@@ -133,11 +119,8 @@ def _observables() -> list[str]:
     every = dict(item for kind in shown.values() for each in kind.values() for item in each.items())
     for name, observable in every.items():
         systems = [one for one in SYSTEMS if any(name in kind[one] for kind in shown.values())]
-        letters = "".join(
-            letter
-            for letter, kind in _SHOWN.items()
-            if any(name in names for names in shown[kind].values())
-        )
+        kinds = {letter: shown[kind].values() for letter, kind in _SHOWN.items()}
+        letters = "".join(key for key, each in kinds.items() if any(name in one for one in each))
         needs = f", `{observable.asked_by}`" if observable.asked_by else ""
         unit = f", {observable.unit}" if observable.unit != "1" else ""
         meaning = observable.meaning.removesuffix(", mean of all particles") + unit
@@ -202,14 +185,9 @@ def _sections(what: str, texts: Mapping[str, str]) -> list[str]:
 
 
 def _default(value: Any) -> str:
-    match value:
-        case None:
-            return "derived"
-        case bool():
-            return str(value).lower()
-        case float():
-            return f"{value:.12g}"
-    return str(value)
+    if isinstance(value, bool | float):
+        return str(value).lower() if isinstance(value, bool) else f"{value:.12g}"
+    return "derived" if value is None else str(value)
 
 
 def _table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

@@ -1,6 +1,6 @@
 """Questions of a study: what all have in common, and entries under ``surrogate`` of its file."""
 
-from collections.abc import Container, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from functools import partial
 from itertools import islice, takewhile
 from pathlib import Path
@@ -18,9 +18,6 @@ from sim.parameters.forms import require_observables
 from sim.study.design import Axis, block_size
 from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional
 from sim.study.plot_kinds import find_observable, numbers, require_stored
-
-#: Fewest points of which a mean can be, and fewest for each parameter.
-_FEWEST_POINTS, _POINTS_PER_PARAMETER = 4, 3
 
 #: Most points of a surrogate: the time of a fit grows with the cube of their number.
 MOST_POINTS = 3000
@@ -48,13 +45,10 @@ SLOWING: Regime = "slowing"
 #: Regimes whose points count unless an entry names others: all but what surely changes or rests.
 COUNTED: tuple[Regime, ...] = ("steady", "mixed", "undetermined")
 
-#: Kinds of design that can go on point by point.
-_ENDLESS = ("sobol", "random")
-
 
 def fewest_points(parameters: int) -> int:
     """Return the fewest points of which a mean over some parameters can be."""
-    return max(_FEWEST_POINTS, _POINTS_PER_PARAMETER * parameters)
+    return max(4, 3 * parameters)
 
 
 class Place(NamedTuple):
@@ -70,19 +64,11 @@ class Place(NamedTuple):
 
 
 class Question(Strict):
-    """A question to the runs of a study, as its file has it; `resolve` adds what follows from that.
-
-    Attributes
-    ----------
-    name : str
-        Its name, and that of the file of its answer.
-    of : SurrogateFile
-        The surrogate that it is asked of, or what one of its series would be.
-    """
+    """A question to the runs of a study, as its file has it; `resolve` adds what follows."""
 
     name: str
 
-    #: What `resolve` adds.
+    #: What `resolve` adds: the surrogate that it is asked of, or what one of its series would be.
     of: ClassVar[Any]
 
     #: Folder of its answer in the results of a study, and ending of the file.
@@ -97,11 +83,8 @@ class Question(Strict):
     def resolve(self, study: Any, place: Place) -> Self:
         """Return the question with what it is about in a `sim.study.model.Study`.
 
-        Raises
-        ------
-        InputError
-            For a series, surrogate, observable or parameter that is not there or does not fit, and
-            for measurements that cannot be used, with file, line and column.
+        Raises ``InputError`` for a series, surrogate, observable or parameter that is not there or
+        does not fit, and for measurements that cannot be used.
         """
         raise NotImplementedError
 
@@ -161,14 +144,10 @@ class SurrogateFile(Question):
                 yield broken_rule(key, None, f"a number, as {other} is given: rounds need both")
 
     def about(
-        self,
-        system: str,
-        axes: tuple[Axis, ...],
-        design: Any = None,
-        figures: tuple[str, ...] = (),
+        self, system: str, axes: tuple[Axis, ...], design: Any = None, figures: Iterable[str] = ()
     ) -> Self:
         """Return the surrogate of points of a system that vary some parameters."""
-        return self.with_values(system=system, axes=axes, design=design, figures=figures)
+        return self.with_values(system=system, axes=axes, design=design, figures=tuple(figures))
 
     def resolve(self, study: Any, place: Place) -> Self:
         """Return the surrogate with system, parameters and design of its series."""
@@ -176,10 +155,10 @@ class SurrogateFile(Question):
             raise place.error("series", self.series, "one of " + ", ".join(place.families))
         family = place.families[self.series]
         points = [study.points[key] for key in study.series[self.series]]
-        if len(study.readings.get(family.system, ())) > 1:
-            allowed = f"a series of a study with one reading of the {family.system}"
+        system, design = family.system, study.designs.get(self.series)
+        if len(study.readings.get(system, ())) > 1:
+            allowed = f"a series of a study with one reading of the {system}"
             raise place.error("series", self.series, allowed)
-        design = study.designs.get(self.series)
         # Flows do not depend on numerical parameters of a grid.
         axes = tuple(
             axis for axis in study.axes.get(self.series, ()) if design or axis.name not in NUMERICAL
@@ -190,19 +169,16 @@ class SurrogateFile(Question):
             allowed = f"a series of {least} to {MOST_POINTS:,} points"
             raise place.error("series", f"{self.series} of {len(points):,} points", allowed)
         name = self.observable
-        observable = find_observable("curves", "observable", name, family.system, place.error)
+        observable = find_observable("curves", "observable", name, system, place.error)
         require_stored(observable, points, partial(place.error, "observable", name))
-        require_observables(family.system, numbers(family.system))
+        require_observables(system, numbers(system))
         if not axes:
-            allowed = "a series whose points vary a parameter"
-            raise place.error("series", self.series, allowed)
+            raise place.error("series", self.series, "a series whose points vary a parameter")
         # The points of an analysis belong together, so single ones do not go on with it.
-        if self.has_rounds and (design is None or design.kind not in _ENDLESS):
+        if self.has_rounds and (design is None or design.kind not in ("sobol", "random")):
             allowed = "with error, a series with a design of kind sobol or random"
             raise place.error("series", self.series, allowed)
-        return self.about(
-            family.system, axes, design if self.has_rounds else None, tuple(family.figures)
-        )
+        return self.about(system, axes, design if self.has_rounds else None, family.figures)
 
     @property
     def of(self) -> Self:
@@ -297,8 +273,7 @@ class SensitivityFile(Question):
     def resolve(self, study: Any, place: Place) -> Self:
         """Return the question with its surrogate, or with the design of its series."""
         if self.surrogate is not None:
-            of = surrogate_named(self.surrogate, study, place)
-            return self.with_values(of=of)
+            return self.with_values(of=surrogate_named(self.surrogate, study, place))
         name = self.series
         design = study.designs.get(name)
         if design is None or design.kind not in ("saltelli", "morris"):
@@ -310,8 +285,8 @@ class SensitivityFile(Question):
             raise place.error("series", name, f"a series whose design is over mass, not {DENSITY}")
         fewest = FEWEST_BLOCKS * block_size(design.kind, len(design.axes))
         if design.size < fewest:
-            got = f"{name} of {design.size} points"
-            raise place.error("series", got, f"a design of {fewest} points or more")
+            allowed = f"a design of {fewest} points or more"
+            raise place.error("series", f"{name} of {design.size} points", allowed)
         system = study.points[study.series[name][0]].parameters.system
         observable = self.observable or "velocity"
         find_observable("curves", "observable", observable, system, place.error)

@@ -51,11 +51,8 @@ def _system_models(system: str) -> SystemModels:
     model, first = SYSTEMS[system], next(iter(SYSTEMS))
     # No boundary is along a parameter that flows do not depend on, such as the length of a run.
     excluded = roles.numerical_parameters(model) - set(roles.start_parameters(model))
-    numbers = [
-        name
-        for name, field in model.model_fields.items()
-        if field.annotation is float and name not in excluded
-    ]
+    floats = (name for name, field in model.model_fields.items() if field.annotation is float)
+    numbers = tuple(name for name in floats if name not in excluded)
     figures = [name for name, spec in FIGURES.items() if spec.system == system]
     values, lists = _with_parameters(Some, system), _with_parameters(Lists, system)
     readings = _with_parameters(Readings, system, roles.reading_parameters(model))
@@ -89,7 +86,7 @@ def _system_models(system: str) -> SystemModels:
         BoundaryFile,
         system,
         f"A boundary between regimes of the {system}, for each combination of the grid.",
-        shared | {"of": Literal[model.boundaries], "along": Literal[tuple(numbers)]},
+        shared | {"of": Literal[model.boundaries], "along": Literal[numbers]},
         **({"of": Field(description=_OF_DESCRIPTION)} if system == first else {}),
     )
     return SystemModels(values, readings, override, series, boundary)
@@ -132,10 +129,8 @@ def _with_field_types(
 
     ``replacements`` replaces the declarations of fields by name.
     """
-    fields: dict[str, Any] = {
-        name: (kind, replacements.get(name, base.model_fields[name]))
-        for name, kind in types.items()
-    }
+    declared: dict[str, Any] = base.model_fields | replacements
+    fields: dict[str, Any] = {name: (kind, declared[name]) for name, kind in types.items()}
     name = f"{system.capitalize()}{base.__name__.removesuffix('File')}"
     return create_model(name, __base__=base, __doc__=doc, **fields)
 
@@ -191,32 +186,24 @@ def _build_file_models(
 def validate(documents: Sequence[tuple[Path, Any]]) -> list[tuple[Path, StudyFile]]:
     """Return the path and the model of each file of a study.
 
-    Raises
-    ------
-    InputError
-        With the file, the key, its value and the allowed values. Also if two files have a series
-        of the same name, or a part has parts of its own.
+    Raises ``InputError`` for a wrong key or value, also if two files have a series of the same
+    name, or a part has parts of its own.
     """
     (source, _), *parts = documents
     for index, (path, contents) in enumerate(parts):
         if isinstance(contents, dict) and "parts" in contents:
             allowed = "a study without parts of its own"
             raise InputError.of_value(source, f"parts[{index}]", path.name, allowed)
-    files = [(path, _validate_file(path, contents)) for path, contents in documents]
-    names: set[str] = set()
-    for number, (path, file) in enumerate(files):
-        for _, entry in file.entries:
+    (model, _), files, names = file_models(), list[tuple[Path, StudyFile]](), set[str]()
+    for number, (path, contents) in enumerate(documents):
+        try:
+            files.append((path, model.model_validate(contents)))
+        except ValidationError as error:
+            raise input_error(error, model, str(path)) from None
+        for _, entry in files[-1][1].entries:
             if entry.name in names:
                 key = f"parts[{number - 1}]: series {entry.name}"
                 allowed = "a part without a series of a name that another has"
                 raise InputError.of_value(source, key, path.name, allowed)
             names.add(entry.name)
     return files
-
-
-def _validate_file(path: Path, contents: Any) -> StudyFile:
-    model, _ = file_models()
-    try:
-        return model.model_validate(contents)
-    except ValidationError as error:
-        raise input_error(error, model, str(path)) from None

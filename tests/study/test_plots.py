@@ -204,12 +204,6 @@ def test_parameters_are_all_that_vary_unless_they_are_named(parse):
     assert spec.axes == ("angle",) and spec.title == "Velocity against angle"
 
 
-@pytest.mark.parametrize("kind", ["pairs", "parallel"])
-def test_a_plot_that_the_explorer_draws_is_refused_with_its_name(parse, kind):
-    message = error_message(parse, SEVERAL | {"kind": kind})
-    assert message.startswith(f"kind: got '{kind}'") and "explorer" in message
-
-
 def test_curves_of_a_design_are_told_from_curves_of_a_grid(parse):
     cases = [{"friction": 0.3 + n / 50, "angle": 16 + n / 10} for n in range(9)]
     series = {"name": "a", "system": "chute", "cases": cases}
