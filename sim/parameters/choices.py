@@ -97,22 +97,11 @@ class Option(Declared):
 
 @dataclass(frozen=True)
 class Choice:
-    """A parameter of some systems to which plug-ins add options.
+    """A parameter of the systems ``models`` to which plug-ins add options.
 
-    Attributes
-    ----------
-    name : str
-        The parameter, and the kind of the additions.
-    meaning : str
-        What the parameter is.
-    models : tuple of type
-        Parameters of these systems.
-    usual : tuple of str
-        Options of Talus, its default first.
-    role : str
-        Role of the parameter.
-    kept : bool
-        Whether what an option's parameters say is the same in a flow that goes on under others.
+    ``name`` is the parameter and the kind of the additions, ``usual`` are the options of Talus, its
+    default first. Where it is ``kept``, what an option's parameters say is the same in a flow that
+    goes on under others.
     """
 
     name: str
@@ -132,11 +121,7 @@ class Choice:
     def add(self, name: str, kind: type[Option], **fields: Any) -> None:
         """Add an option of the plug-in that is being loaded.
 
-        Raises
-        ------
-        AdditionError
-            When a field is not of its type, or the name of a parameter is in use. What ships has a
-            description, and alone may have functions that are compiled by hand.
+        What ships has a description, and alone may have functions that are compiled by hand.
         """
         what = f"{self.name} {name}"
         option = declared(kind, what, **fields)

@@ -89,24 +89,11 @@ class Parameters(BaseModel):
     A concrete system adds ``diameter`` (m), ``mass`` (kg), ``gravity`` (m s⁻²), ``stiffness``,
     ``transient``, ``average``, ``limit`` and ``trajectory`` (multiples of ``time_unit``), the
     properties ``time_unit``, ``time_step``, ``sample_steps``, ``particles``, ``period`` and
-    ``rate``, and the class variables below.
-
-    Attributes
-    ----------
-    sampling_key : str
-        Parameter that sets how often samples are taken.
-    boundaries : tuple of str
-        Kinds of boundaries between its regimes: what may change there.
-    smallest_values : dict
-        Values that make a run as small and short as possible.
-    state_numbers : int
-        Numbers per particle in a frame of a trajectory: position and motion.
-    axes : int
-        Directions in which particles move.
-    most_contacts : int
-        Contacts per particle that fit in a frame of a trajectory.
-    offered : mapping
-        Options of plug-ins: parameter -> name in points -> the option.
+    ``rate``, and class variables: ``sampling_key``, the parameter that sets how often samples are
+    taken; ``boundaries``, what may change between its regimes; ``smallest_values``, which make a
+    run as small and short as possible; ``state_numbers`` of a particle (position and motion) and
+    ``most_contacts`` per particle in a frame of a trajectory; and the number of ``axes`` along
+    which particles move. ``offered`` are options of plug-ins: parameter → name in points → option.
     """
 
     model_config = ConfigDict(
@@ -188,10 +175,7 @@ class Parameters(BaseModel):
         return ""
 
     def caveat_of(self, overlap: float) -> str:
-        """Return a further warning for a run with this largest overlap, or an empty text.
-
-        ``overlap`` is in diameters, as ``max_overlap``.
-        """
+        """Return a further warning for a run with this largest overlap (diameters), or nothing."""
         return ""
 
     @property

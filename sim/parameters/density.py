@@ -33,13 +33,7 @@ LARGEST_DIAMETER = 0.1
 def with_mass(
     values: Mapping[str, Any], model: type[Parameters], source: str, paths: Mapping[str, str]
 ) -> dict[str, Any]:
-    """Return values of parameters with the mass that a density among them gives.
-
-    Raises
-    ------
-    InputError
-        For a density that is no number > 0, or that stands beside a mass.
-    """
+    """Return values of parameters with the mass that a density among them gives."""
     if DENSITY not in values:
         return dict(values)
     rest = {name: value for name, value in values.items() if name != DENSITY}

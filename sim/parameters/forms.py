@@ -18,16 +18,9 @@ Column = Annotated[Callable[[Mapping[str, Any]], Any], takes(1)]
 class Form(Declared):
     """An observable as a scale times a smooth function of groups of parameters.
 
-    Attributes
-    ----------
-    name, observable, meaning : str
-        Its name, what it is of, and what it is in words, for captions.
-    systems : tuple of str
-        Systems that it is for.
-    scale : callable, optional
-        Scale of the observable, in its unit.
-    inputs : mapping
-        Groups by name. One with the name of a parameter takes its place; others are added.
+    ``meaning`` is what it is in words, for captions, ``scale`` is in the unit of the observable.
+    ``inputs`` are groups by name: one with the name of a parameter takes its place, others are
+    added.
     """
 
     name: str

@@ -9,12 +9,8 @@ of the other where the period is less than d + d', and nowhere else.
 def least_period(largest: float, fixed: float = 0.0) -> float:
     """Return the least period in which no particle can touch two images of another one.
 
-    Parameters
-    ----------
-    largest : float
-        Largest diameter of the particles that move.
-    fixed : float
-        Largest diameter of fixed ones; these need not keep away from each other.
+    ``largest`` is the largest diameter of those that move, ``fixed`` that of fixed ones, which need
+    not keep away from each other.
     """
     return largest + max(largest, fixed)
 

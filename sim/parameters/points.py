@@ -106,27 +106,11 @@ _CONVERGED_ONLY = ("limit",)
 def parse_point(
     mapping: Any, source: str | Path, paths: Mapping[str, str] | None = None
 ) -> Parameters:
-    """Validate the parameters of one point.
+    """Return the parameters of one point: complete, canonical and immutable.
 
-    Parameters
-    ----------
-    mapping : dict
-        ``system`` and any of its parameters; omitted ones take the paper's values. A density
-        (kg/m³) gives the mass.
-    source : str or Path
-        Named in error messages.
-    paths : mapping, optional
-        Path of each parameter's value in ``source``, for error messages.
-
-    Returns
-    -------
-    Parameters
-        An instance of the system's model: complete, canonical and immutable.
-
-    Raises
-    ------
-    InputError
-        The message names file, key, value and allowed range.
+    ``mapping`` has ``system`` and any of its parameters; omitted ones take the paper's values, and
+    a density (kg/m³) gives the mass. Raises ``InputError``, which names ``source`` and the path of
+    a value there, the parameter itself or that of ``paths``.
     """
     if not isinstance(mapping, Mapping):
         raise InputError.of_value(source, "", mapping, "a mapping of parameter names to values")
@@ -174,13 +158,7 @@ def parse_python_point(source: str, system: Any, values: Mapping[str, Any]) -> P
 
 
 def load_point(path: str | Path) -> Parameters:
-    """Read a point from a YAML (or JSON) file, or from standard input when ``path`` is ``-``.
-
-    Raises
-    ------
-    InputError
-        When the file cannot be read or its contents are not a valid point.
-    """
+    """Read a point from a YAML (or JSON) file, or from standard input when ``path`` is ``-``."""
     return parse_point(read_yaml(path), "<stdin>" if str(path) == "-" else path)
 
 
@@ -281,20 +259,9 @@ def defaults_of_added(system: str) -> dict[str, Any]:
 
 
 def require_compatible_source(parameters: Parameters, source: Parameters, where: str) -> None:
-    """Raise unless a run of a point can start from a run of another one.
+    """Raise ``InputError``, naming ``where``, unless a point can start from a run of another one.
 
-    Parameters
-    ----------
-    parameters, source : Parameters
-        The point, and the point that it starts from.
-    where : str
-        The file or point to be named in the message.
-
-    Raises
-    ------
-    InputError
-        When ``source`` differs in its system or one of the `fixed_parameters`, or has too few
-        replicates.
+    That is of the same system and `fixed_parameters`, and has as many replicates.
     """
     allowed = ""
     if source.system != parameters.system:

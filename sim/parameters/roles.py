@@ -27,36 +27,19 @@ class Declaration:
 
     As pydantic's ``json_schema_extra`` it adds symbol, unit, scale and equation to the JSON schema.
 
-    Attributes
-    ----------
-    symbol : str
-        Symbol of the parameter in the paper.
-    unit : str
-        Unit of the stored number as UDUNITS (CF) reads it.
-    scale : str
-        For pure numbers, the quantity of which they are multiples (``"⟨d⟩"``, ``"g"``).
-    equation : str
-        Equation or section of the source in which it enters.
-    role : str
-        See `Role`. Ids of points, curves of figures and places of claims omit ``numerics`` and
-        ``amount``; each ``reading`` has its own verdicts.
-    id_part : str
-        Label in the ids of all points, for the parameters that figures vary most. Other parameters
-        are in an id where they differ from the paper.
-    compiled : bool
-        True where its value selects the code to compile; other parameters only change numbers.
-    changes_start : bool
-        True for a numerical parameter that changes the start of flows, so that answers may depend
-        on it. Unless a claim names it, its runs have one value or their defaults.
-    fixed : bool
-        True for what cannot change during a flow: equal in a run and the run it starts from.
-    added : bool
-        True for a parameter introduced after points were published. Where it has its default, the
-        canonical form, id and run file of old and new points omit it.
-    allowed : str
-        The allowed values in words, where type and range are not enough.
-    synonyms : str
-        Other words for it, with spaces between, for hints.
+    ``symbol`` is that in the paper, ``unit`` that of the stored number as UDUNITS (CF) reads it,
+    for pure numbers ``scale`` the quantity of which they are multiples (``"⟨d⟩"``, ``"g"``), and
+    ``equation`` the equation or section of the source in which it enters. For its `Role`: ids of
+    points, curves of figures and places of claims omit ``numerics`` and ``amount``; each
+    ``reading`` has its own verdicts. ``id_part`` is its label in the ids of all points, for the
+    parameters that figures vary most; others are in an id where they differ from the paper.
+
+    A ``compiled`` one selects the code to compile; others only change numbers. A numerical one that
+    ``changes_start`` may change answers: unless a claim names it, its runs have one value or their
+    defaults. A ``fixed`` one cannot change during a flow: it is equal in a run and the run it
+    starts from. An ``added`` one came after points were published: where it has its default, the
+    canonical form, id and run file of old and new points omit it. ``allowed`` are the allowed
+    values in words, where type and range are not enough, ``synonyms`` other words, for hints.
     """
 
     symbol: str = ""

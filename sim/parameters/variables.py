@@ -56,32 +56,14 @@ Measuring = Callable[[Mapping[str, Any]], float | Mapping[str, float]]
 
 @dataclass(frozen=True)
 class Variable:
-    """A variable of run files or datasets.
+    """A variable of run files or datasets, by its name there.
 
-    Attributes
-    ----------
-    kind : str
-        One of `DIMS` or `OTHER_KINDS`.
-    name : str
-        Its name in files.
-    unit : str
-        Unit as UDUNITS reads it; ``"1"`` for a pure number, ``""`` for words.
-    meaning : str
-        What it is, for axes and captions.
-    systems : tuple of str
-        Systems whose runs have it.
-    asked_by : str
-        Parameter without which a run does not keep it, if any.
-    dims : tuple of str
-        Its dimensions.
-    cell_method : str
-        How a value of a time series stands for its sample interval (CF).
-    part : str
-        Part of the run that a profile is of.
-    of : str
-        The variable that this one is another part of, if any.
-    in_datasets : tuple of str
-        Systems whose datasets keep it.
+    Its ``kind`` is one of `DIMS` or `OTHER_KINDS`, its ``unit`` as UDUNITS reads it (``"1"`` for a
+    pure number, empty for words), its ``meaning`` for axes and captions. Runs of ``systems`` have
+    it, where the parameter ``asked_by`` asks for it, if there is one; datasets of ``in_datasets``
+    keep it. ``cell_method`` is how a value of a time series stands for its sample interval (CF),
+    ``part`` the part of the run that a profile is of, and ``of`` the variable that this one is
+    another part of, if any.
     """
 
     kind: str

@@ -39,10 +39,6 @@ class Comparison(NamedTuple):
         """The parameters on its sides."""
         return tuple(side for side in (self.left, self.right) if isinstance(side, str))
 
-    def __str__(self) -> str:
-        """Return the text that says it."""
-        return " ".join(one if isinstance(one, str) else f"{one:.12g}" for one in self)
-
     def satisfied(self, columns: Mapping[str, Sequence[Any]]) -> np.ndarray:
         """Return which points satisfy it, from the values of each parameter."""
         left, right = (

@@ -53,9 +53,7 @@ class Distribution(Strict):
     mean: Real = optional("mean of a normal distribution, which between cuts off")
     deviation: Real = optional("standard deviation of that distribution", gt=0)
     choices: list[Any] = optional(
-        "the values, each equally often",
-        {"allowed": _ALLOWED_CHOICES},
-        min_length=2,
+        "the values, each equally often", {"allowed": _ALLOWED_CHOICES}, min_length=2
     )
 
     def rules(self) -> Iterator[PydanticCustomError]:
@@ -279,9 +277,9 @@ class DesignFile(Strict):
             if len(rows) >= count or (drawn >= _MIN_DRAWN and len(rows) < _MIN_SHARE * drawn):
                 break
         if not rows or (self.grows and len(rows) < count):
-            (source, key), given = self.place, list(map(str, comparisons))
+            source, key = self.place
             allowed = "conditions that at least 1 in 1,000 points of the design satisfies"
-            raise InputError.of_value(source, f"{key}.where", given, allowed)
+            raise InputError.of_value(source, f"{key}.where", self.where, allowed)
         return np.concatenate(shares)[:count], rows[:count]
 
     def _chunks(self, count: int) -> Iterator[tuple[np.ndarray, Mapping[str, list[Any]]]]:

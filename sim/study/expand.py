@@ -34,35 +34,23 @@ def expand(files: Sequence[tuple[Path, StudyFile]]) -> Study:
     Raises ``InputError`` for a point that is not valid, a start from a point or file that is not
     there, and too many points.
     """
-    points: dict[str, Point] = {}
-    series: dict[str, tuple[str, ...]] = {}
-    boundaries: list[Boundary] = []
-    axes: dict[str, tuple[Axis, ...]] = {}
-    designs: dict[str, DesignFile] = {}
+    points, series, boundaries = dict[str, Point](), dict[str, tuple[str, ...]](), list[Boundary]()
+    axes, designs = dict[str, tuple[Axis, ...]](), dict[str, DesignFile]()
     for path, file in files:
         for key, entry in file.entries:
             family = _Family(file, entry, key, str(path))
-            family_boundaries = list(family.boundaries())
-            series[entry.name] = ids = family.add_to(points, family_boundaries)
-            boundaries += family_boundaries
+            boundaries += (own := list(family.boundaries()))
+            series[entry.name] = ids = family.add_to(points, own)
             if isinstance(entry, SeriesFile):
                 axes[entry.name] = entry.axes([points[one].parameters for one in ids])
             if family.design:
                 designs[entry.name] = family.design
     path, file = files[0]
     _require_valid_points(points, str(path))
-    return Study(
-        name=file.study,
-        title=file.title,
-        files=tuple(path for path, _ in files),
-        points=points,
-        series=series,
-        boundaries=tuple(boundaries),
-        axes=axes,
-        designs=designs,
-        readings=_readings_by_system(file),
-        decide=file.decide,
-    )
+    found = Study(file.study, file.title, tuple(path for path, _ in files), points, series)
+    readings = _readings_by_system(file)
+    found = replace(found, boundaries=tuple(boundaries), axes=axes, designs=designs)
+    return replace(found, readings=readings, decide=file.decide)
 
 
 @dataclass(frozen=True)
@@ -196,18 +184,16 @@ class _Family:
     def _parameters(self, draft: _Draft) -> Parameters:
         """Return the parameters of a draft, with the overrides whose conditions it meets.
 
-        Conditions apply to the point before any override, defaults included. Later overrides win.
+        They apply to the point before any override, defaults included. Later overrides win.
         """
         before = parse_point(draft.values, self.source, draft.paths)
-        changed = draft
+        new = draft
         for index, override in enumerate(self.entry.overrides):
             conditions = override.when.explicit_values()
             if all(getattr(before, name) in values for name, values in conditions.items()):
                 path = f"{self.key}.overrides[{index}].set"
-                changed = changed.with_values(override.set.explicit_values(), path)
-        if changed is draft:
-            return before
-        return parse_point(changed.values, self.source, changed.paths)
+                new = new.with_values(override.set.explicit_values(), path)
+        return before if new is draft else parse_point(new.values, self.source, new.paths)
 
     def _require_same_point(self, point: Point, parameters: Parameters) -> None:
         """Raise `InputError` if parameters of the same id differ in more than amounts."""

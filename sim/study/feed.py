@@ -19,7 +19,6 @@ from sim.study.plot_contents import (
     default_title,
     name_in_words,
     parameter_phrase,
-    same_plane,
     varying_parameters,
 )
 from sim.study.plot_kinds import numbers, plugin_code
@@ -152,19 +151,14 @@ def _caption_parameters(system: str, points: Sequence[Parameters]) -> list[str]:
     """Return the parameters in a caption: part of ids, varied, or different from the default."""
     model = SYSTEMS[system]
     rows, always = field_info(model), {*roles.id_parts(model), "transient", "average"}
+    usual = {name: canonical_number(row.default) for name, row in rows.items()}
     unusual = {
         name
-        for name, row in rows.items()
-        if name not in NUMERICAL
-        and name not in _NOT_IN_CAPTION
-        and row.default is not None
-        and any(getattr(point, name) != canonical_number(row.default) for point in points)
+        for name in usual.keys() - NUMERICAL
+        if usual[name] is not None and any(getattr(one, name) != usual[name] for one in points)
     }
     chosen = always | unusual | set(varying_parameters(points))
-    if all(map(same_plane, points)):
-        # The plane has the friction of the particles.
-        chosen -= {"friction_plane"}
-    return [name for name in rows if name in chosen and name not in _NOT_IN_CAPTION]
+    return [name for name in rows if name in chosen - _NOT_IN_CAPTION]
 
 
 #: Keys of study files with questions. Surrogates come first, as the others are asked of them.
@@ -225,7 +219,6 @@ def ask(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
 
 
 def _pictures(question: Question) -> Iterator[FigureSpec]:
-    """Yield the pictures of an answer."""
     of, design = question.of, getattr(question, "design", None)
     match question:
         case SurrogateFile():

@@ -1,5 +1,6 @@
 """Load a study: read, validate, expand, feed and ask its file; and its points as a table."""
 
+import os
 import re
 import warnings
 from collections.abc import Iterator, Mapping
@@ -50,9 +51,7 @@ def extra_amounts_file(folder: Path) -> Path:
 def read_extra_amounts(folder: Path) -> ExtraAmounts:
     """Return the extra amounts of a study, none without a file; a damaged one is renamed."""
     path = extra_amounts_file(folder)
-    try:
-        path.lstat()
-    except FileNotFoundError:
+    if not os.path.lexists(path):
         return ExtraAmounts()
     with checked_read(path, "list of what was bought", replaceable=True):
         document = parse_sealed_json(path.read_text(encoding="utf-8"))

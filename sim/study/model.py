@@ -44,7 +44,7 @@ class Study:
     files: tuple[Path, ...]
     points: dict[str, Point]
     series: dict[str, tuple[str, ...]]
-    boundaries: tuple[Boundary, ...]
+    boundaries: tuple[Boundary, ...] = ()
     axes: Mapping[str, tuple[Axis, ...]] = field(default_factory=dict)
     designs: Mapping[str, DesignFile] = field(default_factory=dict)
     entries: dict[str, FigureSpec] = field(default_factory=dict)

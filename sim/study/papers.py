@@ -106,11 +106,6 @@ def paper(package: str) -> None:
     ----------
     package : str
         ``__name__`` of the package of the paper.
-
-    Raises
-    ------
-    InputError
-        For an unreadable ``paper.yaml``, and for its first wrong or unknown key.
     """
     folder = Path(str(sys.modules[package].__file__)).parent
     path = folder / "paper.yaml"
@@ -169,7 +164,5 @@ def _without_effect(point: Parameters) -> set[str]:
 
 def paper_value_lines(points: Iterable[Parameters]) -> list[str]:
     """Return a line for each paper and system."""
-    return [
-        f"left as in {heading}: {', '.join(texts)}"
-        for heading, texts in paper_values(points).items()
-    ]
+    values = paper_values(points).items()
+    return [f"left as in {heading}: {', '.join(texts)}" for heading, texts in values]

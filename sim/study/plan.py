@@ -21,19 +21,12 @@ from sim.study.points import Estimate, estimate, plan_batches
 
 
 class Plan:
-    """What the rules of the workflow ask of a study; points are given by their ids.
+    """What the rules of the workflow ask of a study, whose results are in ``folder``.
 
-    Parameters
-    ----------
-    study, folder : Study, Path
-        The study, and its results.
-    run_files : module
-        What says how much run files hold: `sim.engine.stored_run`.
-    read_round : callable
-        Function: file of a round of refinement → points that it adds, by id.
-    shared_runs : module, optional
-        What takes runs of other studies, `sim.engine.shared_runs`, where points lack a large enough
-        run file here. They count as run files of this study, also before `take_shared` is called.
+    Points are given by their ids. The module ``run_files`` says how much run files hold
+    (`sim.engine.stored_run`), and ``read_round`` reads the points that a round of refinement adds.
+    ``shared_runs`` takes runs of other studies (`sim.engine.shared_runs`), where points lack a run
+    file that has enough; they count as run files of this study, also before `take_shared`.
     """
 
     def __init__(
@@ -166,7 +159,7 @@ class Plan:
     def amount_text(self, point: str) -> str:
         """Return a text with the amounts that the run file of a point has, or will have.
 
-        A run file with large enough amounts keeps its text, so Snakemake only reruns others.
+        That of one with large enough amounts stays, so Snakemake only reruns others.
         """
         if point not in self._amount_texts:
             shared, parameters = self._shared.get(point), self.parameters(point)

@@ -27,7 +27,6 @@ from sim.study.points import Point
 def _points(
     plot: PlotFile, data: BesideFile, folder: Path, unit_on: Callable[[str], str]
 ) -> tuple[tuple[float, ...], ...]:
-    """Return the points of one data set."""
     if data.points:
         return tuple(map(tuple, data.points))
     table = read_measured(folder / data.file)
@@ -104,14 +103,8 @@ class PlotContents:
         spec = FigureSpec.model_construct(**vars(self.plot) | {"system": self.system})
         if not spec.keys.several or spec.parameters is not None:
             return spec
-        names = [name for name in self._varied() if name not in spec.groups]
+        names = [one for one in varying_parameters(self.parameters) if one not in spec.groups]
         return spec.model_copy(update={"parameters": names})
-
-    def _varied(self) -> list[str]:
-        """Return the parameters that vary, without a friction of the plane that is no other."""
-        names = varying_parameters(self.parameters)
-        is_same = all(map(same_plane, self.parameters))
-        return [name for name in names if name != "friction_plane" or not is_same]
 
     @cached_property
     def observables(self) -> dict[str, Observable]:
@@ -156,18 +149,15 @@ class PlotContents:
         axes, points = self.spec.axes, self.parameters
         if self.spec.kind != "curves" or not axes or len(points) < MIN_SCATTERED:
             return False
-        names = [name for name in self._varied() if name not in axes]
+        names = [name for name in varying_parameters(points) if name not in axes]
         groups = {tuple(getattr(point, name) for name in names) for point in points}
         return len(groups) > SCATTERED_SHARE * len(points)
 
     @cached_property
     def beside(self) -> tuple[DataSet, ...]:
         """Data that are not of the study."""
-        plot, folder = self.plot, Path(self.source).parent
-        return tuple(
-            (one.name, _points(plot, one, folder, self._unit_on), one.line)
-            for one in plot.beside or ()
-        )
+        plot, at = self.plot, (Path(self.source).parent, self._unit_on)
+        return tuple((one.name, _points(plot, one, *at), one.line) for one in plot.beside or ())
 
     def _unit_on(self, axis: str) -> str:
         """Return the unit of an axis as UDUNITS reads it; empty for a natural one."""
@@ -219,7 +209,6 @@ class PlotContents:
         return [(key, name) for key, name in named if name]
 
     def _require_logarithms(self) -> None:
-        """Raise an error for a logarithmic axis whose parameter is zero or less at some point."""
         for number, axis in enumerate(self.plot.log):
             name = getattr(self.plot, axis)
             if name in (*self.spec.axes, self.coloured):
@@ -232,7 +221,6 @@ class PlotContents:
                     raise self.error(f"log[{number}]", got, allowed)
 
     def _require_distinct_map_points(self) -> None:
-        """Raise an error for a map that would draw several points at one position."""
         shown = (*self.spec.axes, *self.spec.groups)
         points_by_position: dict[tuple[Any, ...], Parameters] = {}
         for point in self.parameters if self.spec.regimes else ():
@@ -246,12 +234,15 @@ class PlotContents:
 
 
 def varying_parameters(points: Sequence[Parameters]) -> list[str]:
-    """Return the parameters that points of one system vary, except numerical ones."""
-    return [
-        name
-        for name in type(points[0]).model_fields
-        if name not in NUMERICAL and len({getattr(point, name) for point in points}) > 1
-    ]
+    """Return the parameters that points of one system vary, except numerical ones.
+
+    The friction of the plane is none of them where it is everywhere that of the particles.
+    """
+    names = [name for name in type(points[0]).model_fields if name not in NUMERICAL]
+    values = {name: [getattr(point, name) for point in points] for name in names}
+    is_same = values.get("friction_plane") == values.get("friction")
+    varied = [name for name in names if len(set(values[name])) > 1]
+    return [name for name in varied if name != "friction_plane" or not is_same]
 
 
 #: Ratio of the ends of a parameter from which its axis may be logarithmic.
@@ -262,11 +253,6 @@ def has_logarithmic_values(values: Iterable[float]) -> bool:
     """Return whether values spread over a wide range evenly in their logarithm."""
     axis = axis_of("", values, is_integer=False)
     return axis.scale == "log" and axis.high >= _WIDE * axis.low
-
-
-def same_plane(point: Parameters) -> bool:
-    """Return whether the plane has no friction of its own."""
-    return getattr(point, "friction_plane", 0) == getattr(point, "friction", 0)
 
 
 def parameter_phrase(system: str, name: str) -> str:

@@ -84,15 +84,9 @@ def insert_reference(guide: str, source: str) -> str:
 
 
 def show(folder: Path | None) -> str | None:
-    """Return the schema, or write it and the reference if a folder is given."""
+    """Return the schema, or write it and the reference in ``README.md`` if a folder is given."""
     if folder is None:
         return schema_text().rstrip()
-    write(folder)
-    return None
-
-
-def write(folder: Path) -> None:
-    """Write ``schema.json`` and the reference in ``README.md`` of ``folder``."""
     guide = folder / "README.md"
     try:
         text = insert_reference(guide.read_text(encoding="utf-8"), str(guide))
@@ -100,6 +94,7 @@ def write(folder: Path) -> None:
         (folder / "schema.json").write_text(schema_text(), encoding="utf-8")
     except OSError as error:
         raise InputError(f"{error.filename or folder}: {error.strerror}") from None
+    return None
 
 
 def _keys(model: type[BaseModel]) -> str:
@@ -133,7 +128,7 @@ def _figures() -> list[str]:
     for name, spec in FIGURES.items():
         fields = field_info(SYSTEMS[spec.system])
         usual = {key: _default(field.default) for key, field in fields.items()}
-        other = {key: each for key, each in spec.taken.items() if str(each) != usual.get(key)}
+        other = {key: each for key, each in spec.taken.items() if each != usual.get(key)}
         only = [f"{key} {each}" for key, each in other.items()]
         if len(other) == len(spec.taken):
             only.append("any")
@@ -163,7 +158,6 @@ def _parameters() -> list[str]:
 
 
 def _parameter(row: FieldRow) -> Sequence[str]:
-    """Return name, symbol, allowed values and meaning."""
     unit = row.scale or ("" if row.unit == "1" else row.unit)
     # A place in a paper alone tells a user nothing; what stands there does.
     equation = f" ({row.equation})" if ":" in row.equation or "=" in row.equation else ""

@@ -93,17 +93,12 @@ def _system_models(system: str) -> SystemModels:
 
 
 def _with_parameters(base: type[Some], system: str, names: Collection[str] | None = None) -> Any:
-    """Return a model based on ``base`` with the parameters of a system as optional fields.
-
-    ``names`` limits the fields to these parameters.
-    """
+    """Return a model based on ``base`` with all parameters of a system, or some, as fields."""
     fields: dict[str, Any] = {}
     for key, parameter in (SYSTEMS[system].model_fields | base.in_place).items():
         if key == "system" or (names is not None and key not in names):
             continue
-        value: Any = parameter.annotation
-        if parameter.metadata:
-            value = Annotated[(value, *parameter.metadata)]
+        value: Any = Annotated[(parameter.annotation, *parameter.metadata, None)]
         field = optional(parameter.description)
         if issubclass(base, Lists):
             value = Annotated[_list_type(value), Field(min_length=1)]
@@ -125,10 +120,7 @@ def _with_parameters(base: type[Some], system: str, names: Collection[str] | Non
 def _with_field_types(
     base: type[BaseModel], system: str, doc: str, types: dict[str, Any], **replacements: Any
 ) -> Any:
-    """Return a model based on ``base`` whose fields have the types of a system.
-
-    ``replacements`` replaces the declarations of fields by name.
-    """
+    """Return a model based on ``base`` whose fields have the types of a system."""
     declared: dict[str, Any] = base.model_fields | replacements
     fields: dict[str, Any] = {name: (kind, declared[name]) for name, kind in types.items()}
     name = f"{system.capitalize()}{base.__name__.removesuffix('File')}"
