@@ -19,19 +19,12 @@ from tests.made.processes import ROOT
 @pytest.mark.parametrize("name", FIGURES)
 def test_an_entry_says_what_is_drawn_and_what_the_paper_says(name):
     spec = FIGURES[name]
-    assert spec.lead.endswith(".")
-    assert spec.says.startswith("The paper")
-    assert spec.says.endswith(".")
+    assert spec.says.startswith("The paper") and spec.says.endswith(".") and spec.lead.endswith(".")
     parameters = {*spec.named, *spec.axes, *spec.groups, *spec.where}
-    assert spec.named
-    assert parameters <= set(SYSTEMS[spec.system].model_fields)
-
-
-@pytest.mark.parametrize("name", FIGURES)
-def test_curves_of_a_figure_differ_in_colour(name):
-    # Curves of one entry share its look.
-    styles = [*{style.entry or style.at: style for style in FIGURES[name].styles}.values()]
-    styles += [measure for measure in FIGURES[name].quantities if measure.colour]
+    assert spec.named and parameters <= set(SYSTEMS[spec.system].model_fields)
+    # Curves of one entry share its look, all others differ in colour.
+    styles = [*{style.entry or style.at: style for style in spec.styles}.values()]
+    styles += [measure for measure in spec.quantities if measure.colour]
     assert len({style.colour for style in styles}) == len(styles)
 
 
@@ -78,8 +71,7 @@ def test_an_entry_becomes_what_its_figure_is(tmp_path):
     (style,) = spec.styles
     assert (style.at, style.colour, style.entry) == ((0, 50), "red", "none")
 
-
-def test_curves_of_a_paper_take_the_keys_of_a_plot(tmp_path):
+    # Curves of a paper take the keys of a plot.
     keys = "    y: backflow\n    units: natural\n    fit: linear\n    title: Vel"
     (tmp_path / "figures.yaml").write_text(ENTRY.replace("    title: Vel", keys))
     (spec,) = read_figures(paper_in(tmp_path))

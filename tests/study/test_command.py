@@ -40,29 +40,26 @@ def exec_call(tmp_path, monkeypatch) -> list:
     return call
 
 
-def test_a_first_study_can_be_run_as_it_is_written(exec_call, capsys):
-    assert main(["init"]) == 0
-    assert capsys.readouterr().out.startswith("first.yaml: written; ")
-    study = load_study("first.yaml")
-    assert study.name == "first" and len(study.points) == 9 and study.figures
-
-
 @pytest.mark.parametrize(
-    ("target", "path"), [("own.yaml", "own.yaml"), ("a/b", "a/b/first.yaml"), ("c/own.yml",) * 2]
+    ("words", "path", "model"),
+    [
+        ("", "first.yaml", "first"),
+        ("own.yaml", "own.yaml", "first"),
+        ("a/b", "a/b/first.yaml", "first"),
+        ("mine.yml --from quick", "mine.yml", "quick"),
+    ],
 )
-def test_a_study_is_named_after_its_file(target, path, exec_call):
-    assert main(["init", target]) == 0
+def test_a_study_of_the_program_is_copied_under_the_name_of_the_file(
+    words, path, model, exec_call, capsys
+):
+    assert main(["init", *words.split()]) == 0
+    assert capsys.readouterr().out.startswith(f"{path}: written; ")
     text = Path(path).read_text(encoding="utf-8")
-    assert load_study(path).name == Path(path).stem
+    own, shipped = load_study(path), load_study(package_folder("config") / f"{model}.yaml")
+    assert own.name == Path(path).stem and own.points == shipped.points and own.figures
     assert f"talus points {Path(path).name}" in text or path.endswith(".yml")
-    (first, *_) = text.splitlines()
-    assert Path(first.partition("$schema=")[2]) == package_folder("config") / "schema.json"
-
-
-def test_studies_that_come_with_the_program_can_be_copied(exec_call):
-    assert main(["init", "mine.yaml", "--from", "quick"]) == 0
-    own, quick = load_study("mine.yaml"), load_study(package_folder("config") / "quick.yaml")
-    assert own.name == "mine" and own.points == quick.points
+    schema = text.splitlines()[0].partition("$schema=")[2]
+    assert Path(schema) == package_folder("config") / "schema.json"
 
 
 @pytest.mark.parametrize(
@@ -94,6 +91,13 @@ def test_a_study_is_run_by_the_workflow_of_the_package(exec_call):
     assert "-m snakemake --cores 3 --configfile first.yaml --snakefile " in options
     assert Path(words[words.index("--snakefile") + 1]).is_file()
     assert words[-2:] == ["-n", "figures"]
+    slurm = str(package_folder("workflow") / "profiles" / "slurm")
+    for name, profile in (("slurm", slurm), ("mine/own", "mine/own")):
+        with pytest.raises(ExecCalled):
+            main(["study", "first.yaml", "--profile", name])
+        assert exec_call[1][-2:] == ["--profile", profile]
+        # It would limit the cores of a cluster, too.
+        assert "--cores" not in exec_call[1]
 
 
 def test_a_study_file_is_no_option_and_no_pipe(exec_call, capsys):
@@ -108,19 +112,6 @@ def test_a_study_file_is_no_option_and_no_pipe(exec_call, capsys):
     ):
         assert main(["study", *words]) == 2
         assert capsys.readouterr().err.startswith(f"error: {message}")
-
-
-@pytest.mark.parametrize(
-    ("name", "profile"),
-    [("slurm", package_folder("workflow") / "profiles" / "slurm"), ("mine/own", "mine/own")],
-)
-def test_profiles_of_the_package_are_found_by_name(name, profile, exec_call):
-    main(["init"])
-    with pytest.raises(ExecCalled):
-        main(["study", "first.yaml", "--profile", name])
-    assert exec_call[1][-2:] == ["--profile", str(profile)]
-    # It would limit the cores of a cluster, too.
-    assert "--cores" not in exec_call[1]
 
 
 @pytest.mark.parametrize(
@@ -204,16 +195,10 @@ sys.exit(run_with_signals([sys.executable, "child.py", "child"]))
 """
 
 
-@pytest.mark.parametrize(
-    ("number", "roles"),
-    [
-        (signal.SIGTERM, {"child"}),
-        (signal.SIGINT, {"child", "job"}),
-        (signal.SIGHUP, {"child", "job"}),
-    ],
-)
-def test_a_signal_is_handed_on_and_the_end_is_waited_for(number, roles, tmp_path):
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
+def test_a_signal_is_handed_on_and_the_end_is_waited_for(number, tmp_path):
     """As from a terminal, jobs get interrupts and hang-ups, too."""
+    roles = {"child"} if number == signal.SIGTERM else {"child", "job"}
     (tmp_path / "child.py").write_text(CHILD)
     environment = os.environ | {"PYTHONPATH": str(ROOT)}
     process = subprocess.Popen([sys.executable, "-c", PARENT], cwd=tmp_path, env=environment)
@@ -232,5 +217,5 @@ def test_a_signal_is_handed_on_and_the_end_is_waited_for(number, roles, tmp_path
 
 
 def test_the_exit_code_of_the_command_is_kept():
-    assert command.run_with_signals([sys.executable, "-c", "raise SystemExit(3)"]) == 3
-    assert command.run_with_signals([sys.executable, "-c", "import os; os.abort()"]) == 128 + 6
+    for code, text in ((3, "raise SystemExit(3)"), (128 + 6, "import os; os.abort()")):
+        assert command.run_with_signals([sys.executable, "-c", text]) == code

@@ -77,10 +77,8 @@ def test_points_lie_where_the_file_says():
     restitutions = [point.restitution for point in points]
     assert np.mean(restitutions) == pytest.approx(0.85, abs=0.002)
     assert np.std(restitutions) == pytest.approx(0.03, abs=0.002)
-    for name, values in {
-        "law": ("walton_braun", "hertz"),
-        "steps_per_collision": (20, 21, 22, 23),
-    }.items():
+    words = {"law": ("walton_braun", "hertz"), "steps_per_collision": (20, 21, 22, 23)}
+    for name, values in words.items():
         counts = [sum(getattr(point, name) == value for point in points) for value in values]
         assert counts == pytest.approx([256 / len(values)] * len(values), abs=4)
     assert {point.depth for point in points} == {2}
@@ -128,30 +126,19 @@ def test_zip_pairs_lists():
         (0.4, 2),
     ]
     assert "zip, 3 points over depth, friction, law, of which 2 differ" in as_table(study)
+    # Equal points count once.
+    same = study_of(points=32, over={"steps_per_collision": [20, 23]})
+    assert len(same.points) == 4 and len(same.designs["wide"].sequence(32)) == 32
     some = study_of("zip", over, where=["friction > 0.35"])
     assert [point.parameters.friction for point in some.points.values()] == [0.4]
     assert len(some.designs["wide"].sequence(3)) == some.designs["wide"].size == 1
 
 
-def test_equal_points_count_once_and_are_told():
-    study = study_of(points=32, over={"steps_per_collision": [20, 23]})
-    assert len(study.points) == 4
-    assert len(study.designs["wide"].sequence(32)) == 32
-    line = "design wide: sobol, 32 points over steps_per_collision, of which 4 differ and are run"
-    assert line in as_table(study)
-
-
 def test_readings_share_a_design():
     design = {"kind": "sobol", "points": 4, "over": {"frequency": [10, 40]}}
-    study = parse_study(
-        {
-            "study": "s",
-            "readings": {"belt": {"damping_mass": ["own", "reduced"]}},
-            "series": [{"name": "wide", "system": "belt", "design": design}],
-        },
-        "s.yaml",
-        None,
-    )
+    series = [{"name": "wide", "system": "belt", "design": design}]
+    readings = {"belt": {"damping_mass": ["own", "reduced"]}}
+    study = parse_study({"study": "s", "readings": readings, "series": series}, "s.yaml", None)
     points = [point.parameters for point in study.points.values()]
     frequencies = [point.frequency for point in points]
     assert frequencies[:4] == frequencies[4:]
@@ -171,9 +158,8 @@ def test_values_lie_in_their_range(low, width, scale, share):
     assert low <= value <= low + width
     if low < value < low + width:
         assert value == float(f"{value:.6g}")
-    exact = (
-        low + width * share if scale == "linear" else low * np.exp(share * log((low + width) / low))
-    )
+    factor = np.exp(share * log((low + width) / low))
+    exact = low + width * share if scale == "linear" else low * factor
     assert value == pytest.approx(exact, rel=2e-5)
 
 

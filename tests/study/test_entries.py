@@ -68,9 +68,6 @@ def test_a_range_is_the_list_of_its_values(range_mapping, values):
     assert points({"friction": range_mapping}) == points({"friction": values})
 
 
-def test_whole_numbers_stay_whole():
+def test_whole_numbers_stay_whole_and_what_is_no_range_is_left_to_others():
     assert points({"seed": {"start": 1, "stop": 5, "num": 3}}) == points({"seed": [1, 3, 5]})
-
-
-def test_what_is_no_range_is_left_to_others():
     assert expand_range([1, 2]) == [1, 2] and expand_range("a") == "a"

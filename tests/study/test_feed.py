@@ -10,7 +10,7 @@ from sim.figures.data import split_curves
 from sim.parameters import SYSTEMS, BeltParameters, ChuteParameters
 from sim.report.points import as_table
 from sim.study.figure_spec import FIGURES
-from sim.study.load import Study, load_study, parse_study
+from sim.study.load import Study, parse_study
 
 
 @pytest.fixture
@@ -24,14 +24,8 @@ def parse(tmp_path):
     return parse
 
 
-NUMERICS = {
-    "grid": {
-        "frequency": [10, 15, 25],
-        "steps_per_cycle": [2000, 8000],
-        "integrator": ["gear", "verlet"],
-    },
-    "figures": ["gallas_1b"],
-}
+SEVERAL = {"frequency": [10, 15, 25], "steps_per_cycle": [2000, 8000]}
+NUMERICS = {"grid": SEVERAL | {"integrator": ["gear", "verlet"]}, "figures": ["gallas_1b"]}
 
 
 def test_two_points_at_one_place_of_a_curve_are_refused(parse):
@@ -42,42 +36,23 @@ def test_two_points_at_one_place_of_a_curve_are_refused(parse):
     assert "frequency = 10" in message
     assert "that differ in steps_per_cycle (2000, 8000), which" in message
     assert "\n" not in message and "integrator" not in message
-
-
-def test_points_that_feed_no_curve_may_differ_in_anything(parse):
+    # Points that feed no curve may differ in anything.
     assert len(parse(NUMERICS | {"figures": []}).points) == 12
-
-
-@pytest.mark.parametrize(("name", "values"), [("seed", [1, 2]), ("initial_velocity", [0, 4])])
-def test_what_no_curve_shows_tells_no_points_apart(parse, name, values):
-    series = {"grid": {"frequency": [20, 30], name: values}, "figures": ["gallas_1a"]}
-    with pytest.raises(InputError, match=rf"differ in {name} \({values[0]}, {values[1]}\)"):
-        parse(series)
-
-
-def test_a_figure_about_starts_tells_them_apart(parse):
-    series = {
-        "base": {"frequency": 80},
-        "grid": {"shear_damping": [50, 100], "initial_velocity": [0, 4]},
-        "figures": ["gallas_3c"],
-    }
-    assert len(parse(series).figures["gallas_3c"]) == 4
-
-
-def test_both_series_of_two_points_at_one_place_are_named(parse):
-    first = {"grid": {"frequency": [20, 30]}, "figures": ["gallas_1a"]}
-    second = first | {"name": "b", "base": {"seed": 2}}
+    one = {"grid": {"frequency": [20, 30]}, "figures": ["gallas_1a"]}
+    faster = {"grid": one["grid"] | {"initial_velocity": [0, 4]}}
+    with pytest.raises(InputError, match=r"differ in initial_velocity \(0, 4\)"):
+        parse(one | faster)
     with pytest.raises(InputError, match=r"seed \(1, 2\) \(series a and b\)"):
-        parse(first, second)
+        parse(one, one | {"name": "b", "base": {"seed": 2}})
 
 
-def test_maps_of_regimes_have_a_marker_for_every_point(parse):
-    series = {
-        "system": "chute",
-        "grid": {"depth": [2, 5], "angle": [15, 17], "seed": [1, 2]},
-        "figures": ["regimes_angle"],
-    }
-    assert len(parse(series).figures["regimes_angle"]) == 8
+def test_a_figure_about_starts_tells_them_apart_and_a_map_has_a_marker_for_every_point(parse):
+    grid = {"shear_damping": [50, 100], "initial_velocity": [0, 4]}
+    study = parse({"base": {"frequency": 80}, "grid": grid, "figures": ["gallas_3c"]})
+    assert len(study.figures["gallas_3c"]) == 4
+    grid = {"depth": [2, 5], "angle": [15, 17], "seed": [1, 2]}
+    study = parse({"system": "chute", "grid": grid, "figures": ["regimes_angle"]})
+    assert len(study.figures["regimes_angle"]) == 8
 
 
 @pytest.mark.parametrize(
@@ -95,9 +70,8 @@ def test_the_study_tells_apart_what_the_curves_do(figure, name):
     first = SYSTEMS[spec.system]()
     value = getattr(first, name)
     kinds = {str: "other", bool: not value}
-    second = first.model_copy(
-        update={name: kinds[type(value)] if type(value) in kinds else value + 1}
-    )
+    other = kinds[type(value)] if type(value) in kinds else value + 1
+    second = first.model_copy(update={name: other})
     rows = pd.DataFrame([first.model_dump(), second.model_dump()])
     names = [name for name in type(first).model_fields if name not in spec.alike]
     curves = split_curves(rows, along, spec.groups, tuple(names))
@@ -109,18 +83,6 @@ def test_points_left_out_are_counted_with_the_values_taken(parse):
     sentence = "gallas_2a leaves out 2 of 4 points: it takes frequency 10, 20, 60, 80"
     assert study.omission_notes == [sentence]
     assert sentence in as_table(study).splitlines()
-
-
-def test_a_point_left_out_of_a_part_is_counted(tmp_path):
-    series = "series: [{name: N, system: belt, grid: {frequency: [F]}, figures: [gallas_2a]}]\n"
-    (tmp_path / "one.yaml").write_text(
-        "study: one\n" + series.replace("N", "one").replace("F", "10, 60, 15")
-    )
-    path = tmp_path / "two.yaml"
-    text = "study: two\nparts: [one.yaml]\n" + series.replace("N", "two").replace("F", "15, 25, 80")
-    path.write_text(text)
-    (sentence,) = load_study(path, tmp_path).omission_notes
-    assert sentence.startswith("gallas_2a leaves out 2 of 5 points")
 
 
 def test_the_table_warns_of_caveats_known_before_any_run(parse):

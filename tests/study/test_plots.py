@@ -49,18 +49,14 @@ def test_a_plot_is_an_entry_of_all_points_of_its_series(parse):
     assert all(point.figures == () for point in study.points.values())
 
 
-def test_x_of_curves_may_be_an_observable(parse):
-    study = parse(VALID_PLOT | {"x": "shear_depth"})
-    spec = study.entries["v"]
+def test_x_of_curves_may_be_an_observable_and_y_of_profiles_another_profile(parse):
+    spec = parse(VALID_PLOT | {"x": "shear_depth"}).entries["v"]
     assert spec.axes == () and spec.groups == ("angle", "law")
     assert (spec.show, spec.second) == ("velocity", "shear_depth")
     assert spec.title == "Velocity against shear depth, by angle and law"
     assert ", against shear depth (height at which the velocity is" in spec.lead
     assert "friction" in spec.named
     assert parse(VALID_PLOT).entries["v"].second == ""
-
-
-def test_y_of_profiles_is_another_profile_in_the_same_slices(parse):
     plot = {"name": "p", "kind": "profiles", "x": "granular_temperature", "y": "packing"}
     spec = parse(plot | {"between": [1, 4], "log": ["y"]}).entries["p"]
     assert (spec.show, spec.second) == ("granular_temperature", "packing")
@@ -72,18 +68,14 @@ def test_y_of_profiles_is_another_profile_in_the_same_slices(parse):
 DATA_BESIDE = {"label": "Pouliquen (1999)", "points": [[0.3, 1], [0.6, 2.5]]}
 
 
-def test_data_beside_a_plot_are_kept_with_it(parse):
-    spec = parse(
-        VALID_PLOT | {"beside": [DATA_BESIDE, DATA_BESIDE | {"label": "law", "line": True}]}
-    ).entries["v"]
-    points = ((0.3, 1.0), (0.6, 2.5))
-    assert spec.foreign == (("Pouliquen (1999)", points, False), ("law", points, True))
-
-
 FILE_BESIDE = {"file": "exp.csv", "x": "mu", "y": "V", "yerr": "s"}
 
 
-def test_data_beside_may_be_columns_of_a_file_which_belongs_to_the_study(parse, tmp_path):
+def test_data_beside_are_points_or_columns_of_a_file_which_belongs_to_the_study(parse, tmp_path):
+    beside = [DATA_BESIDE, DATA_BESIDE | {"label": "law", "line": True}]
+    points = ((0.3, 1.0), (0.6, 2.5))
+    foreign = parse(VALID_PLOT | {"beside": beside}).entries["v"].foreign
+    assert foreign == (("Pouliquen (1999)", points, False), ("law", points, True))
     (tmp_path / "exp.csv").write_text("mu,V (mm/s),s (mm/s)\n0.3,250,0\n0.5,200,4\n")
     study = parse(VALID_PLOT | {"beside": FILE_BESIDE})
     assert study.plots["v"].foreign == (("exp", ((0.3, 0.25, 0.0), (0.5, 0.2, 0.004)), False),)

@@ -1,41 +1,60 @@
-"""The key ``surrogate`` of a study: what it makes, and what it refuses before any run."""
+"""Surrogates, sensitivities and calibrations of a study: what is asked before anything runs."""
 
+import pytest
+
+from sim.base.errors import InputError
 from sim.report.points import as_json, as_table
-from sim.study.load import load_study, parse_study
+from sim.study.load import Study, load_study, parse_study
 from sim.study.surrogate import COUNTED, MOST_ROUNDS
 
-DESIGN = {
-    "kind": "sobol",
-    "points": 16,
-    "over": {
-        "friction": [0.3, 0.6],
-        "stiffness": {"between": [100, 10000], "scale": "log"},
-        "law": {"choices": ["walton_braun", "hertz"]},
-    },
+RANGES = {"friction": [0.2, 0.8], "restitution": [0.6, 0.98], "angle": [14, 20]}
+WIDE = {
+    "name": "wide",
+    "system": "chute",
+    "base": {"depth": 5},
+    "design": {"kind": "sobol", "points": 16, "over": RANGES},
 }
+SCREENED = WIDE | {"name": "many", "design": WIDE["design"] | {"kind": "morris", "points": 40}}
+STIFFNESS = {"between": [100, 10000], "scale": "log"}
+MIXED = {"stiffness": STIFFNESS, "law": {"choices": ["walton_braun", "hertz"]}}
+SPEED = {"name": "speed", "series": "wide"}
+CALIBRATE = {
+    "name": "beads",
+    "data": "exp.csv",
+    "surrogate": "speed",
+    "parameters": {"friction": [0.2, 0.8], "restitution": [0.6, 0.9]},
+}
+TABLE = """angle (deg), velocity (mm/s), velocity_error, note
+15, 200, 5, slow
+17, 300, 6, "fast, or so"
+"""
 
 
-def study(surrogate=(), series=None, **others):
-    wide = {"name": "wide", "system": "chute", "design": DESIGN} | (series or {})
-    entries = [{"name": "speed", "series": "wide"} | one for one in surrogate or [{}]]
-    return parse_study(
-        {"study": "asks", "series": [wide], "surrogate": entries} | others, "asks.yaml", None
-    )
+@pytest.fixture
+def parse(tmp_path):
+    def parse(table: str = TABLE, **keys) -> Study:
+        (tmp_path / "exp.csv").write_text(table)
+        mapping = {"study": "s", "series": [WIDE, SCREENED], "surrogate": [SPEED]} | keys
+        return parse_study(mapping, tmp_path / "study.yaml", None)
+
+    return parse
 
 
-def test_a_surrogate_goes_through_a_grid_and_ignores_how_its_points_are_computed():
+def with_design(**changes) -> list[dict]:
+    return [WIDE | {"design": WIDE["design"] | changes}]
+
+
+def test_a_surrogate_goes_through_a_grid_and_ignores_how_its_points_are_computed(parse):
     grid = {"friction": [0.3, 0.4, 0.6], "depth": [2, 5], "seed": [1, 2]}
-    flows = {"name": "wide", "system": "chute", "grid": grid}
-    asked = {"study": "asks", "series": [flows], "surrogate": [{"name": "speed", "series": "wide"}]}
-    (speed,) = parse_study(asked, "asks.yaml", None).surrogates
+    (speed,) = parse(series=[{"name": "wide", "system": "chute", "grid": grid}]).surrogates
     ranges = {axis.name: (axis.low, axis.high) for axis in speed.axes}
     assert ranges == {"friction": (0.3, 0.6), "depth": (2, 5)}
     assert (speed.observable, speed.system, speed.mean_regimes) == ("velocity", "chute", COUNTED)
-    (speed,) = study().surrogates
+    study = parse(series=with_design(over={"friction": [0.3, 0.6]} | MIXED))
+    (speed,) = study.surrogates
     assert [axis.name for axis in speed.axes] == ["friction", "stiffness", "law"]
     assert (speed.axes[1].scale, speed.axes[2].choices) == ("log", ("walton_braun", "hertz"))
-    kinds = {name: spec.kind for name, spec in study().plots.items()}
-    assert kinds == {
+    assert {name: spec.kind for name, spec in study.plots.items()} == {
         "speed-friction": "section",
         "speed-stiffness": "section",
         "speed-friction-stiffness": "surface",
@@ -43,24 +62,19 @@ def test_a_surrogate_goes_through_a_grid_and_ignores_how_its_points_are_computed
     }
 
 
-def test_rounds_are_open_and_their_cost_is_told():
-    asked = study([{"error": 0.05, "budget": 2}])
-    assert asked.rounds == MOST_ROUNDS and study().rounds == 0
+def test_rounds_add_the_points_of_a_larger_design_and_their_cost_is_told(parse):
+    asked = parse(series=[WIDE], surrogate=[SPEED | {"error": 0.05, "budget": 2}])
+    assert asked.rounds == MOST_ROUNDS and parse().rounds == 0
     line = "surrogate speed: rounds of 4 points may add up to 2 core hours, until its error is 5 %"
     assert line in as_table(asked) and "rounds of refinement" not in as_table(asked)
     assert '"surrogates_core_hours": 2' in as_json(asked)
-
-
-def test_further_points_are_those_of_a_larger_design():
-    asked = study([{"error": 0.05, "budget": 2}])
-    larger = study(series={"design": DESIGN | {"points": 24}})
+    larger = list(parse(series=with_design(points=24)).points)
     (speed,) = asked.surrogates
     first = speed.next_batch(asked.points)
-    assert list(first) == list(larger.points)[16:20]
-    assert speed.added_points(asked.points) == {}
+    assert list(first) == larger[16:20] and speed.added_points(asked.points) == {}
     known = {**asked.points, **first}
     assert list(speed.added_points(known)) == list(first)
-    assert list(speed.next_batch(known)) == list(larger.points)[20:]
+    assert list(speed.next_batch(known)) == larger[20:]
 
 
 def test_surrogates_of_parts_belong_to_the_study(tmp_path):
@@ -69,3 +83,47 @@ def test_surrogates_of_parts_belong_to_the_study(tmp_path):
     (tmp_path / "whole.yaml").write_text("study: whole\nparts: [part.yaml]\n")
     (speed,) = load_study(tmp_path / "whole.yaml", None).surrogates
     assert speed.name == "speed" and [axis.name for axis in speed.axes] == ["depth"]
+
+
+def test_a_sensitivity_is_of_a_surrogate_or_of_the_runs_of_a_design(parse):
+    entry = {"name": "matters", "surrogate": "speed"}
+    screen = {"name": "screen", "series": "many", "observable": "velocity"}
+    study = parse(sensitivity=[entry, entry | {"name": "others", "surrogate_error": 0.3}, screen])
+    one, other, screening = study.questions[1:]
+    assert (one.surrogate_error, other.surrogate_error) == (None, 0.3)
+    assert one.file == "sensitivity/matters.csv" and one.of.name == "speed" and not one.design
+    assert {"matters-indices", "matters-interactions", "screen-screening"} <= set(study.plots)
+    assert study.plots["matters-indices"].answer.file == one.file
+    assert study.questions[0].file == "surrogates/speed.nc"
+    assert screening.is_screening and screening.of.mean_regimes == COUNTED
+    assert screening.series == "many" and "screen-indices" not in study.plots
+
+
+def test_measurements_come_in_the_units_of_talus(parse, tmp_path):
+    study = parse(calibrate=[CALIBRATE])
+    (one,) = study.questions[1:]
+    assert one.values == pytest.approx((0.2, 0.3)) and one.errors == pytest.approx((0.005, 0.006))
+    assert one.conditions == {"angle": (15, 17)} and one.ranges["restitution"] == (0.6, 0.9)
+    assert study.data == (tmp_path / "exp.csv",)
+    assert {"beads-posterior", "beads-predictions", "beads-experiment"} <= set(study.plots)
+    table = "angle,V,s\n15,20,1\n17,30,2\n"
+    named = {"observable": "V", "error": "s", "units": {"V": "cm/s", "angle": "deg"}}
+    (_, other) = parse(table, calibrate=[CALIBRATE | named]).questions
+    assert other.values == pytest.approx(one.values)
+    assert other.errors == pytest.approx((0.01, 0.02))
+    for edited, keys in (
+        (TABLE.replace("300", "310"), {}),
+        (TABLE, {"discrepancy": False}),
+        (TABLE, {"surrogate_error": 0.5}),
+    ):
+        (_, other) = parse(edited, calibrate=[CALIBRATE | keys]).questions
+        assert other.settings != one.settings
+
+
+def test_columns_may_say_what_was_run_and_rows_are_no_more_than_a_posterior_can_take(parse):
+    for name, value in {"law": "walton_braun", "orientations": "True", "depth": "5.0"}.items():
+        parse(TABLE.replace("note", name).replace('"fast, or so"', value).replace("slow", value))
+    table = TABLE.splitlines()[0] + "\n" + "15, 200, 5, slow\n" * 1001
+    allowed = "got 1001; allowed: 1,000 or fewer; average those made under equal conditions"
+    with pytest.raises(InputError, match=f"exp.csv: measurements: {allowed}"):
+        parse(table, calibrate=[CALIBRATE])

@@ -33,15 +33,9 @@ def validator():
     return jsonschema.Draft202012Validator(document)
 
 
-def test_schema_is_up_to_date():
+def test_schema_and_reference_are_up_to_date_and_name_every_parameter_and_figure():
     assert (CONFIG / "schema.json").read_text(encoding="utf-8") == schema_text(), REMEDY
-
-
-def test_reference_is_up_to_date():
     assert insert_reference(GUIDE, "README.md") == GUIDE, REMEDY
-
-
-def test_reference_names_every_parameter_and_figure():
     text = reference_text()
     names = {name for model in SYSTEMS.values() for name in model.model_fields} - {"system"}
     for name in names | set(FIGURES):
@@ -59,13 +53,8 @@ def test_shipped_studies_and_points_satisfy_the_schema(validator):
 
 
 GRID = {"study": "s", "series": [{"name": "a", "system": "chute", "grid": {"friction": [0.3]}}]}
-EDGE = {
-    "study": "s",
-    "boundaries": [
-        {"name": "a", "system": "chute", "of": "flow", "along": "angle", "range": [10, 20]}
-        | {"tolerance": 1}
-    ],
-}
+AT = {"name": "a", "system": "chute", "of": "flow", "along": "angle", "range": [10, 20]}
+EDGE = {"study": "s", "boundaries": [AT | {"tolerance": 1}]}
 
 
 @pytest.mark.parametrize(
@@ -92,7 +81,7 @@ def test_the_schema_refuses_what_the_models_refuse(study, change, validator, tmp
         parse_study(changed, "study", tmp_path)
 
 
-def test_examples_of_the_guide_work(tmp_path):
+def test_examples_of_the_guide_work(tmp_path, monkeypatch):
     study, designs, boundaries, point = EXAMPLES
     (tmp_path / "study.yaml").write_text(study)
     loaded = load_study(tmp_path / "study.yaml", tmp_path)
@@ -105,11 +94,9 @@ def test_examples_of_the_guide_work(tmp_path):
     limits = load_study(tmp_path / "boundaries.yaml", tmp_path)
     assert [limit.grid["depth"] for limit in limits.boundaries] == [5, 10, 20]
     assert list(limits.figures) == ["regimes_angle"]
-
-
-def test_the_error_that_the_guide_shows_is_the_real_one(tmp_path, monkeypatch):
+    # The error that the guide shows is the real one.
     monkeypatch.chdir(tmp_path)
-    Path("my-study.yaml").write_text(EXAMPLES[0].replace("0.85]", "1.2]"))
+    Path("my-study.yaml").write_text(study.replace("0.85]", "1.2]"))
     (guide_error,) = re.findall(r"^error: (my-study.yaml.*)$", GUIDE, flags=re.MULTILINE)
     with pytest.raises(InputError) as caught:
         load_study("my-study.yaml")

@@ -44,10 +44,11 @@ def test_a_threshold_is_found_within_the_tolerance(low, width, share, fineness, 
     assert len(sides) <= PARTS + 1 + (PARTS - 1) * further_rounds(low, high, tolerance)
 
 
-def test_rounds_are_known_beforehand():
+def test_rounds_are_known_beforehand_and_values_are_canonical():
     tolerances = (5, 2.5, 2.4, 0.625, 0.25)
     assert [further_rounds(10, 20, tolerance) for tolerance in tolerances] == [0, 0, 1, 1, 2]
     assert further_rounds(0.1, 0.5, 0.1) == 0
+    assert divide_range(0.1, 0.5) == [0.1, 0.2, 0.3, 0.4, 0.5]
 
 
 def test_an_open_zone_is_closed_in_on():
@@ -59,15 +60,9 @@ def test_an_open_zone_is_closed_in_on():
     assert 4.3 - 0.1 <= boundary.low <= 4.3
     assert 5.2 <= boundary.high <= 5.2 + 0.1
     assert sum(side is None for side in sides.values()) < 10
-
-
-def test_an_open_point_does_not_stop_the_search():
-    def classify(value):
-        return None if value == 5 else "low" if value < 6 else "high"
-
-    boundary, _ = search(classify, 0, 10, 0.1)
-    assert boundary.verdict == "found"
-    assert boundary.low <= 6 <= boundary.high
+    # A single open point does not stop the search.
+    boundary, _ = search(lambda x: None if x == 5 else "low" if x < 6 else "high", 0, 10, 0.1)
+    assert boundary.verdict == "found" and boundary.low <= 6 <= boundary.high
 
 
 def test_points_that_contradict_each_other_stay_inside():
@@ -90,7 +85,3 @@ def test_without_a_boundary_nothing_is_refined(sides, expected):
     sides_by_value = dict(zip((1.0, 2.0, 3.0), sides, strict=True))
     assert locate_boundary(sides_by_value, 0.1) == expected
     assert next_values(sides_by_value, 0.1) == []
-
-
-def test_values_are_canonical():
-    assert divide_range(0.1, 0.5) == [0.1, 0.2, 0.3, 0.4, 0.5]
