@@ -184,7 +184,7 @@ def given_labels(data: FigureData) -> tuple[str, str]:
         usual = [parameter_label(spec.system, name) for name in spec.axes[:2]]
     if measures := spec.quantities:
         usual[1:] = [measures[0].label]
-    elif spec.show in observables and not spec.regimes:
+    elif spec.show in observables and not spec.keys.is_map:
         usual[1:] = [observable_label(data, observables[spec.show])]
     return labels.get("x", usual[0]), labels.get("y", usual[1])
 

@@ -1,7 +1,6 @@
 """A density in place of the mass, and sizes of particles that are probably not meant."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from math import isfinite
 from typing import Any
 
 from pydantic import BaseModel
@@ -40,13 +39,11 @@ def with_mass(
     given, path = values[DENSITY], paths.get(DENSITY, DENSITY)
     if "mass" in rest:
         raise InputError.of_value(source, path, given, "density or mass, not both")
-    if isinstance(given, bool) or not isinstance(given, int | float) or not 0 < given < 1e15:
+    if type(given) not in (int, float) or not 0 < given < 1e15:
         raise InputError.of_value(source, path, given, "a number > 0, in kg/m³, without the unit")
     diameter = rest.get("diameter", model.model_fields["diameter"].default)
-    if isinstance(diameter, bool) or not isinstance(diameter, int | float):
-        # The diameter is refused by the model.
-        return rest
-    is_usable = isfinite(diameter) and 0 < diameter < 1e15
+    # Another diameter is refused by the model.
+    is_usable = type(diameter) in (int, float) and 0 < diameter < 1e15
     return rest | {"mass": float(given) * sphere_volume(diameter)} if is_usable else rest
 
 
@@ -66,28 +63,19 @@ def doubts(point: Parameters) -> Iterator[tuple[str, str]]:
     their stiffness. A dimensionless study has no such sizes.
     """
     fields = type(point).model_fields
-    usual = fields["diameter"].default
+    usual, stiffness = fields["diameter"].default, fields["stiffness"]
     is_other, rho = point.diameter != usual, point.density
     if point.diameter > LARGEST_DIAMETER:
         return
-    size = f"diameter {point.diameter:g} m"
+    size, paper = f"diameter {point.diameter:g} m with", f"of the paper's particles of {usual:g} m"
+    density = f"a density of {rho:.3g} kg/m³"
     if is_other and point.mass == fields["mass"].default:
-        yield (
-            "mass",
-            f"{size} with the mass of the paper's particles of {usual:g} m, {point.mass:g} kg, is "
-            f"a density of {rho:.3g} kg/m³; give density or mass",
-        )
+        text = f"{size} the mass {paper}, {point.mass:g} kg, is {density}; give density or mass"
+        yield "mass", text
     elif not LEAST <= rho <= LARGEST:
-        yield (
-            "mass",
-            f"{size} with mass {point.mass:g} kg is a density of {rho:.3g} kg/m³; usual are "
-            f"{LEAST:g} to {LARGEST:,g}",
-        )
-    stiffness = fields["stiffness"]
+        text = f"{size} mass {point.mass:g} kg is {density}; usual are {LEAST:g} to {LARGEST:,g}"
+        yield "mass", text
     is_absolute = getattr(stiffness.json_schema_extra, "unit", "") == "N m-1"
     if is_other and is_absolute and point.stiffness == stiffness.default:
-        yield (
-            "stiffness",
-            f"{size} with the stiffness of the paper's particles of {usual:g} m, "
-            f"{point.stiffness:g} N/m; look at their overlap",
-        )
+        text = f"{size} the stiffness {paper}, {point.stiffness:g} N/m; look at their overlap"
+        yield "stiffness", text

@@ -90,17 +90,14 @@ RUN_FILE = ".nc"
 #: Longest readable part of an id; file systems allow 255 bytes for the whole file name.
 _ID_LENGTH = 160
 
-#: Parameters of all systems that set how a flow is computed, not which flow it is.
+#: Parameters of all systems that set how a flow is computed, not which flow it is; and that set how
+#: much of a point is run.
 NUMERICAL = frozenset().union(*map(numerical_parameters, SYSTEMS.values()))
-
-#: Parameters of all systems that set how much of a point is run.
 AMOUNTS = frozenset().union(*map(amount_parameters, SYSTEMS.values()))
 
-#: Amounts whose smaller value asks for more.
-_FINER = ("target",)
-
-#: Amounts without effect under the published protocol, whose runs end after transient and average.
-_CONVERGED_ONLY = ("limit",)
+#: Amounts whose smaller value asks for more; and those without effect under the published protocol,
+#: whose runs end after transient and average.
+_FINER, _CONVERGED_ONLY = ("target",), ("limit",)
 
 
 def parse_point(
@@ -207,10 +204,8 @@ def point_id(parameters: Parameters) -> str:
         if name not in unnamed and value != default_of(model, name, values):
             readable.append(f"{name}-{value}" if isinstance(value, str) else f"{name}{value:g}")
     name = "-".join([parameters.system, *readable]).replace("+", "")[:_ID_LENGTH]
-    usual = {
-        name: type(values[name])(default_of(model, name, values))
-        for name in amount_parameters(model)
-    }
+    wanted = amount_parameters(model)
+    usual = {one: type(values[one])(default_of(model, one, values)) for one in wanted}
     return f"{name}-{hashlib.sha256(_json(values | usual).encode()).hexdigest()[:8]}"
 
 
@@ -223,19 +218,17 @@ def amounts(parameters: Parameters) -> dict[str, float]:
 
 def covers(available: Mapping[str, float], needed: Mapping[str, float]) -> bool:
     """True where the available amounts of a point are at least the needed ones."""
-    return all(
-        _larger(name, available[name], value) == available[name] for name, value in needed.items()
-    )
+    pairs = needed.items()
+    return all(_larger(name, available[name], value) == available[name] for name, value in pairs)
 
 
 def with_larger_amounts(parameters: Parameters, available: Mapping[str, float]) -> Parameters:
     """Return a point with the larger of its own and the available value of each amount."""
-    return parameters.model_copy(
-        update={
-            name: type(value)(_larger(name, available.get(name, value), value))
-            for name, value in amounts(parameters).items()
-        }
-    )
+    larger = {
+        name: type(value)(_larger(name, available.get(name, value), value))
+        for name, value in amounts(parameters).items()
+    }
+    return parameters.model_copy(update=larger)
 
 
 def _larger(name: str, first: float, second: float) -> float:
@@ -245,11 +238,8 @@ def _larger(name: str, first: float, second: float) -> float:
 def default_of(model: type[Parameters], name: str, values: Mapping[str, Any]) -> Any:
     """Return the default of a parameter, which may depend on other parameters in ``values``."""
     field = model.model_fields[name]
-    if field.default_factory is None:
-        return canonical_number(field.default)
-    return canonical_number(
-        field.get_default(call_default_factory=True, validated_data=dict(values))
-    )
+    given = field.get_default(call_default_factory=True, validated_data=dict(values))
+    return canonical_number(given)
 
 
 def defaults_of_added(system: str) -> dict[str, Any]:

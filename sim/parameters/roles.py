@@ -167,21 +167,14 @@ def _named(selects: Callable[[Declaration], bool]) -> Callable[[type[BaseModel]]
     return names
 
 
-#: Parameters that set how much of a flow is run.
+#: Parameters by what their `Declaration` says: how much of a flow is run; what selects the code to
+#: compile; what came after points were published; what cannot change during a flow; and numerical
+#: ones that change the start of flows.
 amount_parameters = _named(lambda row: row.role == "amount")
-
-#: Parameters whose values select the code to compile.
 compiled_parameters = _named(lambda row: row.compiled)
-
-#: Parameters introduced after points were published, see `declare`.
 added_parameters = _named(lambda row: row.added)
-
-#: Parameters that cannot change during a flow, see `Declaration`.
 fixed_parameters = _named(lambda row: row.fixed)
-
-#: Numerical parameters that change the start of flows, see `declare`.
 start_parameters = _named(lambda row: row.changes_start)
-
 _numerical = _named(lambda row: row.role in ("numerics", "amount"))
 _readings = _named(lambda row: row.role == "reading")
 

@@ -136,14 +136,10 @@ def observed(
     return _variable(OBSERVABLE, " ".join(systems), **texts)
 
 
-def _load_observables() -> None:
-    """Load the observables that ship; they import NumPy, which parameters do without."""
-    import_module("sim.measures")
-
-
 def observables(system: str | None = None) -> dict[str, Observable]:
     """Return all observables by name, of one system or of all; those of plug-ins come last."""
-    _load_observables()
+    # They import NumPy, which parameters do without.
+    import_module("sim.measures")
     plugins = {name: one.value for name, one in additions(OBSERVABLE).items()}
     every: dict[str, Observable] = {**shipped(OBSERVABLE), **plugins}
     return {n: one for n, one in every.items() if system in (None, *one.variable.systems)}
@@ -217,9 +213,8 @@ def reserved_names() -> set[str]:
 
     They are those of all variables that studies can plot, also without their endings.
     """
-    _load_observables()
-    kinds = ("scalar", "profile", "series")
-    names = {one.name for one in VARIABLES if one.kind in kinds} | shipped(OBSERVABLE).keys()
+    import_module("sim.measures")
+    names = variables_of("scalar", "profile", "series").keys() | shipped(OBSERVABLE).keys()
     return names | {plotted_name(name) for name in names}
 
 

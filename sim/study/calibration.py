@@ -28,8 +28,9 @@ from sim.study.surrogate import (
 #: Most measurements: each is predicted some 100,000 times.
 MOST_MEASUREMENTS = 1000
 
-#: Least error and largest number of a measurement.
+#: Least error and largest number of a measurement, and type of numbers of all measurements.
 _TINY, _HUGE = 1e-100, 1e100
+_Numbers = tuple[float, ...]
 
 
 class CalibrateFile(Question):
@@ -40,9 +41,9 @@ class CalibrateFile(Question):
     #: What `resolve` adds: the surrogate; values of its other parameters at each measurement; the
     #: measurements and their standard errors, in the unit of the observable; and their file.
     of: ClassVar[SurrogateFile]
-    conditions: ClassVar[Mapping[str, tuple[float, ...]]]
-    values: ClassVar[tuple[float, ...]]
-    errors: ClassVar[tuple[float, ...]]
+    conditions: ClassVar[Mapping[str, _Numbers]]
+    values: ClassVar[_Numbers]
+    errors: ClassVar[_Numbers]
     path: ClassVar[Path]
 
     name: str = name_field("answer", "among calibrations")
@@ -80,14 +81,14 @@ class CalibrateFile(Question):
 
     def resolve(self, study: Any, place: Place) -> Self:
         """Return the question with its surrogate and its measurements."""
-        surrogate = surrogate_named(self.surrogate, study, place)
-        axes = {axis.name: axis for axis in surrogate.axes}
+        of = surrogate_named(self.surrogate, study, place)
+        axes = {axis.name: axis for axis in of.axes}
         for name, (low, high) in self.parameters.items():
             if name not in axes:
                 raise place.error(f"parameters.{name}", [low, high], one_of(name, axes))
             if low < axes[name].low or high > axes[name].high:
                 ends = f"[{axes[name].low:g}, {axes[name].high:g}]"
-                allowed = f"a range within {ends}, that of surrogate {surrogate.name}"
+                allowed = f"a range within {ends}, that of surrogate {of.name}"
                 raise place.error(f"parameters.{name}", [low, high], allowed)
         table = read_measured(place.path.parent / self.data)
         if (count := len(table.lines)) > MOST_MEASUREMENTS:
@@ -95,13 +96,12 @@ class CalibrateFile(Question):
             raise InputError.of_value(table.path, "measurements", count, allowed)
         for name in self.units:
             table.require_column(name, "as units has it")
-        values, errors = self._measurements(table, surrogate, place)
-        others = [axis for axis in surrogate.axes if axis.name not in self.parameters]
-        conditions = {axis.name: self._condition(table, axis, surrogate) for axis in others}
-        self._require_other_columns(table, surrogate, study, place)
-        return self.with_values(
-            of=surrogate, conditions=conditions, values=values, errors=errors, path=table.path
-        )
+        asked = self.with_values(of=of, path=table.path)
+        values, errors = asked._measurements(table, place)
+        others = [axis for axis in of.axes if axis.name not in self.parameters]
+        conditions = {axis.name: asked._condition(table, axis) for axis in others}
+        asked._require_other_columns(table, study, place)
+        return asked.with_values(conditions=conditions, values=values, errors=errors)
 
     @property
     def ranges(self) -> dict[str, tuple[float, float]]:
@@ -114,16 +114,14 @@ class CalibrateFile(Question):
         own = (self.name, *parts, self.values, self.errors, self.discrepancy)
         return (*own, self.surrogate_error, self.of.settings)
 
-    def _measurements(
-        self, table: MeasuredTable, surrogate: SurrogateFile, place: Place
-    ) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        observable = numbers(surrogate.system)[surrogate.observable]
+    def _measurements(self, table: MeasuredTable, place: Place) -> tuple[_Numbers, _Numbers]:
+        observable = numbers(self.of.system)[self.of.observable]
         name, units = self.observable or observable.name, self.units
         column = self.error or f"{name}_error"
         table.require_column(name, "what was measured")
         table.require_column(column, f"the standard error of {name}; error: names another")
         for key, own, taken in (("observable", name, ()), ("error", column, (name,))):
-            if own in (*taken, *SYSTEMS[surrogate.system].model_fields):
+            if own in (*taken, *SYSTEMS[self.of.system].model_fields):
                 allowed = "a column of its own: neither a parameter nor what was measured"
                 raise place.error(key, own, allowed)
         to, unit = observable.unit, units.get(name, "")
@@ -133,24 +131,19 @@ class CalibrateFile(Question):
         ends: dict[str, Any] = {"low": _TINY, "high": _HUGE, "allowed": "an error > 0"}
         return values, table.numbers(column, to, unit=unit, **ends)
 
-    def _condition(
-        self, table: MeasuredTable, axis: Axis, surrogate: SurrogateFile
-    ) -> tuple[float, ...]:
-        name, low, high = axis.name, axis.low, axis.high
-        why = f"as surrogate {surrogate.name} varies it and parameters does not name it"
-        table.require_column(name, why)
-        unit, own = field_info(SYSTEMS[surrogate.system])[name].unit, self.units.get(name, "")
+    def _condition(self, table: MeasuredTable, axis: Axis) -> _Numbers:
+        (name, low, high), of = (axis.name, axis.low, axis.high), f"surrogate {self.of.name}"
+        table.require_column(name, f"as {of} varies it and parameters does not name it")
+        unit, own = field_info(SYSTEMS[self.of.system])[name].unit, self.units.get(name, "")
         allowed = f"a number in [{low:g}, {high:g}]{f' {unit}' if unit != PURE else ''}"
-        allowed += f", the range of surrogate {surrogate.name}"
+        allowed += f", the range of {of}"
         return table.numbers(name, unit, unit=own, low=low, high=high, allowed=allowed)
 
-    def _require_other_columns(
-        self, table: MeasuredTable, surrogate: SurrogateFile, study: Any, place: Place
-    ) -> None:
+    def _require_other_columns(self, table: MeasuredTable, study: Any, place: Place) -> None:
         """Refuse columns of parameters that are looked for, or that no run has these values of."""
-        fields = field_info(SYSTEMS[surrogate.system])
-        axes = {axis.name for axis in surrogate.axes} - self.parameters.keys()
-        points = [study.points[key].parameters for key in study.series[surrogate.series]]
+        fields, of = field_info(SYSTEMS[self.of.system]), self.of
+        axes = {axis.name for axis in of.axes} - self.parameters.keys()
+        points = [study.points[key].parameters for key in study.series[of.series]]
         for name in table.texts:
             if name not in fields or name in axes:
                 continue
@@ -159,7 +152,7 @@ class CalibrateFile(Question):
                 raise place.error(f"parameters.{name}", self.parameters[name], allowed)
             fixed, *others = dict.fromkeys(getattr(point, name) for point in points)
             if not others:
-                reason = f"as all points of {surrogate.series}"
+                reason = f"as all points of {of.series}"
                 self._require_value(table, name, fixed, fields[name].unit, reason)
 
     def _require_value(

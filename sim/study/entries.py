@@ -3,13 +3,14 @@
 import re
 from collections.abc import Iterator
 from math import floor
-from typing import Annotated, Any, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Self, TypeVar
 from unicodedata import category
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
+from sim.base.messages import input_error
 from sim.parameters import Parameters, canonical_number, hint_on_key
 from sim.parameters.common import Real, broken_rule
 from sim.parameters.density import DENSITY, DENSITY_FIELD
@@ -39,6 +40,19 @@ NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]*$"
 ALLOWED_NAME: dict[str, Any] = {
     "allowed": "up to 60 letters, digits, '-' and '_', a letter or digit first"
 }
+Name = Annotated[str, Field(pattern=NAME, max_length=60, json_schema_extra=ALLOWED_NAME)]
+
+
+#: A model of what a file says.
+_Model = TypeVar("_Model", bound=BaseModel)
+
+
+def read_into(model: type[_Model], contents: Any, source: str) -> _Model:
+    """Return the model of the contents of a file; the first mistake is an ``InputError``."""
+    try:
+        return model.model_validate(contents)
+    except ValidationError as error:
+        raise input_error(error, model, source) from None
 
 
 class Strict(BaseModel):

@@ -120,7 +120,7 @@ def _require_points_vary(
 def _require_distinct_positions(
     spec: FigureSpec, figure_points: Sequence[Point], source: str, path: str
 ) -> None:
-    if spec.regimes or not spec.axes:
+    if spec.keys.is_map or not spec.axes:
         return
     points_by_position: dict[tuple[Any, ...], Point] = {}
     for point in figure_points:

@@ -5,16 +5,15 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import AfterValidator, Field, ValidationError
+from pydantic import AfterValidator, Field
 from pydantic_core import PydanticCustomError
 
 from sim.base.additions import on_change
 from sim.base.errors import InputError
-from sim.base.messages import input_error
 from sim.base.yaml import read_yaml
 from sim.parameters import NUMERICAL, SYSTEMS, Parameters
 from sim.parameters.common import broken_rule
-from sim.study.entries import Strict, Text
+from sim.study.entries import Strict, Text, read_into
 from sim.study.papers import Paper, papers
 from sim.study.plot_file import PlotFile, require_kind
 from sim.study.plot_kinds import (
@@ -22,7 +21,6 @@ from sim.study.plot_kinds import (
     LARGEST_PORTION,
     SHARE,
     TALLEST,
-    Shown,
     find_observable,
     kinds,
     require_parameter,
@@ -156,16 +154,6 @@ class FigureSpec(PlotFile):
         return name if name and is_observable else ""
 
     @property
-    def regimes(self) -> bool:
-        """Whether it shows regimes and the boundaries found between them, not velocities."""
-        return self.keys.is_map
-
-    @property
-    def particles(self) -> Shown:
-        """What it shows of the particles, which the dataset then keeps."""
-        return self.keys.particles
-
-    @property
     def animated(self) -> bool:
         """Whether it moves: a GIF with a poster instead of a picture."""
         return self.keys.animated
@@ -192,11 +180,8 @@ class FigureSpec(PlotFile):
 
         Parameters that set how a point is computed do so only where the figure is about them.
         """
-        own, others = {*self.axes, *self.groups}, {*NUMERICAL, *self.alike}
-        names = type(parameters).model_fields
-        return tuple(
-            getattr(parameters, name) for name in names if name in own or name not in others
-        )
+        others = {*NUMERICAL, *self.alike} - {*self.axes, *self.groups}
+        return tuple(value for name, value in parameters if name not in others)
 
     @property
     def suffixes(self) -> tuple[str, str, str, str]:
@@ -222,12 +207,8 @@ KEYS_OF_ALL = (
 )
 
 #: Limits that words in braces can name, as they are written there.
-_LIMITS = {
-    "creep": f"{CREEP:g}",
-    "largest_portion": f"{LARGEST_PORTION:g}",
-    "share": f"{100 * SHARE:g}",
-    "tallest": f"{TALLEST:g}",
-}
+_LIMITS = {"creep": CREEP, "largest_portion": LARGEST_PORTION, "share": 100 * SHARE}
+_LIMIT_WORDS = {name: f"{value:g}" for name, value in (_LIMITS | {"tallest": TALLEST}).items()}
 
 
 class FigureFile(FigureSpec):
@@ -287,11 +268,9 @@ def read_figures(paper: Paper) -> list[FigureSpec]:
             for one in figures:
                 if isinstance(one, dict):
                     one.setdefault("system", paper.system)
-    try:
-        file = PaperFigures.model_validate(contents)
-    except ValidationError as error:
-        raise input_error(error, PaperFigures, source) from None
-    shared, specs = _LIMITS | _fill(file.words, _LIMITS, source, "words"), list[FigureSpec]()
+    file = read_into(PaperFigures, contents, source)
+    shared = _LIMIT_WORDS | _fill(file.words, _LIMIT_WORDS, source, "words")
+    specs = list[FigureSpec]()
     for number, figure in enumerate(file.figures):
         words = {**shared, **figure.words, **figure.where}
         texts = figure.model_dump(include={"title", "lead", "says", "details"})
@@ -331,10 +310,8 @@ class Catalogue(UserDict[str, FigureSpec]):
         for paper in papers().values():
             for spec in read_figures(paper):
                 if spec.name in figures:
-                    allowed = "a name that no other figure has"
-                    raise InputError.of_value(
-                        str(paper.folder / "figures.yaml"), "name", spec.name, allowed
-                    )
+                    path, allowed = paper.folder / "figures.yaml", "a name that no other figure has"
+                    raise InputError.of_value(path, "name", spec.name, allowed)
                 figures[spec.name] = spec
         return dict(sorted(figures.items(), key=lambda item: item[1].animated))
 

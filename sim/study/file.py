@@ -20,9 +20,9 @@ from sim.study.design_file import DesignFile
 from sim.study.entries import (
     ALLOWED_NAME,
     JUDGE,
-    NAME,
     DecideFile,
     Lists,
+    Name,
     Override,
     Some,
     Strict,
@@ -58,12 +58,7 @@ class _Family(Strict):
             return "parameters belong under base, grid or cases"
         return ""
 
-    name: str = Field(
-        pattern=NAME,
-        max_length=60,
-        description="name, unique in the study",
-        json_schema_extra=ALLOWED_NAME,
-    )
+    name: Name = Field(description="name, unique in the study")
     system: str = Field(description="which of the systems")
     base: Some = optional("parameters shared by all points")
     grid: Lists = optional("one point (boundary) for every combination of the values listed")
@@ -117,18 +112,13 @@ class SeriesFile(_Family):
         if self.design:
             return tuple(_of_mass(axis, points) for axis in self.design.axes)
         in_cases = (name for case in self.cases or [] for name in case.explicit_values())
-        fields = SYSTEMS[self.system].model_fields
-        columns = {
-            name: [getattr(one, name) for one in points]
-            for given in dict.fromkeys((*self.grid_lists, *in_cases))
-            for name in ["mass" if given == DENSITY else given]
-            if name not in AMOUNTS
-        }
-        return tuple(
-            axis_of(name, values, fields[name].annotation is int)
-            for name, values in columns.items()
-            if len(set(values)) > 1
-        )
+        given = (*self.grid_lists, *in_cases)
+        axes, fields = list[Axis](), SYSTEMS[self.system].model_fields
+        for name in dict.fromkeys("mass" if one == DENSITY else one for one in given):
+            values = [getattr(one, name) for one in points]
+            if name not in AMOUNTS and len(set(values)) > 1:
+                axes.append(axis_of(name, values, fields[name].annotation is int))
+        return tuple(axes)
 
     @property
     def max_points(self) -> int:
@@ -144,15 +134,9 @@ def _of_mass(axis: Axis, points: Sequence[Parameters]) -> Axis:
     if axis.name != DENSITY:
         return axis
     volumes = [sphere_volume(point.diameter) for point in points]
-    low, high = min(volumes), max(volumes)
-    return replace(
-        axis,
-        name="mass",
-        low=low * axis.low,
-        high=high * axis.high,
-        choices=tuple(sorted({point.mass for point in points})) if axis.choices else (),
-        normal=None,
-    )
+    low, high = min(volumes) * axis.low, max(volumes) * axis.high
+    choices = tuple(sorted({point.mass for point in points})) if axis.choices else ()
+    return replace(axis, name="mass", low=low, high=high, choices=choices, normal=None)
 
 
 class BoundaryFile(_Family):
@@ -212,9 +196,7 @@ class StudyFile(Strict):
         text = f"{key} is a parameter: it belongs under defaults.<system>, or base of a series"
         return text if is_parameter and key not in cls.model_fields else ""
 
-    study: str = Field(
-        pattern=NAME,
-        max_length=60,
+    study: Name = Field(
         description="name of the study and of its folder of results, not published",
         json_schema_extra=ALLOWED_NAME | {"not": {"enum": [_RESERVED_NAME]}},
     )

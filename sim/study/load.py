@@ -106,11 +106,9 @@ def twin_of(parameters: Parameters, other: str) -> Parameters | None:
     engine = getattr(parameters, ENGINE.name, "")
     if engine not in (OWN, other):
         return None
-    option = parameters.option(ENGINE.name)
-    values = {
-        name: type(parameters).model_fields[name].default
-        for name in ("threads", *option.owns, *option.parameters)
-    }
+    option, fields = parameters.option(ENGINE.name), type(parameters).model_fields
+    names = ("threads", *option.owns, *option.parameters)
+    values = {name: fields[name].default for name in names}
     values[ENGINE.name] = other if engine == OWN else OWN
     twin: Any = parameters.model_copy(update=values)
     return None if twin.refusals else twin

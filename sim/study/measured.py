@@ -122,13 +122,9 @@ def read_measured(path: Path) -> MeasuredTable:
         if len(texts) != len(names):
             allowed = f"{len(names)} values with commas between, as there are headings"
             raise InputError.of_value(path, f"line {line}", ", ".join(texts), allowed)
-    columns = zip(*(texts for _, texts in rest), strict=True)
-    return MeasuredTable(
-        path,
-        tuple(line for line, _ in rest),
-        dict(zip(names, columns, strict=True)),
-        dict(zip(names, units, strict=True)),
-    )
+    lines, rows_of_texts = zip(*rest, strict=True)
+    columns = dict(zip(names, zip(*rows_of_texts, strict=True), strict=True))
+    return MeasuredTable(path, lines, columns, dict(zip(names, units, strict=True)))
 
 
 def _read_headings(path: Path, line: int, headings: list[str]) -> tuple[list[str], list[str]]:

@@ -96,7 +96,8 @@ class Study:
 
     def particles_shown(self, figures: Iterable[str]) -> Shown:
         """Return how much of their points' particles some figures show."""
-        return max((self.entries[name].particles for name in figures), default=Shown.NOTHING)
+        shown = (self.entries[name].keys.particles for name in figures)
+        return max(shown, default=Shown.NOTHING)
 
     def need(self, point: str) -> Need:
         """Return what the dataset must store of a point besides its scalars."""

@@ -11,18 +11,17 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from pydantic import Field, ValidationError
+from pydantic import Field
 
 from sim.base.additions import add, additions, shipped
 from sim.base.errors import InputError
-from sim.base.messages import input_error
 from sim.base.plugins import module_names, require_one_of
 from sim.base.yaml import read_yaml
 from sim.parameters import SYSTEMS, Parameters, field_info
 from sim.parameters.common import CHOICES
 from sim.parameters.laws import LAW
 from sim.parameters.words import quantity
-from sim.study.entries import Strict, Text
+from sim.study.entries import Strict, Text, read_into
 
 #: Kind of the additions that are papers.
 PAPER = "paper"
@@ -110,10 +109,8 @@ def paper(package: str) -> None:
     folder = Path(str(sys.modules[package].__file__)).parent
     path = folder / "paper.yaml"
     contents, place = read_yaml(path), {"folder": folder, "package": package}
-    try:
-        one = Paper.model_validate(contents | place if isinstance(contents, dict) else contents)
-    except ValidationError as error:
-        raise input_error(error, Paper, str(path)) from None
+    contents = contents | place if isinstance(contents, dict) else contents
+    one = read_into(Paper, contents, str(path))
     require_one_of(f"{path}: system", one.system, SYSTEMS)
     # Papers that ship are imported after plug-ins, but their names are taken.
     add(PAPER, one.name, one, reserved=(*module_names("sim.papers"), OWN))

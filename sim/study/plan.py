@@ -264,10 +264,8 @@ class Plan:
     @property
     def questions(self) -> list[tuple[Any, ...]]:
         """Settings of the questions of the study; rules rerun when they change."""
-        return [
-            (one.settings, self.points_json(self.study.series[one.of.series][:1]))
-            for one in self.study.questions
-        ]
+        asked, series = self.study.questions, self.study.series
+        return [(one.settings, self.points_json(series[one.of.series][:1])) for one in asked]
 
     @property
     def boundary_searches(self) -> list[tuple[Any, ...]]:

@@ -223,7 +223,7 @@ class PlotContents:
     def _require_distinct_map_points(self) -> None:
         shown = (*self.spec.axes, *self.spec.groups)
         points_by_position: dict[tuple[Any, ...], Parameters] = {}
-        for point in self.parameters if self.spec.regimes else ():
+        for point in self.parameters if self.spec.keys.is_map else ():
             position = tuple(getattr(point, name) for name in shown)
             other = points_by_position.setdefault(position, point)
             if other is not point:

@@ -10,7 +10,7 @@ from pydantic_core import PydanticCustomError
 from sim.base.additions import NAME as PLUGIN_NAME
 from sim.base.messages import one_of
 from sim.parameters.common import Real, broken_rule
-from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional, require_printable
+from sim.study.entries import Name, Strict, optional, require_printable
 from sim.study.measured import ALLOWED_FILE, FILE
 from sim.study.plot_kinds import REGIME, Keys, every_name, find_kind, study_kinds
 
@@ -138,12 +138,9 @@ def allowed_on_logarithmic(axis: str) -> str:
 class PlotFile(Strict):
     """A plot of the points of a study."""
 
-    name: str = Field(
-        pattern=NAME,
-        max_length=60,
+    name: Name = Field(
         description="name of the plot and of its files, unique in the study and none of the "
-        "catalogue's",
-        json_schema_extra=ALLOWED_NAME,
+        "catalogue's"
     )
     kind: Kind = Field(
         "curves",

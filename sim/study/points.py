@@ -109,11 +109,9 @@ def plan_batches(points: Mapping[str, Parameters], cores: float | None) -> dict[
         batches[index].append(name)
         if len(batches[index]) < MAX_BATCH_POINTS:
             heappush(open_batches, (seconds_taken + seconds[name], index))
-    return {
-        f"batch_{hashlib.sha256(' '.join(members).encode()).hexdigest()[:8]}": members
-        for members in batches
-        if len(members) > 1
-    }
+    shared = [members for members in batches if len(members) > 1]
+    hashes = (hashlib.sha256(" ".join(members).encode()).hexdigest() for members in shared)
+    return {f"batch_{one[:8]}": members for one, members in zip(hashes, shared, strict=True)}
 
 
 @dataclass(frozen=True)
@@ -142,14 +140,10 @@ class Boundary:
         return further_rounds(self.low, self.high, self.tolerance)
 
 
-#: Number of parts into which a range, and later each gap that may hold the boundary, is divided.
-PARTS = 4
-
-#: Maximum number of further rounds; a tolerance that needs more is refused.
-MAX_ROUNDS = 8
-
-#: Relative slack of comparisons with the tolerance: steps of 0.1 need not sum to 0.4.
-_SLACK = 1e-9
+#: Number of parts into which a range, and later each gap that may hold the boundary, is divided;
+#: maximum number of further rounds, as a tolerance that needs more is refused; and relative slack
+#: of comparisons with the tolerance: steps of 0.1 need not sum to 0.4.
+PARTS, MAX_ROUNDS, _SLACK = 4, 8, 1e-9
 
 #: Map from values of a parameter to the name of their side, ``None`` where it is undecided.
 Sides = Mapping[float, str | None]

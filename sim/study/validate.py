@@ -7,10 +7,9 @@ from pathlib import Path
 from types import GenericAlias
 from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import BaseModel, BeforeValidator, Field, ValidationError, create_model
+from pydantic import BaseModel, BeforeValidator, Field, create_model
 
 from sim.base.errors import InputError
-from sim.base.messages import input_error
 from sim.parameters import AMOUNTS, SYSTEMS, Parameters, roles
 from sim.parameters.density import DENSITY
 from sim.study.design_file import DesignFile, Distribution, Over, read_values
@@ -23,6 +22,7 @@ from sim.study.entries import (
     allow_range_in_schema,
     expand_range,
     optional,
+    read_into,
 )
 from sim.study.figure_spec import FIGURES
 from sim.study.file import BoundaryFile, SeriesFile, StudyFile
@@ -32,6 +32,16 @@ _OF_DESCRIPTION = (
     "what changes there: flow (arrested or not), acceleration (accelerating or not), transport "
     "(belt: mean velocity beyond 10 % of the belt's or not)"
 )
+
+#: What models of a system say of themselves.
+_DOCS: dict[type[BaseModel], str] = {
+    Override: "Parameters of the {} that change at the points where others have certain values.",
+    DesignFile: "Points of the {} that are spread over ranges of parameters.",
+    SeriesFile: (
+        "A series of points of the {}. Without grid, cases and design, the base is its one point."
+    ),
+    BoundaryFile: "A boundary between regimes of the {}, for each combination of the grid.",
+}
 
 #: Type of the key ``figures`` of a system that feeds no figure.
 _NO_FIGURES = Annotated[list[str], Field(max_length=0)]
@@ -48,7 +58,7 @@ class SystemModels(NamedTuple):
 
 
 def _system_models(system: str) -> SystemModels:
-    model, first = SYSTEMS[system], next(iter(SYSTEMS))
+    model = SYSTEMS[system]
     # No boundary is along a parameter that flows do not depend on, such as the length of a run.
     excluded = roles.numerical_parameters(model) - set(roles.start_parameters(model))
     floats = (name for name, field in model.model_fields.items() if field.annotation is float)
@@ -56,18 +66,8 @@ def _system_models(system: str) -> SystemModels:
     figures = [name for name, spec in FIGURES.items() if spec.system == system]
     values, lists = _with_parameters(Some, system), _with_parameters(Lists, system)
     readings = _with_parameters(Readings, system, roles.reading_parameters(model))
-    override = _with_field_types(
-        Override,
-        system,
-        f"Parameters of the {system} that change at the points where others have certain values.",
-        {"when": lists, "set": values},
-    )
-    design = _with_field_types(
-        DesignFile,
-        system,
-        f"Points of the {system} that are spread over ranges of parameters.",
-        {"over": _with_parameters(Over, system, {DENSITY, *model.model_fields} - AMOUNTS)},
-    )
+    over = _with_parameters(Over, system, {DENSITY, *model.model_fields} - AMOUNTS)
+    override = _of_system(Override, system, when=lists, set=values)
     shared: dict[str, Any] = {
         "system": Literal[system],
         "base": values,
@@ -75,20 +75,11 @@ def _system_models(system: str) -> SystemModels:
         "overrides": _list_type(override),
         "figures": _list_type(Literal[tuple(figures)]) if figures else _NO_FIGURES,
     }
-    series = _with_field_types(
-        SeriesFile,
-        system,
-        f"A series of points of the {system}. Without grid, cases and design, the base is its one "
-        "point.",
-        shared | {"cases": _list_type(values), "design": design},
-    )
-    boundary = _with_field_types(
-        BoundaryFile,
-        system,
-        f"A boundary between regimes of the {system}, for each combination of the grid.",
-        shared | {"of": Literal[model.boundaries], "along": Literal[numbers]},
-        **({"of": Field(description=_OF_DESCRIPTION)} if system == first else {}),
-    )
+    design = _of_system(DesignFile, system, over=over)
+    shown = shared | {"cases": _list_type(values), "design": design}
+    series = _of_system(SeriesFile, system, **shown)
+    what = {"of": Literal[model.boundaries], "along": Literal[numbers]}
+    boundary = _of_system(BoundaryFile, system, **shared, **what)
     return SystemModels(values, readings, override, series, boundary)
 
 
@@ -99,7 +90,8 @@ def _with_parameters(base: type[Some], system: str, names: Collection[str] | Non
         if key == "system" or (names is not None and key not in names):
             continue
         value: Any = Annotated[(parameter.annotation, *parameter.metadata, None)]
-        field = optional(parameter.description)
+        said = parameter.description
+        field = optional(said)
         if issubclass(base, Lists):
             value = Annotated[_list_type(value), Field(min_length=1)]
             if issubclass(base, Over):
@@ -107,9 +99,7 @@ def _with_parameters(base: type[Some], system: str, names: Collection[str] | Non
             elif parameter.annotation in (int, float):
                 expand = partial(expand_range, are_whole=parameter.annotation is int)
                 value = Annotated[value, BeforeValidator(expand)]
-                field = Field(
-                    None, description=parameter.description, json_schema_extra=allow_range_in_schema
-                )
+                field = Field(None, description=said, json_schema_extra=allow_range_in_schema)
         fields[key] = value, field
     name = f"{system.capitalize()}{base.__name__}"
     model = create_model(name, __base__=base, __doc__=base.__doc__, **fields)
@@ -117,14 +107,14 @@ def _with_parameters(base: type[Some], system: str, names: Collection[str] | Non
     return model
 
 
-def _with_field_types(
-    base: type[BaseModel], system: str, doc: str, types: dict[str, Any], **replacements: Any
-) -> Any:
+def _of_system(base: type[BaseModel], system: str, /, **types: Any) -> Any:
     """Return a model based on ``base`` whose fields have the types of a system."""
-    declared: dict[str, Any] = base.model_fields | replacements
-    fields: dict[str, Any] = {name: (kind, declared[name]) for name, kind in types.items()}
+    fields = {name: (kind, base.model_fields[name]) for name, kind in types.items()}
+    if "of" in fields and system == next(iter(SYSTEMS)):
+        fields["of"] = types["of"], Field(description=_OF_DESCRIPTION)
     name = f"{system.capitalize()}{base.__name__.removesuffix('File')}"
-    return create_model(name, __base__=base, __doc__=doc, **fields)
+    made: Any = create_model(name, __base__=base, __doc__=_DOCS[base].format(system), **fields)
+    return made
 
 
 def _list_type(kind: Any) -> Any:
@@ -188,10 +178,7 @@ def validate(documents: Sequence[tuple[Path, Any]]) -> list[tuple[Path, StudyFil
             raise InputError.of_value(source, f"parts[{index}]", path.name, allowed)
     (model, _), files, names = file_models(), list[tuple[Path, StudyFile]](), set[str]()
     for number, (path, contents) in enumerate(documents):
-        try:
-            files.append((path, model.model_validate(contents)))
-        except ValidationError as error:
-            raise input_error(error, model, str(path)) from None
+        files.append((path, read_into(model, contents, str(path))))
         for _, entry in files[-1][1].entries:
             if entry.name in names:
                 key = f"parts[{number - 1}]: series {entry.name}"

@@ -14,7 +14,7 @@ from sim.study.load import load_study, parse_study
 CONFIG = Path(__file__).parents[2] / "config"
 
 HEADLINES = ["walton_2", "gallas_1a", "gallas_1b", "gallas_1c"]
-REGIMES = [name for name, spec in FIGURES.items() if spec.regimes]
+REGIMES = [name for name, spec in FIGURES.items() if spec.keys.is_map]
 
 
 @pytest.mark.parametrize(

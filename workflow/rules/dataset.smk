@@ -21,7 +21,7 @@ rule dataset:
         profiles=[one.id for one in STUDY.points.values() if one.profiles],
         amounts=[amounts(point.parameters) for point in STUDY.points.values()],
         boundaries=as_written(PLAN.boundary_searches),
-        states=[name for name, spec in STUDY.entries.items() if spec.particles],
+        states=[name for name, spec in STUDY.entries.items() if spec.keys.particles],
         title=as_written(STUDY.title),
         code=room_code("dataset", "observable"),
     shell:
