@@ -116,7 +116,10 @@ def test_a_study_file_is_no_option_and_no_pipe(exec_call, capsys):
 
 @pytest.mark.parametrize(
     ("text", "message"),
-    [("study: [", "line 2"), ("study: x\n", "series: "), (MERGED, "own.yaml: ")],
+    [
+        *(("study: [", "line 2"), ("study: x\n", "series: "), (MERGED, "own.yaml: ")),
+        ("base: {friction: 0,3}\n", "expected text as a key; a number has a decimal point"),
+    ],
 )
 def test_mistakes_are_told_before_snakemake_reads_anything(text, message, exec_call, capsys):
     Path("own.yaml").write_text(text)
