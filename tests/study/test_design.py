@@ -25,7 +25,8 @@ PINNED = {
     "sobol": "chute-depth2-friction0.478776-restitution0.820489-stiffness1502.17-928bc53f",
     "latin_hypercube": "chute-depth2-friction0.721359-restitution0.825432-stiffness475.818-"
     "law-hertz-49a65a17",
-    "random": "chute-depth2-friction0.58032-restitution0.899481-stiffness194.231-law-hertz-f8472266",
+    "random": "chute-depth2-friction0.58032-restitution0.899481-stiffness194.231-"
+    "law-hertz-f8472266",
     "saltelli": "chute-depth2-friction0.419959-restitution0.85673-stiffness1640.83-6878725d",
     "morris": "chute-depth2-friction0.35-restitution0.6-stiffness10000-law-hertz-a8b1a348",
 }
