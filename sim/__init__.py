@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from sim.report.results import load
     from sim.study.load import points
     from sim.study.papers import paper
-    from sim.study.plot_kinds import plot_kind
+    from sim.study.plottable import plot_kind
 
 __all__ = [
     "BlowUp",
@@ -60,7 +60,7 @@ _PLACES = {
     "observable": "sim.parameters.observables:observable",
     "paper": "sim.study.papers:paper",
     "parameter": "sim.parameters.choices:parameter",
-    "plot_kind": "sim.study.plot_kinds:plot_kind",
+    "plot_kind": "sim.study.plottable:plot_kind",
     "points": "sim.study.load:points",
     "simulate": "sim.engine.flow:simulate",
 }

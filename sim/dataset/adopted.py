@@ -30,7 +30,7 @@ from sim.parameters import Parameters, amounts, canonical_values, covers, point_
 from sim.parameters.variables import ALL, SCALARS
 from sim.study.load import load_study
 from sim.study.model import Need
-from sim.study.plot_kinds import Shown
+from sim.study.plottable import Shown
 
 #: Digits of the SHA-256 of an adopted dataset that are its name in run files and datasets.
 DIGITS = 16

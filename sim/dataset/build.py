@@ -47,7 +47,7 @@ from sim.parameters import SYSTEMS, Parameters, complete_values, field_info, in_
 from sim.parameters.variables import variables_of
 from sim.study.expand import point_with_membership
 from sim.study.load import Boundary, Point, Study, load_study
-from sim.study.plot_kinds import Shown
+from sim.study.plottable import Shown
 from sim.study.points import Sides
 
 #: NetCDF compression of arrays.

@@ -28,7 +28,7 @@ from sim.dataset.rows import (
 )
 from sim.parameters import Parameters, amounts
 from sim.study.model import Need
-from sim.study.plot_kinds import Shown
+from sim.study.plottable import Shown
 
 #: Second name of the last dataset of a study. It stays when the workflow removes ``dataset.nc``,
 #: which happens before it makes a new one and when it fails to.

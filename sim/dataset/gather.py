@@ -27,7 +27,7 @@ from sim.engine.identity import numerics_of
 from sim.engine.stored_run import STATE, Replicate, RunFile, require_all, stage_amounts
 from sim.parameters.variables import OBSERVABLE, SCALARS, Observable, observables
 from sim.study.model import Need
-from sim.study.plot_kinds import Shown
+from sim.study.plottable import Shown
 
 #: Without these attributes a file is no run file.
 ATTRIBUTES = {"point_id", "system", "engine_version", "source_hash", "versions", "created"}

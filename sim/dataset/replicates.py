@@ -19,7 +19,7 @@ from sim.parameters.chute import negligible_acceleration
 from sim.parameters.common import drift_bound
 from sim.parameters.images import WIDE_CELL
 from sim.parameters.variables import OF_FAILURES, observables
-from sim.study.plot_kinds import Observable
+from sim.study.plottable import Observable
 from sim.study.surrogate import SLOWING
 
 #: The scalars of a run that these statistics use.

@@ -20,7 +20,7 @@ from sim.parameters.variables import (
     observable_variables,
     variables_of,
 )
-from sim.study.plot_kinds import Shown
+from sim.study.plottable import Shown
 
 if TYPE_CHECKING:
     # Not imported otherwise: plans of studies use these names, and need no table library.

@@ -24,7 +24,7 @@ from sim.figures.plot import message_figure
 from sim.figures.render import Animation, settle
 from sim.figures.spheres import COLOURS, DARK, Scene, across_sides, draw_particles
 from sim.figures.style import SETTINGS, SHORT_DASH
-from sim.study.plot_kinds import TALLEST
+from sim.study.plottable import TALLEST
 
 #: Number of frames of a chute flow.
 FRAMES = 24

@@ -15,7 +15,7 @@ from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import quantity, setting
 from sim.study.figure_spec import DataSet
 from sim.study.plot_contents import name_in_words
-from sim.study.plot_kinds import numbers
+from sim.study.plottable import numbers
 
 #: Most values of a parameter that a caption lists.
 MOST_VALUES = 12

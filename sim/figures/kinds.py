@@ -7,7 +7,7 @@ What draws has the functions ``draw``, ``table`` and ``notes`` of the data of a 
 from typing import Any
 
 from sim.base.additions import TALUS, add, attribute_additions_to
-from sim.study.plot_kinds import PLOT, REGIME, Keys, PlotKind, Shown, numbers, profiles, series
+from sim.study.plottable import PLOT, REGIME, Keys, PlotKind, Shown, numbers, profiles, series
 
 #: Keys of a kind that shows a number of each point along a parameter.
 _ALONG: dict[str, Any] = {"axes": ("x",), "observable": "y", "shows": numbers}

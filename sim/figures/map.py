@@ -55,7 +55,7 @@ from sim.figures.variables import SHADES, Variable, legend, observable, paramete
 from sim.parameters import SYSTEMS
 from sim.parameters.words import setting
 from sim.study.plot_contents import in_words, parameter_phrase
-from sim.study.plot_kinds import CREEP, REGIME
+from sim.study.plottable import CREEP, REGIME
 
 #: Size of the markers of regimes, points of print, and least distance of two in a column, as a
 #: share of the range.

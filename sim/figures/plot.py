@@ -28,7 +28,7 @@ from sim.figures.style import escape_label, settings, with_subscript
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import PROTOCOLS
 from sim.study.plot_contents import name_in_words
-from sim.study.plot_kinds import Observable, numbers
+from sim.study.plottable import Observable, numbers
 
 #: Size (inches) of a plot with one panel, size of each of several, and the most panels in a row.
 SINGLE_SIZE, PANEL_SIZE, MOST_COLUMNS = (5.6, 3.9), (2.8, 2.6), 3

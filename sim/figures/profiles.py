@@ -29,7 +29,7 @@ from sim.figures.plot import (
 )
 from sim.figures.style import PALE, PALE_LINE, CurveStyle, name_protocols
 from sim.figures.variables import groups, is_prescribed, legend
-from sim.study.plot_kinds import SHARE, Observable, profiles
+from sim.study.plottable import SHARE, Observable, profiles
 
 #: Fewest replicates for which the mean has an interval: that of two says little.
 MIN_REPLICATES = 3

@@ -33,7 +33,7 @@ from sim.figures.plot import message_figure
 from sim.figures.style import DOUBTFUL, SETTINGS, escape_label
 from sim.study.figure_spec import FIGURES, FigureSpec
 from sim.study.load import load_study
-from sim.study.plot_kinds import ROLES, find_kind
+from sim.study.plottable import ROLES, find_kind
 from sim.surrogates.answers import Refusal, caveats_in, require_answer, sentence, with_caveats
 
 #: Resolution of the first picture of an animation, dots per inch.

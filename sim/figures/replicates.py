@@ -28,7 +28,7 @@ from sim.figures.plot import (
 from sim.figures.style import PALE
 from sim.figures.variables import legend, shared_look
 from sim.parameters import SYSTEMS
-from sim.study.plot_kinds import numbers
+from sim.study.plottable import numbers
 
 #: Share of the room of an x value that its curves fill, and share of that over which dots spread.
 _FILLED_SHARE, _SPREAD_SHARE = 0.7, 0.6

@@ -17,7 +17,7 @@ from sim.figures.style import COLOURS, DOTTED, PALE, escape_label, legend_above
 from sim.parameters import SYSTEMS, default_of
 from sim.parameters.roles import start_parameters
 from sim.parameters.words import PROTOCOLS, setting
-from sim.study.plot_kinds import LARGEST_PORTION, SHARE
+from sim.study.plottable import LARGEST_PORTION, SHARE
 
 #: How the profile of a replicate is drawn.
 _REPLICATE: dict[str, Any] = {"alpha": PALE, "linewidth": 0.7, "zorder": 1.5}

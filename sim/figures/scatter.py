@@ -26,7 +26,7 @@ from sim.figures.plot import (
 )
 from sim.figures.style import COLOURS, PALE, explain_markers, is_undecided
 from sim.figures.variables import Variable, colour, legend, observable, parameter, rows_with_values
-from sim.study.plot_kinds import REGIME, numbers
+from sim.study.plottable import REGIME, numbers
 
 #: Fewest points of a panel that have a running mean.
 FEWEST_FOR_MEAN = 12

@@ -11,7 +11,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.collections import EllipseCollection
 from matplotlib.colors import Normalize
 
-from sim.study.plot_kinds import LARGEST_PORTION
+from sim.study.plottable import LARGEST_PORTION
 
 COLOURS = colormaps["viridis"]
 DARK = "#222222"

@@ -28,7 +28,7 @@ from sim.figures.plot import (
 from sim.figures.style import LEVEL
 from sim.figures.variables import groups, legend
 from sim.parameters import SYSTEMS, amounts
-from sim.study.plot_kinds import series
+from sim.study.plottable import series
 
 #: Most values of a line; more samples are averaged in successive groups.
 MOST_VALUES = 400

@@ -42,7 +42,7 @@ from sim.figures.style import (
 from sim.parameters import SYSTEMS
 from sim.study.figure_spec import FigureSpec
 from sim.study.plot_contents import has_logarithmic_values
-from sim.study.plot_kinds import REGIME, numbers
+from sim.study.plottable import REGIME, numbers
 
 #: Colours of numbers; the palest are left out, as points lie on white, or on black once inverted.
 SHADES = ListedColormap(VIRIDIS(np.linspace(0, 0.87, 256)))

@@ -26,7 +26,7 @@ from sim.figures.surrogate_rows import (
     section_rows,
     shown_settings,
 )
-from sim.study.plot_kinds import numbers
+from sim.study.plottable import numbers
 from sim.surrogates.answers import EVEN, sentence
 from sim.surrogates.surrogate import Surrogate
 

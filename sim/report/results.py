@@ -22,7 +22,7 @@ from sim.study.feed import plot_entry
 from sim.study.figure_spec import FigureSpec, written
 from sim.study.plot_contents import PlotContents
 from sim.study.plot_file import PlotFile
-from sim.study.plot_kinds import find_observable, numbers
+from sim.study.plottable import find_observable, numbers
 from sim.study.points import Point
 from sim.surrogates.answers import answer_name, caveats_in, refusal_in, sentence
 from sim.surrogates.storage import answer_files, find_surrogate

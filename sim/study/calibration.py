@@ -15,7 +15,7 @@ from sim.parameters.common import CHOICES, TWO_NUMBERS, Real, broken_rule
 from sim.study.design import Axis
 from sim.study.entries import optional
 from sim.study.measured import ALLOWED_FILE, FILE, PURE, MeasuredTable, read_measured
-from sim.study.plot_kinds import numbers
+from sim.study.plottable import numbers
 from sim.study.surrogate import (
     ACCEPTED_ERROR,
     Place,

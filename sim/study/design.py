@@ -1,11 +1,11 @@
 """Points spread over ranges of parameters, in an order that more points go on with."""
 
-import operator
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from math import ceil, isfinite, log2, sqrt
+from operator import ge, gt, le, lt
 from statistics import median
 from typing import Any, Literal, NamedTuple
 
@@ -17,12 +17,7 @@ SIGNIFICANT_DIGITS = 6
 #: Least number of points of a sequence that are made at once.
 _MIN_CHUNK = 1024
 
-_COMPARISONS: dict[str, Callable[[Any, Any], Any]] = {
-    "<=": operator.le,
-    ">=": operator.ge,
-    "<": operator.lt,
-    ">": operator.gt,
-}
+_COMPARISONS: dict[str, Callable[[Any, Any], Any]] = {"<=": le, ">=": ge, "<": lt, ">": gt}
 OPERATORS = tuple(_COMPARISONS)
 _COMPARISON = re.compile(rf"\s*([\w.+-]+)\s*({'|'.join(OPERATORS)})\s*([\w.+-]+)\s*")
 
@@ -41,11 +36,8 @@ class Comparison(NamedTuple):
 
     def satisfied(self, columns: Mapping[str, Sequence[Any]]) -> np.ndarray:
         """Return which points satisfy it, from the values of each parameter."""
-        left, right = (
-            np.asarray(columns[side]) if isinstance(side, str) else side
-            for side in (self.left, self.right)
-        )
-        return np.asarray(_COMPARISONS[self.operator](left, right))
+        sides = (columns[one] if isinstance(one, str) else one for one in (self.left, self.right))
+        return np.asarray(_COMPARISONS[self.operator](*map(np.asarray, sides)))
 
 
 def read_comparison(text: str) -> Comparison | None:

@@ -32,10 +32,8 @@ _ALLOWED_COMPARISON = (
     "take numbers"
 )
 
-
 #: Largest deviation of a normal distribution, in ranges: what is wider cannot be told from even.
 MOST_RANGES = 1000.0
-
 
 #: Keys that a distribution may have together.
 _KEYS = "between", "between scale", "between deviation mean", "choices"

@@ -135,11 +135,9 @@ class Override(Strict):
 
 _ALLOWED_RANGE = "a list of values, {start, stop, num} or {start, stop, step}"
 
-#: Maximum number of values of a range.
-MAX_VALUES = 10_000
-
-#: Relative slack of the last value: steps of 0.1 need not sum to 0.4.
-_SLACK = 1e-9
+#: Maximum number of values of a range, and relative slack of the last one: steps of 0.1 need not
+#: sum to 0.4.
+MAX_VALUES, _SLACK = 10_000, 1e-9
 
 #: Name of a range in the JSON schema, and its definition there.
 RANGE = "Range"

@@ -21,7 +21,7 @@ from sim.study.plot_contents import (
     parameter_phrase,
     varying_parameters,
 )
-from sim.study.plot_kinds import numbers, plugin_code
+from sim.study.plottable import numbers, plugin_code
 from sim.study.surrogate import Place, Question, SensitivityFile, SurrogateFile
 
 

@@ -16,7 +16,7 @@ from sim.parameters.common import broken_rule
 from sim.study.entries import Strict, Text, read_into
 from sim.study.papers import Paper, papers
 from sim.study.plot_file import PlotFile, require_kind
-from sim.study.plot_kinds import (
+from sim.study.plottable import (
     CREEP,
     LARGEST_PORTION,
     SHARE,

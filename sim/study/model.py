@@ -11,7 +11,7 @@ from sim.study.design import Axis
 from sim.study.design_file import DesignFile
 from sim.study.entries import DecideFile
 from sim.study.figure_spec import FigureSpec
-from sim.study.plot_kinds import Shown
+from sim.study.plottable import Shown
 from sim.study.points import Boundary, Point
 from sim.study.surrogate import MOST_ROUNDS, Question, SurrogateFile
 

@@ -13,7 +13,7 @@ from sim.study.design import axis_of
 from sim.study.figure_spec import DataSet, FigureSpec, written
 from sim.study.measured import PURE, MeasuredTable, read_measured
 from sim.study.plot_file import MAX_MAGNITUDE, BesideFile, PlotFile, allowed_on_logarithmic
-from sim.study.plot_kinds import (
+from sim.study.plottable import (
     REGIME,
     Observable,
     every_name,

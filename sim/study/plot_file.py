@@ -12,7 +12,7 @@ from sim.base.messages import one_of
 from sim.parameters.common import Real, broken_rule
 from sim.study.entries import Name, Strict, optional, require_printable
 from sim.study.measured import ALLOWED_FILE, FILE
-from sim.study.plot_kinds import REGIME, Keys, every_name, find_kind, study_kinds
+from sim.study.plottable import REGIME, Keys, every_name, find_kind, study_kinds
 
 
 def require_kind(kind: str, kinds: Collection[str] = ()) -> str:
@@ -50,11 +50,9 @@ Names = Annotated[
 _OBSERVABLE_EXAMPLES = {"examples": every_name()}
 _NAME_OR_NAMES: dict[str, Any] = {"allowed": "a name, or a list of names"}
 
-#: Maximum number of data sets beside a plot; each has a style of its own.
-MAX_BESIDE = 6
-
-#: Maximum length of a label.
-_MAX_LABEL_LENGTH = 60
+#: Maximum number of data sets beside a plot, as each has a style of its own; and of letters in a
+#: label.
+MAX_BESIDE, _MAX_LABEL_LENGTH = 6, 60
 
 #: Largest magnitude of a number that can be drawn; on a logarithmic axis, its inverse is the least.
 MAX_MAGNITUDE = 1e100

@@ -15,7 +15,7 @@ from sim.study.design_file import DesignFile, Distribution
 from sim.study.entries import RANGE, RANGE_SCHEMA
 from sim.study.figure_spec import FIGURES
 from sim.study.plot_file import BesideFile, PlotFile
-from sim.study.plot_kinds import shown_by
+from sim.study.plottable import shown_by
 from sim.study.surrogate import SensitivityFile, SurrogateFile
 from sim.study.validate import file_models
 

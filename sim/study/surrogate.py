@@ -17,32 +17,24 @@ from sim.parameters.density import DENSITY
 from sim.parameters.forms import require_observables
 from sim.study.design import Axis, block_size
 from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional
-from sim.study.plot_kinds import find_observable, numbers, require_stored
+from sim.study.plottable import find_observable, numbers, require_stored
 
-#: Most points of a surrogate: the time of a fit grows with the cube of their number.
-MOST_POINTS = 3000
+#: Most points of a surrogate: the time of a fit grows with the cube of their number. Most rounds of
+#: a study: a budget ends them long before. Points of a design that are drawn at a time.
+MOST_POINTS, MOST_ROUNDS, _CHUNK = 3000, 1000, 64
 
-#: Most rounds of a study: a budget ends them long before.
-MOST_ROUNDS = 1000
-
-#: Points of a design that are drawn at a time.
-_CHUNK = 64
-
-#: Error of a mean, relative to its size, from which on it is called too large to rely on.
+#: Error of a mean, relative to its size, from which on it is called too large to rely on; and
+#: meaning of the key of what is asked of a surrogate that accepts a larger one.
 LARGE_ERROR = 0.2
-
-#: Meaning of the key of what is asked of a surrogate that accepts a larger one.
 ACCEPTED_ERROR = (
     "largest error of the surrogate with which there is an answer, relative to the mean size of "
     f"the observable ({LARGE_ERROR:g})"
 )
 
+#: Regimes; an undetermined flow that surely slows down, which answers leave out; and those whose
+#: points count unless an entry names others: all but what surely changes or rests.
 Regime = Literal["steady", "accelerating", "arrested", "mixed", "undetermined", "slowing"]
-
-#: An undetermined flow that surely slows down: answers leave it out.
 SLOWING: Regime = "slowing"
-
-#: Regimes whose points count unless an entry names others: all but what surely changes or rests.
 COUNTED: tuple[Regime, ...] = ("steady", "mixed", "undetermined")
 
 

@@ -14,7 +14,7 @@ from sim.parameters import point_id
 from sim.study.calibration import CalibrateFile
 from sim.study.design_file import DesignFile
 from sim.study.load import load_study
-from sim.study.plot_kinds import numbers
+from sim.study.plottable import numbers
 from sim.study.surrogate import LARGE_ERROR, Question, SensitivityFile, SurrogateFile
 from sim.surrogates import answers, storage
 from sim.surrogates.answers import (

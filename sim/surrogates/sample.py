@@ -12,7 +12,7 @@ from sim.dataset.replicates import SCALARS, answering_regime, outcomes, replicat
 from sim.dataset.results import Results
 from sim.parameters import NUMERICAL, SYSTEMS
 from sim.study.design import Axis
-from sim.study.plot_kinds import numbers
+from sim.study.plottable import numbers
 from sim.study.surrogate import SurrogateFile
 from sim.surrogates.answers import Refusal
 

@@ -13,7 +13,7 @@ from sim.base.messages import one_of
 from sim.base.statistics import MANY, student
 from sim.parameters.forms import forms
 from sim.study.design import Axis
-from sim.study.plot_kinds import numbers
+from sim.study.plottable import numbers
 from sim.study.surrogate import SurrogateFile, fewest_points
 from sim.surrogates.answers import (
     KEY,

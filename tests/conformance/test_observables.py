@@ -9,7 +9,7 @@ from sim.dataset.gather import measure
 from sim.figures.data import unit_of
 from sim.parameters import SYSTEMS, complete_values, parse_point
 from sim.parameters.variables import observables, variables_of
-from sim.study.plot_kinds import numbers
+from sim.study.plottable import numbers
 from sim.study.reference import reference_text
 from tests import conformance  # noqa: F401  (loads the plug-ins)
 

@@ -18,7 +18,7 @@ from sim.figures import animation
 from sim.figures.render import find_spec, render
 from sim.study.figure_spec import FIGURES, FigureSpec
 from sim.study.load import load_study
-from sim.study.plot_kinds import Keys, find_kind, kinds, study_kinds
+from sim.study.plottable import Keys, find_kind, kinds, study_kinds
 from tests import conformance  # noqa: F401  (loads the plug-ins)
 from tests.figures import made_belt, made_chute
 from tests.made.figures import make_built_regimes, make_built_study

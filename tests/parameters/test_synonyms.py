@@ -7,7 +7,7 @@ from sim.base.messages import MOST_NAMES, names_meant, near
 from sim.parameters import SYSTEMS, field_info, parse_point
 from sim.parameters.points import all_synonyms
 from sim.study.plot_file import PlotFile
-from sim.study.plot_kinds import every_name, study_kinds
+from sim.study.plottable import every_name, study_kinds
 
 PARAMETERS = {name for model in SYSTEMS.values() for name in model.model_fields}
 NAMES = {*PARAMETERS, *every_name(), *study_kinds(), *PlotFile.model_fields}

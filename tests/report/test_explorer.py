@@ -10,7 +10,7 @@ import pytest
 from sim.dataset.results import load_results
 from sim.report.explorer import compressed, drawing_program, explorer_data
 from sim.report.runs import run_rows, varied_parameters
-from sim.study.plot_kinds import numbers
+from sim.study.plottable import numbers
 from tests.made.figures import make_figures
 from tests.made.surrogates import made_surrogate
 

@@ -12,7 +12,7 @@ from sim.parameters import SYSTEMS
 from sim.study import figure_spec
 from sim.study.figure_spec import FIGURES, read_figures
 from sim.study.papers import Paper
-from sim.study.plot_kinds import LARGEST_PORTION
+from sim.study.plottable import LARGEST_PORTION
 from tests.made.processes import ROOT
 
 

@@ -9,7 +9,7 @@ from sim.base.plugins import load_plugins
 from sim.figures.render import drawing_of
 from sim.parameters import SYSTEMS
 from sim.study.load import Study, parse_study
-from sim.study.plot_kinds import find_kind, study_kinds
+from sim.study.plottable import find_kind, study_kinds
 from tests.made.plugins import restore_plugins
 
 SERIES = {
@@ -123,7 +123,7 @@ def test_every_kind_shows_its_usual_observable_of_every_system(parse, kind, syst
 
 OWN = """
 import sim
-from sim.study.plot_kinds import Keys, numbers
+from sim.study.plottable import Keys, numbers
 
 keys = Keys(axes=("x",), observable="y", usual="shear_depth", shows=numbers, log=("y",))
 sim.plot_kind("own", keys=keys)(print)

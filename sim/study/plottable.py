@@ -1,4 +1,4 @@
-"""Kinds of plot, the call that declares one, and the observables and parameters that they can show.
+"""What plots can show: their kinds, the call that declares one, observables and parameters by name.
 
 Those that ship stand in `sim.figures.kinds`. Nothing imports it by a statement.
 """
