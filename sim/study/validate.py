@@ -109,7 +109,7 @@ def _with_parameters(base: type[Some], system: str, names: Collection[str] | Non
 
 def _of_system(base: type[BaseModel], system: str, /, **types: Any) -> Any:
     """Return a model based on ``base`` whose fields have the types of a system."""
-    fields = {name: (kind, base.model_fields[name]) for name, kind in types.items()}
+    fields: dict[str, Any] = {one: (kind, base.model_fields[one]) for one, kind in types.items()}
     if "of" in fields and system == next(iter(SYSTEMS)):
         fields["of"] = types["of"], Field(description=_OF_DESCRIPTION)
     name = f"{system.capitalize()}{base.__name__.removesuffix('File')}"
