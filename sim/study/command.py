@@ -67,8 +67,7 @@ def study(
 
     Signals and exit code are therefore Snakemake's own. ``cores`` are by default the number in the
     profile, else all. ``profile`` is the folder of a Snakemake profile, or the name of one that
-    comes with Talus; ``extra`` are further arguments for Snakemake. Raises ``InputError`` for any
-    mistake that prevents the study from being run as written.
+    comes with Talus; ``extra`` are further arguments for Snakemake.
     """
     if cores is not None and cores < 1:
         raise InputError.of_value("--cores", "", cores, "an integer >= 1")
@@ -151,9 +150,8 @@ def _missing_environment() -> dict[str, str]:
 def study_path(files: Sequence[str | Path], assignments: Sequence[str]) -> Path:
     """Return the path of the one study file that --configfile names, or of the default one.
 
-    Snakemake merges a configfile into the one that a workflow declares. A study must be exactly
-    the named file, so the workflow declares none and reads the file by its path.
-    ``assignments`` are those of --config, which are refused.
+    Snakemake would merge it into one that the workflow declares, so this declares none and reads
+    the file by its path. ``assignments`` are those of --config, which are refused.
     """
     if assignments:
         raise InputError("--config: not used by Talus; edit a study file and give --configfile")

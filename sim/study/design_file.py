@@ -18,9 +18,6 @@ from sim.parameters.common import TWO_NUMBERS, Real, broken_rule
 from sim.study.design import OPERATORS, Axis, axis_of, block_size, read_comparison, unit_points
 from sim.study.entries import Lists, Strict, optional
 
-#: Kinds of design that keep their first points where more are wanted.
-GROWING = ("sobol", "random", "saltelli", "morris")
-
 #: Points of a sequence that are looked at before `where` may be given up, and the share of them
 #: that must satisfy it.
 _MIN_DRAWN, _MIN_SHARE = 2**16, 1e-3
@@ -237,14 +234,13 @@ class DesignFile(Strict):
     @property
     def grows(self) -> bool:
         """Whether further points follow those of the study, so that more points keep these."""
-        return self.kind in GROWING
+        return self.kind not in ("latin_hypercube", "zip")
 
     def sequence(self, count: int, after: int = 0) -> list[Parameters]:
         """Return the next ``count`` points of the sequence, in order; equal ones stand each time.
 
-        Fewer come back at the end of a design that does not grow. There are ``after`` points before
-        them: `size` for the first ones that the study does not have. Raises ``InputError`` if too
-        few points satisfy ``where``, or a point is not valid.
+        They come ``after`` some others, `size` of which the study has. At the end of a design that
+        does not grow, they are fewer. Raises ``InputError`` if too few satisfy ``where``.
         """
         return [self.parameters_at(row) for row in self.rows(after + count)[after:]]
 
@@ -255,9 +251,8 @@ class DesignFile(Strict):
     def shares(self, count: int) -> np.ndarray:
         """Return the first ``count`` points in the unit cube, shape (count, number of axes).
 
-        Each number is the share of the distribution below the value. With the bounds [0, 1], this
-        is the sample that SALib has made for ``saltelli`` (without second order) and ``morris``
-        (of four levels). It has no columns for ``zip``.
+        Each number is the share of the distribution below the value: with the bounds [0, 1], the
+        sample of SALib for ``saltelli`` (without second order) and ``morris`` (of four levels).
         """
         return self._draw(count)[0]
 

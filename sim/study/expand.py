@@ -1,6 +1,7 @@
 """Third step of a study: expand its validated files to points, series and boundaries."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import product
@@ -259,8 +260,7 @@ def _require_valid_points(points: dict[str, Point], source: str) -> None:
 
 
 def _is_file(path: Path) -> bool:
-    """True where ``path`` is a file; a name that is too long is none."""
-    try:
+    # A name that is too long is none.
+    with suppress(OSError):
         return path.is_file()
-    except OSError:
-        return False
+    return False

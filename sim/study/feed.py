@@ -234,10 +234,8 @@ def _pictures(question: Question) -> Iterator[FigureSpec]:
             if design is None and len(of.axes) > 1:
                 yield _picture(question, "interactions", source=source)
         case CalibrateFile():
-            words = {
-                "names": ", ".join(map(name_in_words, question.parameters)),
-                "count": count_text(len(question.values), "measurement"),
-            }
+            sought = ", ".join(map(name_in_words, question.parameters))
+            words = {"names": sought, "count": count_text(len(question.values), "measurement")}
             yield _picture(question, "posterior", **words)
             yield _picture(question, "predictions", **words)
             if any(len(set(one)) > 1 for one in question.conditions.values()):
@@ -256,6 +254,7 @@ def _picture(question: Question, kind: str, x: str = "", y: str = "", **words: s
         if name:
             words |= {key: name_in_words(name), f"{key}_phrase": parameter_phrase(of.system, name)}
     noun = "surrogate " if isinstance(question, SurrogateFile) else ""
+    about = of.observable, observable.unit, of.mean_regimes, question.settings
     return FigureSpec.model_construct(
         name="-".join((question.name, *filter(None, (x, y)))) if x else f"{question.name}-{kind}",
         kind=kind,
@@ -263,7 +262,5 @@ def _picture(question: Question, kind: str, x: str = "", y: str = "", **words: s
         title=f"{TITLES[kind].format_map(words)}, {noun}{question.name}",
         lead=LEADS[kind].format_map(words),
         series=[of.series],
-        answer=Answer(
-            question.file, of.observable, observable.unit, of.mean_regimes, question.settings, x, y
-        ),
+        answer=Answer(question.file, *about, x, y),
     )

@@ -265,10 +265,9 @@ class StudyFile(Strict):
         if set(claims) <= {"all"}:
             return
         ids = [[claim["id"] for claim in paper.claims] for paper in papers().values()]
-        names = {"all", *chain(*ids), *additions(JUDGE)}
+        ranges = ", ".join(f"{one[0]} to {one[-1]}" for one in ids if one)
         for index, name in enumerate(claims):
-            if name not in names:
-                ranges = ", ".join(f"{one[0]} to {one[-1]}" for one in ids if one)
+            if name not in {"all", *chain(*ids), *additions(JUDGE)}:
                 allowed = f"{ranges}, all, or the name of a judge of a plug-in"
                 yield broken_rule(f"decide.claims[{index}]", name, allowed)
 

@@ -94,8 +94,7 @@ class Plan:
     def take_shared(self, forget: Callable[[str], object]) -> None:
         """Take the runs of other studies; ``forget`` what is recorded of run files of these names.
 
-        What is damaged is not taken, so these points are run. Run files of adopted points have come
-        from elsewhere, too.
+        What is damaged is run. Run files of adopted points have come from elsewhere, too.
         """
         for point in self._reduced:
             forget(self.run_file(point))
@@ -175,8 +174,8 @@ class Plan:
     def batches_to_run(self, cores: float | None) -> dict[str, list[str]]:
         """Return short points to run or to continue, by the names of their batches.
 
-        The points of a batch have the same planned amounts, which are a parameter of the rule. None
-        starts from the end of another point. ``cores`` is that of `plan_batches`.
+        The points of a batch have the same planned amounts, which are a parameter of the rule, and
+        start from no other point. ``cores`` is that of `plan_batches`.
         """
         points_by_amount: dict[str, dict[str, Parameters]] = defaultdict(dict)
         for point in self.study.points:
@@ -192,9 +191,8 @@ class Plan:
     def start(self, batches: Mapping[str, Sequence[str]]) -> FileLock:
         """Write notes for jobs and later workflows; return the lock of the results.
 
-        Keep the lock while the workflow lives. The kernel releases it with the process, so a killed
-        workflow leaves none. On a file system without locks, there is none. Raises ``InputError``
-        when another workflow has it.
+        Keep the lock while the workflow lives: the kernel releases it with the process. On a file
+        system without locks, there is none. Raises ``InputError`` when another workflow has it.
         """
         self._batches.parent.mkdir(parents=True, exist_ok=True)
         lock = lock_of(self.folder / ".lock")

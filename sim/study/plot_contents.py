@@ -1,6 +1,6 @@
 """What a plot shows of a study: points, observables, parameters on its axes."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
@@ -22,37 +22,6 @@ from sim.study.plottable import (
     require_stored,
 )
 from sim.study.points import Point
-
-
-def _points(
-    plot: PlotFile, data: BesideFile, folder: Path, unit_on: Callable[[str], str]
-) -> tuple[tuple[float, ...], ...]:
-    if data.points:
-        return tuple(map(tuple, data.points))
-    table = read_measured(folder / data.file)
-    columns = [_column(plot, table, axis, getattr(data, axis), unit_on(axis)) for axis in "xy"]
-    if data.yerr:
-        columns.append(_column(plot, table, "y", data.yerr, unit_on("y"), are_errors=True))
-    if data.line and len(table.lines) < 2:
-        raise InputError.of_value(table.path, "", "1 row", "at least two rows for a line")
-    return tuple(zip(*columns, strict=True))
-
-
-def _column(
-    plot: PlotFile, table: MeasuredTable, axis: str, name: str, unit: str, are_errors: bool = False
-) -> tuple[float, ...]:
-    """Return the numbers of a column on an axis with a unit, or errors of such."""
-    table.require_column(name, "the errors of y" if are_errors else f"for the axis {axis}")
-    if table.units[name] and not unit:
-        allowed = "no unit, for a plot with units: natural"
-        raise InputError.of_value(table.path, f"unit of column {name}", table.units[name], allowed)
-    low, allowed = plot.least(axis), f"a number of size up to {MAX_MAGNITUDE:g}"
-    if axis in plot.log:
-        allowed = allowed_on_logarithmic(axis)
-    if are_errors:
-        low, allowed = 0, f"an error in [0, {MAX_MAGNITUDE:g}]"
-    return table.numbers(name, unit or PURE, low=low, high=MAX_MAGNITUDE, allowed=allowed)
-
 
 #: Maximum number of panels of a plot, and what is said of curves that have points of a design.
 MAX_PANELS, SCATTER_HINT = 12, "kind: scatter suits a design better"
@@ -156,8 +125,34 @@ class PlotContents:
     @cached_property
     def beside(self) -> tuple[DataSet, ...]:
         """Data that are not of the study."""
-        plot, at = self.plot, (Path(self.source).parent, self._unit_on)
-        return tuple((one.name, _points(plot, one, *at), one.line) for one in plot.beside or ())
+        return tuple((one.name, self._points(one), one.line) for one in self.plot.beside or ())
+
+    def _points(self, data: BesideFile) -> tuple[tuple[float, ...], ...]:
+        if data.points:
+            return tuple(map(tuple, data.points))
+        table = read_measured(Path(self.source).parent / data.file)
+        columns = [self._column(table, axis, getattr(data, axis)) for axis in "xy"]
+        if data.yerr:
+            columns.append(self._column(table, "y", data.yerr, are_errors=True))
+        if data.line and len(table.lines) < 2:
+            raise InputError.of_value(table.path, "", "1 row", "at least two rows for a line")
+        return tuple(zip(*columns, strict=True))
+
+    def _column(
+        self, table: MeasuredTable, axis: str, name: str, are_errors: bool = False
+    ) -> tuple[float, ...]:
+        """Return the numbers of a column on an axis, or errors of such."""
+        plot, unit = self.plot, self._unit_on(axis)
+        table.require_column(name, "the errors of y" if are_errors else f"for the axis {axis}")
+        if (own := table.units[name]) and not unit:
+            allowed = "no unit, for a plot with units: natural"
+            raise InputError.of_value(table.path, f"unit of column {name}", own, allowed)
+        low, allowed = plot.least(axis), f"a number of size up to {MAX_MAGNITUDE:g}"
+        if axis in plot.log:
+            allowed = allowed_on_logarithmic(axis)
+        if are_errors:
+            low, allowed = 0, f"an error in [0, {MAX_MAGNITUDE:g}]"
+        return table.numbers(name, unit or PURE, low=low, high=MAX_MAGNITUDE, allowed=allowed)
 
     def _unit_on(self, axis: str) -> str:
         """Return the unit of an axis as UDUNITS reads it; empty for a natural one."""
@@ -275,7 +270,7 @@ def in_words(names: Iterable[str]) -> str:
 def default_title(contents: PlotContents) -> str:
     """Return the default title of a plot, such as ``Velocity against friction, by angle``."""
     spec, names = contents.spec, list(map(name_in_words, contents.spec.axes))
-    vertical, horizontal = _y_then_x(contents)
+    vertical, horizontal, over = _shown(contents)
     what = spec.keys.what.format(name_in_words(vertical.name)) if vertical else "regimes"
     if horizontal:
         names = [name_in_words(horizontal.name)]
@@ -283,37 +278,30 @@ def default_title(contents: PlotContents) -> str:
         names = [f"{len(names)} parameters"]
     colour = "" if spec.keys.observable == "colour" else spec.colour
     groups = [name_in_words(name) for name in (*spec.by, colour, spec.panels) if name]
-    title = f"{what} {_over_phrase(spec, names, horizontal)}"
-    title += f", by {in_words(groups)}" if groups else ""
-    return title[0].upper() + title[1:]
+    by = f", by {in_words(groups)}" if groups else ""
+    return f"{what[0].upper()}{what[1:]} {over.format(in_words(names))}{by}"
 
 
 def caption_lead(contents: PlotContents) -> str:
     """Return the first sentence of the caption of a plot."""
     spec, phrase = contents.spec, partial(parameter_phrase, contents.system)
-    vertical, horizontal = _y_then_x(contents)
+    vertical, horizontal, over = _shown(contents)
     what, against = "Regimes", [phrase(name) for name in spec.axes]
     if vertical:
         what = f"{name_in_words(vertical.name).capitalize()}: {vertical.meaning}"
     if horizontal:
         against = [f"{name_in_words(horizontal.name)} ({horizontal.meaning})"]
     groups = {"curves": ", ".join(map(phrase, spec.by))}
-    if spec.colour and spec.keys.observable != "colour":
-        groups["colour"] = (
-            phrase(contents.coloured) if contents.coloured else name_in_words(spec.colour)
-        )
+    if (colour := spec.colour) and spec.keys.observable != "colour":
+        groups["colour"] = phrase(colour) if contents.coloured else name_in_words(colour)
     groups["panels"] = phrase(spec.panels) if spec.panels else ""
     said = [f"; {key}: {names}" for key, names in groups.items() if names]
-    return f"{what}, {_over_phrase(spec, against, horizontal)}{''.join(said)}."
+    return f"{what}, {over.format(in_words(against))}{''.join(said)}."
 
 
-def _y_then_x(contents: PlotContents) -> tuple[Observable | None, Observable | None]:
-    """Return what is shown, and the observable that it is shown against, if any."""
-    shown = contents.observables
+def _shown(contents: PlotContents) -> tuple[Observable | None, Observable | None, str]:
+    """Return what is shown, the observable that it is against, if any, and how that is said."""
+    shown, keys = contents.observables, contents.spec.keys
     if "x" in shown and "y" in shown:
-        return shown["y"], shown["x"]
-    return shown.get(contents.spec.keys.observable), None
-
-
-def _over_phrase(spec: FigureSpec, names: list[str], horizontal: Observable | None) -> str:
-    return (spec.keys.over if horizontal is None else "against {}").format(in_words(names))
+        return shown["y"], shown["x"], "against {}"
+    return shown.get(keys.observable), None, keys.over

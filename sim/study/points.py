@@ -157,9 +157,8 @@ class BoundaryEstimate:
     values in between are undecided or contradict each other; ``none``: all decided values, both
     ends of the range among them, are on one side; ``several``: both ends are on the same side,
     values in between on the other; ``open``: at most one side occurs, and an end is undecided.
-    ``below`` and ``above`` are the sides of the lowest and the highest decided value, empty if none
-    is decided; ``low`` and ``high`` the interval that contains the boundary, ``None`` unless it is
-    ``found`` or ``wide``.
+    ``below`` and ``above`` are the sides of the lowest and the highest decided value, empty without
+    one. ``low`` and ``high`` contain the boundary, if it is ``found`` or ``wide``.
     """
 
     verdict: str
@@ -212,10 +211,9 @@ def locate_boundary(sides: Sides, tolerance: float) -> BoundaryEstimate:
 def next_values(sides: Sides, tolerance: float) -> list[float]:
     """Return the values to compute next, or none if no value would help.
 
-    The boundary lies between ``low`` and ``high`` of `locate_boundary`. If no values lie in
-    between, this gap is divided. Otherwise the values in between are undecided or contradict each
-    other, and further values among them would do the same. Then the gaps next to ``low`` and
-    ``high`` are divided, which narrows the undecided zone.
+    The gap between ``low`` and ``high`` of `locate_boundary` is divided. Values in between are
+    undecided or contradict each other, and further ones among them would do the same: then the gaps
+    next to ``low`` and ``high`` are divided, which narrows the undecided zone.
     """
     boundary = locate_boundary(sides, tolerance)
     low, high = boundary.low, boundary.high
