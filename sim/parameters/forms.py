@@ -58,8 +58,5 @@ def forms(system: str, observable: str) -> dict[str, Form]:
     import_module("sim.measures")
     every: dict[str, Form] = {**shipped(_FORM)}
     every |= {name: one.value for name, one in additions(_FORM).items()}
-    return {
-        name: one
-        for name, one in every.items()
-        if system in one.systems and observable == one.observable
-    }
+    of_system = {name: one for name, one in every.items() if system in one.systems}
+    return {name: one for name, one in of_system.items() if one.observable == observable}

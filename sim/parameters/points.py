@@ -166,9 +166,8 @@ def canonical_values(parameters: Parameters) -> dict[str, Any]:
     ``parse_point`` of the result gives an equal point.
     """
     model, values = type(parameters), complete_values(parameters)
-    unused = {
-        name for name in added_parameters(model) if values[name] == default_of(model, name, values)
-    }
+    added = added_parameters(model)
+    unused = {name for name in added if values[name] == default_of(model, name, values)}
     return {name: value for name, value in values.items() if name not in unused}
 
 

@@ -149,12 +149,8 @@ def _bounds(text: str) -> dict[str, float]:
 @cache
 def declarations(model: type[BaseModel]) -> Mapping[str, Declaration]:
     """Return the declaration of each parameter of a system, by name."""
-    return MappingProxyType(
-        {
-            name: cast(Declaration, field.json_schema_extra)
-            for name, field in model.model_fields.items()
-        }
-    )
+    extras = {name: field.json_schema_extra for name, field in model.model_fields.items()}
+    return MappingProxyType(cast(dict[str, Declaration], extras))
 
 
 def _named(selects: Callable[[Declaration], bool]) -> Callable[[type[BaseModel]], tuple[str, ...]]:
@@ -195,6 +191,5 @@ def reading_parameters(model: type[BaseModel]) -> tuple[str, ...]:
 @cache
 def id_parts(model: type[BaseModel]) -> Mapping[str, str]:
     """Return the labels in the ids of all points, by parameter."""
-    return MappingProxyType(
-        {name: row.id_part for name, row in declarations(model).items() if row.id_part}
-    )
+    parts = {name: row.id_part for name, row in declarations(model).items() if row.id_part}
+    return MappingProxyType(parts)

@@ -155,11 +155,8 @@ def variables_of(*kinds: str, system: str | None = None) -> dict[str, Variable]:
 
     Time series of several systems may share a name: ask for those of one system.
     """
-    return {
-        one.name: one
-        for one in VARIABLES
-        if one.kind in kinds and (system is None or system in one.systems)
-    }
+    rows = [one for one in VARIABLES if one.kind in kinds]
+    return {one.name: one for one in rows if system is None or system in one.systems}
 
 
 def recorded_by(parameters: Any, *kinds: str) -> dict[str, Variable]:

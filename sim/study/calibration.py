@@ -152,16 +152,15 @@ class CalibrateFile(Question):
                 raise place.error(f"parameters.{name}", self.parameters[name], allowed)
             fixed, *others = dict.fromkeys(getattr(point, name) for point in points)
             if not others:
-                reason = f"as all points of {of.series}"
-                self._require_value(table, name, fixed, fields[name].unit, reason)
+                self._require_value(table, name, fixed)
 
-    def _require_value(
-        self, table: MeasuredTable, name: str, fixed: Any, unit: str, reason: str
-    ) -> None:
+    def _require_value(self, table: MeasuredTable, name: str, fixed: Any) -> None:
         """Refuse a column unless it has one value in all rows: a number, a word or a switch."""
+        reason = f"as all points of {self.of.series}"
         if type(fixed) in (int, float):
             own, slack = self.units.get(name, ""), 1e-6 * abs(fixed)
             ends = {"low": fixed - slack, "high": fixed + slack}
+            unit = field_info(SYSTEMS[self.of.system])[name].unit
             table.numbers(name, unit, unit=own, allowed=f"{fixed:g}, {reason}", **ends)
             return
         is_switch = isinstance(fixed, bool)

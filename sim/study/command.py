@@ -85,12 +85,10 @@ def study(
     os.execve(command[0], command, os.environ | _missing_environment())
 
 
-def snakemake_command(
-    study_path: Path, cores: int | str | None, extra: Sequence[str] = ()
-) -> list[str]:
+def snakemake_command(file: Path, cores: int | str | None, extra: Sequence[str] = ()) -> list[str]:
     """Return the command that runs a study with the workflow of this package."""
     options = [] if cores is None else ["--cores", str(cores)]
-    path = str(study_path)
+    path = str(file)
     # A path that begins with a hyphen would be read as an option.
     options += ["--configfile", f"./{path}" if path.startswith("-") else path]
     # --configfile takes all names that follow it, so another option must come next.

@@ -146,11 +146,8 @@ class DesignFile(Strict):
                 spread = self._distribution(name)
                 yield from self._not_allowed(name, spread.choices or spread.between)
             elif not isinstance(given, list):
-                got, allowed = (
-                    given.model_dump(exclude_unset=True),
-                    "a list of values, as kind is zip",
-                )
-                yield broken_rule(f"over.{name}", got, allowed)
+                got = given.model_dump(exclude_unset=True)
+                yield broken_rule(f"over.{name}", got, "a list of values, as kind is zip")
             elif len(given) != (wanted := len(values[first])):
                 yield broken_rule(f"over.{name}", given, f"{wanted} values, as {first} has")
             else:

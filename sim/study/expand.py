@@ -163,9 +163,8 @@ class _Family:
         draft = _Draft({"system": system}, {"system": f"{self.key}.system"})
         if shared := getattr(self.file.defaults, system):
             draft = draft.with_values(shared.explicit_values(), f"defaults.{system}")
-        for others, base in draft.combinations(
-            self.file.reading_lists(system), f"readings.{system}"
-        ):
+        lists = self.file.reading_lists(system)
+        for others, base in draft.combinations(lists, f"readings.{system}"):
             if others and not isinstance(self.entry, SeriesFile):
                 return
             if self.entry.base:

@@ -41,7 +41,7 @@ def feed(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
             names = plot.series or series
             points = [point for point in study.points.values() if set(point.series) & set(names)]
             contents = PlotContents(plot, points, str(path), f"plots[{index}]")
-            _require_known_names(contents, series, entries)
+            _require_names(contents, series, entries)
             entries[plot.name] = plot_entry(contents, names)
             data += [path.parent / one.file for one in plot.beside or () if one.file]
     return replace(study, entries=entries, data=tuple(dict.fromkeys(data)))
@@ -65,13 +65,11 @@ def _figures(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> dict[str,
             raise InputError.of_value(*feeds[name], name, allowed)
         points = [point for point in study.points.values() if name in point.figures]
         _require_points_vary(spec, points, *feeds[name])
-        _require_distinct_positions(spec, points, *feeds[name])
+        _require_own_places(spec, points, *feeds[name])
     return figures
 
 
-def _require_known_names(
-    contents: PlotContents, series: Sequence[str], entries: Iterable[str]
-) -> None:
+def _require_names(contents: PlotContents, series: Sequence[str], entries: Iterable[str]) -> None:
     name = contents.plot.name
     # Some file systems do not tell capitals from small letters.
     if name.lower() in FIGURES:
@@ -97,18 +95,16 @@ def plot_entry(contents: PlotContents, series: Sequence[str]) -> FigureSpec:
         "plugin": plugin_code(contents.plot.kind),
     }
     spec = contents.spec.model_copy(update=follows)
-    _require_distinct_positions(spec, contents.points, contents.source, contents.place)
+    _require_own_places(spec, contents.points, contents.source, contents.place)
     return spec
 
 
-def _require_points_vary(
-    spec: FigureSpec, figure_points: Sequence[Point], source: str, path: str
-) -> None:
-    if not figure_points:
+def _require_points_vary(spec: FigureSpec, points: Sequence[Point], source: str, path: str) -> None:
+    if not points:
         conditions = ", ".join(f"{key} {values}" for key, values in spec.taken.items())
         raise InputError.of_value(source, path, spec.name, f"series with a point at {conditions}")
     for axis in spec.axes:
-        values = {getattr(point.parameters, axis) for point in figure_points}
+        values = {getattr(point.parameters, axis) for point in points}
         if len(values) < 2:
             got = f"{spec.name} with {axis} = {written(values.pop())} alone"
             allowed = f"series that feed {spec.name} and together vary {', '.join(spec.axes)}"
@@ -117,29 +113,25 @@ def _require_points_vary(
             raise InputError.of_value(source, path, got, allowed)
 
 
-def _require_distinct_positions(
-    spec: FigureSpec, figure_points: Sequence[Point], source: str, path: str
-) -> None:
+def _require_own_places(spec: FigureSpec, points: Sequence[Point], source: str, path: str) -> None:
     if spec.keys.is_map or not spec.axes:
         return
-    points_by_position: dict[tuple[Any, ...], Point] = {}
-    for point in figure_points:
-        other = points_by_position.setdefault(spec.place(point.parameters), point)
+    points_by_place: dict[tuple[Any, ...], Point] = {}
+    for point in points:
+        other = points_by_place.setdefault(spec.place(point.parameters), point)
         if other is point:
             continue
         at, before = dict(point.parameters), dict(other.parameters)
         names = dict.fromkeys((*spec.axes, *spec.groups))
         settings = ", ".join(f"{name} = {written(at[name])}" for name in names)
-        pairs = {name: (before[name], at[name]) for name in at if before[name] != at[name]}
-        differences = ", ".join(
-            f"{name} ({written(a)}, {written(b)})" for name, (a, b) in pairs.items()
-        )
+        differ = [name for name in at if before[name] != at[name]]
+        texts = (f"{name} ({written(before[name])}, {written(at[name])})" for name in differ)
         first, second = other.series[0], point.series[0]
         note = f" (series {first} and {second})" if first != second else ""
         raise InputError(
             f"{source}: {path}: got {spec.name} with two points at {settings} that differ in "
-            f"{differences}{note}, which it does not show; allowed: one point at each place of a "
-            "curve, the other in a series that does not feed it"
+            f"{', '.join(texts)}{note}, which it does not show; allowed: one point at each place "
+            "of a curve, the other in a series that does not feed it"
         )
 
 

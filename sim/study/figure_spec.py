@@ -283,9 +283,7 @@ def read_figures(paper: Paper) -> list[FigureSpec]:
     return specs
 
 
-def _fill(
-    texts: Mapping[str, str], words: Mapping[str, Any], source: str, key: str
-) -> dict[str, str]:
+def _fill(texts: dict[str, str], words: Mapping[str, Any], source: str, key: str) -> dict[str, str]:
     filled = {}
     for name, text in texts.items():
         try:

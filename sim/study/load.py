@@ -165,10 +165,9 @@ def _parts(contents: Any, path: Path) -> Iterator[tuple[Path, Any]]:
 def _names(contents: Any, key: str, pattern: str) -> list[str]:
     """Return the names under a key, none if one is malformed, which `validate` refuses then."""
     names = contents.get(key) if isinstance(contents, dict) else None
-    is_right = isinstance(names, list) and all(
-        isinstance(name, str) and re.match(pattern, name) for name in names
-    )
-    return names if is_right and names else []
+    texts = names if isinstance(names, list) else []
+    is_right = all(isinstance(one, str) and re.match(pattern, one) for one in texts)
+    return texts if is_right else []
 
 
 def points(study: str | Path | Mapping[str, Any]) -> "pd.DataFrame":

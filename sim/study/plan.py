@@ -112,9 +112,8 @@ class Plan:
         runs = self.folder / "runs"
         self._starts |= self._run_files.starts_to_run(runs, points, self.study.need)
         if self._shared_runs:
-            self._reduced += [
-                key for key in new if self._run_files.is_reduced(runs / f"{key}.nc", new[key])
-            ]
+            is_reduced = self._run_files.is_reduced
+            self._reduced += [key for key in new if is_reduced(runs / f"{key}.nc", new[key])]
             self._shared |= self._shared_runs.find_runs(runs, new, self._need)
 
     def _need(self, point: str) -> Need | None:

@@ -293,15 +293,13 @@ def require_stored(
 
 
 #: Function: key of a plot, its value, allowed values → error to raise.
-PlotErrorMaker = Callable[[str, Any, str | Allowed], Exception]
+ErrorMaker = Callable[[str, Any, str | Allowed], Exception]
 
 
-def find_observable(
-    kind: str, key: str, name: str, system: str, plot_error: PlotErrorMaker
-) -> Observable:
+def find_observable(kind: str, key: str, name: str, system: str, error: ErrorMaker) -> Observable:
     """Return the observable that a key of a plot names.
 
-    Raises what ``plot_error`` makes for a name that it cannot show.
+    Raises what ``error`` makes for a name that it cannot show.
     """
     shows = find_kind(kind).keys.shows
     observables = shows(system)
@@ -310,12 +308,12 @@ def find_observable(
     for other in SYSTEMS:
         if name in shows(other):
             allowed = f"an observable of the {system}; {name} is one of the {other}"
-            raise plot_error(key, name, allowed)
+            raise error(key, name, allowed)
     for other, shown in shown_by().items():
         if name in shown[system]:
             allowed = f"an observable of {kind}; {name} is shown by kind: {other}"
-            raise plot_error(key, name, allowed)
-    raise plot_error(key, name, one_of(name, observables))
+            raise error(key, name, allowed)
+    raise error(key, name, one_of(name, observables))
 
 
 def require_parameter(
@@ -323,7 +321,7 @@ def require_parameter(
     name: str,
     system: str,
     observables: Collection[str],
-    plot_error: PlotErrorMaker,
+    plot_error: ErrorMaker,
     varied: Collection[str] = (),
 ) -> None:
     """Raise an error unless a name is a parameter of the system, and on an axis a number.

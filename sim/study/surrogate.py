@@ -152,9 +152,8 @@ class SurrogateFile(Question):
             allowed = f"a series of a study with one reading of the {system}"
             raise place.error("series", self.series, allowed)
         # Flows do not depend on numerical parameters of a grid.
-        axes = tuple(
-            axis for axis in study.axes.get(self.series, ()) if design or axis.name not in NUMERICAL
-        )
+        varied = study.axes.get(self.series, ())
+        axes = tuple(axis for axis in varied if design or axis.name not in NUMERICAL)
         # Rounds may add what is missing.
         least = 1 if self.has_rounds else fewest_points(len(axes))
         if not least <= len(points) <= MOST_POINTS:

@@ -147,17 +147,13 @@ def _build_file_models(
         return _list_type(Annotated[models, Field(discriminator="system")])
 
     fields, shared = StudyFile.model_fields, "shared by all series of the {}"
+    values = "Parameters shared by all series of a system."
+    readings = "Readings of the papers under which all series of a system are run."
+    each = "of the {}: every combination; figures and boundaries take the first"
     types: dict[str, Any] = {
         "figures": (_list_type(Literal[figures]), fields["figures"]),
-        "defaults": of_systems(
-            *("Defaults", "defaults", "parameters"),
-            *("Parameters shared by all series of a system.", shared),
-        ),
-        "readings": of_systems(
-            *("SharedReadings", "readings", "readings"),
-            "Readings of the papers under which all series of a system are run.",
-            "of the {}: every combination; figures and boundaries take the first",
-        ),
+        "defaults": of_systems("Defaults", "defaults", "parameters", values, shared),
+        "readings": of_systems("SharedReadings", "readings", "readings", readings, each),
         "series": (list_of("series"), fields["series"]),
         "boundaries": (list_of("boundary"), fields["boundaries"]),
     }
