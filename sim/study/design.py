@@ -11,11 +11,9 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-#: Digits of a value: so few that every machine rounds it to the same one.
-SIGNIFICANT_DIGITS = 6
-
-#: Least number of points of a sequence that are made at once.
-_MIN_CHUNK = 1024
+#: Digits of a value: so few that every machine rounds it to the same one. Least number of points of
+#: a sequence that are made at once.
+SIGNIFICANT_DIGITS, _MIN_CHUNK = 6, 1024
 
 _COMPARISONS: dict[str, Callable[[Any, Any], Any]] = {"<=": le, ">=": ge, "<": lt, ">": gt}
 OPERATORS = tuple(_COMPARISONS)

@@ -17,11 +17,8 @@ from sim.base.messages import conversion, did_you_mean
 #: study, so it lies in the folder of the study file.
 FILE, ALLOWED_FILE = r"^[^/\\]+\.csv$", "the name of a CSV file in the folder of the study file"
 
-#: Largest number of rows.
-MAX_ROWS = 10_000
-
-#: Units of number, which a heading may leave out.
-PURE = "1"
+#: Largest number of rows; and unit of pure numbers, which a heading may leave out.
+MAX_ROWS, PURE = 10_000, "1"
 
 _HEADING = re.compile(r"\s*([^()\[\]]*[^()\[\]\s])\s*(?:[(\[]([^()\[\]]*(?:\([^()]*\))?)[)\]])?\s*")
 

@@ -23,11 +23,8 @@ from sim.parameters.laws import LAW
 from sim.parameters.words import quantity
 from sim.study.entries import Strict, Text, read_into
 
-#: Kind of the additions that are papers.
-PAPER = "paper"
-
-#: In place of a paper, for a study's own claims.
-OWN = "own"
+#: Kind of the additions that are papers; and what stands for one of a study's own claims.
+PAPER, OWN = "paper", "own"
 
 #: Package of the papers that ship; nothing imports it by a statement.
 SHIPPED = "sim.papers"

@@ -240,14 +240,10 @@ def varying_parameters(points: Sequence[Parameters]) -> list[str]:
     return [name for name in varied if name != "friction_plane" or not is_same]
 
 
-#: Ratio of the ends of a parameter from which its axis may be logarithmic.
-_WIDE = 8.0
-
-
 def has_logarithmic_values(values: Iterable[float]) -> bool:
     """Return whether values spread over a wide range evenly in their logarithm."""
     axis = axis_of("", values, is_integer=False)
-    return axis.scale == "log" and axis.high >= _WIDE * axis.low
+    return axis.scale == "log" and axis.high >= 8 * axis.low
 
 
 def parameter_phrase(system: str, name: str) -> str:

@@ -78,11 +78,9 @@ def estimate(parameters: Parameters) -> Estimate:
 
 
 #: Limits on the computing time (s) of a batch. Between them, there is one batch for every core.
-#: A point that takes more than half of the maximum has a process of its own.
-MIN_BATCH_SECONDS, MAX_BATCH_SECONDS = 3.0, 60.0
-
-#: Maximum number of points in a batch: for each point, Snakemake looks through the whole batch.
-MAX_BATCH_POINTS = 50
+#: A point that takes more than half of the maximum has a process of its own. And maximum number of
+#: points in a batch: for each point, Snakemake looks through the whole batch.
+MIN_BATCH_SECONDS, MAX_BATCH_SECONDS, MAX_BATCH_POINTS = 3.0, 60.0, 50
 
 
 def plan_batches(points: Mapping[str, Parameters], cores: float | None) -> dict[str, list[str]]:
