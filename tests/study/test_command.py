@@ -152,12 +152,11 @@ def test_what_containers_lack_is_given_to_snakemake(exec_call, monkeypatch, tmp_
 def test_a_workflow_runs_the_one_study_file_that_is_named(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert command.study_path([], []) == DEFAULT_STUDY
-    assert command.study_path([tmp_path / "a" / "b.yaml"], []) == Path("a/b.yaml")
-    assert command.study_path(["/b.yaml"], []) == Path("/b.yaml")
-    with pytest.raises(InputError, match=r"^--config: not used by Talus"):
-        command.study_path(["a.yaml"], ["x=1"])
-    with pytest.raises(InputError, match=r"^--configfile: several files given"):
-        command.study_path(["a.yaml", "b.yaml"], [])
+    for file, path in ((tmp_path / "a" / "b.yaml", "a/b.yaml"), ("/b.yaml", "/b.yaml")):
+        assert command.study_path([file], []) == Path(path)
+    for files, message in ((["a"], "--config: not used"), (["a", "b"], "--configfile: several")):
+        with pytest.raises(InputError, match=f"^{message}"):
+            command.study_path(files, ["x=1"] * (len(files) == 1))
 
 
 @pytest.mark.parametrize("own_interpreter", [False, True])

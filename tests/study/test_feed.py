@@ -103,23 +103,17 @@ BELTS = {"name": "a", "system": "belt"}
 MASSES = {"belt": {"damping_mass": ["reduced", "own"]}}
 
 
-def test_readings_of_several_parameters_combine():
+def test_readings_combine_and_figures_and_boundaries_take_the_first():
     several = {"belt": {"damping_mass": ["own", "reduced"], "belt_ghost": ["below", "centred"]}}
     found = study_of(several, series=[BELTS])
     names = "damping_mass", "belt_ghost"
     points = {tuple(getattr(p.parameters, n) for n in names) for p in found.points.values()}
     assert points == {(m, g) for m in ("own", "reduced") for g in ("below", "centred")}
-
-
-def test_figures_show_the_first_reading_but_those_that_tell_them_apart():
     figures = ["gallas_1a", "readings_1a"]
     found = study_of(MASSES, series=[BELTS | {"grid": {"frequency": [20, 80]}, "figures": figures}])
     shown = {name: [found.points[one] for one in ids] for name, ids in found.figures.items()}
     assert {p.parameters.damping_mass for p in shown["gallas_1a"]} == {"reduced"}
     assert len(shown["readings_1a"]) == 4
-
-
-def test_boundaries_are_looked_for_under_the_first():
     boundary = {"of": "transport", "along": "frequency", "range": [10, 26], "tolerance": 4}
     found = study_of(MASSES, boundaries=[BELTS | boundary])
     assert len(found.boundaries) == 1

@@ -223,17 +223,7 @@ def test_runs_of_other_studies_count_before_they_are_taken_and_after(shared, mak
     assert json.loads(plan.amount_text(first))["replicates"] == 2
 
 
-def test_points_of_rounds_are_taken_from_other_studies(make_plan, tmp_path):
-    added = point_id(ADDED)
-    (tmp_path / f"{added}.nc").write_text(json.dumps(amounts(ADDED)))
-    plan = make_plan(text=ONSET, shared=SharedRuns(tmp_path, **{added: True}))
-    path, forgotten = write_round(plan, 1, ADDED), []
-    assert str(tmp_path / f"{added}.nc") in plan.files_to_gather([path])
-    assert plan.run_file(added) in plan.files_to_gather([path], forgotten.append)
-    assert forgotten == [plan.run_file(added)] and Path(*forgotten).is_file()
-
-
-def test_points_of_rounds_are_gathered_and_looked_up(make_plan):
+def test_points_of_rounds_are_gathered_looked_up_and_taken_from_other_studies(make_plan, tmp_path):
     plan = make_plan(text=ONSET)
     added = point_id(ADDED)
     with pytest.raises(InputError, match=f"{added}: no point of planned.yaml"):
@@ -252,6 +242,11 @@ def test_points_of_rounds_are_gathered_and_looked_up(make_plan):
     assert plan.parameters(added) == ADDED
     assert json.loads(plan.points_json([added])) == [canonical_values(ADDED)]
     assert plan.files_to_gather([path]) == [*files, plan.run_file(added)]
+    (tmp_path / f"{added}.nc").write_text(json.dumps(amounts(ADDED)))
+    plan, forgotten = make_plan(text=ONSET, shared=SharedRuns(tmp_path, **{added: True})), []
+    assert str(tmp_path / f"{added}.nc") in plan.files_to_gather([path])
+    assert plan.run_file(added) in plan.files_to_gather([path], forgotten.append)
+    assert forgotten == [plan.run_file(added)] and Path(*forgotten).is_file()
 
 
 def test_jobs_ask_for_what_their_points_cost(make_plan):

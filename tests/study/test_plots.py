@@ -48,15 +48,13 @@ def test_a_plot_is_an_entry_of_all_points_of_its_series(parse):
     assert study.figures["v"] == tuple(study.points)
     assert all(point.figures == () for point in study.points.values())
 
-
-def test_x_of_curves_may_be_an_observable_and_y_of_profiles_another_profile(parse):
+    # x of curves may be an observable, and y of profiles another profile.
     spec = parse(VALID_PLOT | {"x": "shear_depth"}).entries["v"]
     assert spec.axes == () and spec.groups == ("angle", "law")
     assert (spec.show, spec.second) == ("velocity", "shear_depth")
     assert spec.title == "Velocity against shear depth, by angle and law"
     assert ", against shear depth (height at which the velocity is" in spec.lead
     assert "friction" in spec.named
-    assert parse(VALID_PLOT).entries["v"].second == ""
     plot = {"name": "p", "kind": "profiles", "x": "granular_temperature", "y": "packing"}
     spec = parse(plot | {"between": [1, 4], "log": ["y"]}).entries["p"]
     assert (spec.show, spec.second) == ("granular_temperature", "packing")
@@ -66,8 +64,6 @@ def test_x_of_curves_may_be_an_observable_and_y_of_profiles_another_profile(pars
 
 
 DATA_BESIDE = {"label": "Pouliquen (1999)", "points": [[0.3, 1], [0.6, 2.5]]}
-
-
 FILE_BESIDE = {"file": "exp.csv", "x": "mu", "y": "V", "yerr": "s"}
 
 
