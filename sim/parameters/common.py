@@ -21,15 +21,13 @@ MAX_STEPS = 10**12
 MAX_SAMPLES = 10**7
 
 #: Largest size of the trajectories of a run in bytes, and bytes of a number in them.
-MAX_TRAJECTORY = 2 * 10**9
-SINGLE = 4
+MAX_TRAJECTORY, SINGLE = 2 * 10**9, 4
 
 #: Parameters to which plug-ins add options, with the default of each.
 CHOICES = {"law": "walton_braun", "motion": "harmonic", "engine": "talus"}
 
 #: Magnitudes that double precision carries through every formula without overflow.
-SMALLEST = 1e-15
-LARGEST = 1e15
+SMALLEST, LARGEST = 1e-15, 1e15
 
 
 def canonical_number(value: Any) -> Any:

@@ -3,7 +3,8 @@
 Those that ship are in `sim.measures`; plug-ins add more.
 """
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Mapping
+from itertools import chain
 from typing import Annotated, Any, TypeVar
 
 from sim.base.additions import add
@@ -17,7 +18,7 @@ from sim.base.plugins import (
     require_one_of,
 )
 from sim.parameters.points import SYSTEMS
-from sim.parameters.variables import OBSERVABLE, Measuring, Observable, observed, reserved_names
+from sim.parameters.variables import OBSERVABLE, Measuring, Observable, reserved_names, variable
 
 _Measuring = TypeVar("_Measuring", bound=Measuring)
 
@@ -73,8 +74,10 @@ def observable(
 
     def register(measure: _Measuring) -> _Measuring:
         require_function(what, measure, takes=1)
-        variable = observed(name, unit, meaning, systems, asked_by)
-        add(OBSERVABLE, name, Observable(variable, measure), _taken())
+        texts = {"name": name, "unit": unit, "meaning": meaning, "asked_by": asked_by}
+        observed = Observable(variable(OBSERVABLE, " ".join(systems), **texts), measure)
+        parameters = chain(*(model.model_fields for model in SYSTEMS.values()))
+        add(OBSERVABLE, name, observed, {*reserved_names(), *_OF_DATASETS, *parameters})
         return measure
 
     return register
@@ -89,10 +92,3 @@ def declare_observables(
     """
     for name, (unit, meaning) in rows.items():
         observable(name, unit=unit, meaning=meaning, **options)(measure)
-
-
-def _taken() -> Iterator[str]:
-    yield from reserved_names()
-    yield from _OF_DATASETS
-    for model in SYSTEMS.values():
-        yield from model.model_fields

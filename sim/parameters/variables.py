@@ -13,7 +13,7 @@ the attributes of `Variable`; an empty one stands for the usual value:
 """
 
 import csv
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -85,39 +85,25 @@ class Variable:
         return ({"units": self.unit} if self.unit else {}) | {"long_name": meaning}
 
 
-def _read(path: Path) -> tuple[Variable, ...]:
-    with path.open(encoding="utf-8", newline="") as file:
-        return tuple(_variable(**row) for row in csv.DictReader(file))
-
-
-def _variable(
-    kind: str,
-    systems: str,
-    dims: str = "",
-    cell_method: str = "",
-    part: str = "",
-    of: str = "",
-    in_datasets: str = "",
-    **texts: str,
-) -> Variable:
+def variable(kind: str, systems: str, **row: str) -> Variable:
+    """Return the variable that a row of the table declares."""
     runs = tuple(systems.split()) or ALL
     datasets = () if kind in _OF_RUN_FILES else runs
-    if in_datasets:
-        datasets = () if in_datasets == "none" else tuple(in_datasets.split())
-    return Variable(
-        kind=kind,
-        systems=runs,
-        dims=tuple(dims.split()) or DIMS[kind],
-        cell_method=f"time: {cell_method or 'point'}",
-        part=part or ("average of the window" if kind == "profile" else ""),
-        of=of,
-        in_datasets=datasets,
-        **texts,
-    )
+    if kept := row.get("in_datasets"):
+        datasets = () if kept == "none" else tuple(kept.split())
+    usual_part = "average of the window" if kind == "profile" else ""
+    read: dict[str, Any] = {
+        "dims": tuple(row.get("dims", "").split()) or DIMS[kind],
+        "cell_method": f"time: {row.get('cell_method') or 'point'}",
+        "part": row.get("part") or usual_part,
+        "in_datasets": datasets,
+    }
+    return Variable(kind=kind, systems=runs, **{"of": ""} | row | read)
 
 
 #: All variables, in the order of the table.
-VARIABLES = _read(Path(__file__).with_suffix(".csv"))
+with Path(__file__).with_suffix(".csv").open(encoding="utf-8", newline="") as _file:
+    VARIABLES = tuple(variable(**row) for row in csv.DictReader(_file))
 
 
 @dataclass(frozen=True)
@@ -126,14 +112,6 @@ class Observable:
 
     variable: Variable
     measure: Measuring
-
-
-def observed(
-    name: str, unit: str, meaning: str, systems: Iterable[str], asked_by: str = ""
-) -> Variable:
-    """Return the variable of an observable."""
-    texts = {"name": name, "unit": unit, "meaning": meaning, "asked_by": asked_by}
-    return _variable(OBSERVABLE, " ".join(systems), **texts)
 
 
 def observables(system: str | None = None) -> dict[str, Observable]:
