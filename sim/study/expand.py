@@ -48,10 +48,9 @@ def expand(files: Sequence[tuple[Path, StudyFile]]) -> Study:
                 designs[entry.name] = family.design
     path, file = files[0]
     _require_valid_points(points, str(path))
-    found = Study(file.study, file.title, tuple(path for path, _ in files), points, series)
-    readings = _readings_by_system(file)
-    found = replace(found, boundaries=tuple(boundaries), axes=axes, designs=designs)
-    return replace(found, readings=readings, decide=file.decide)
+    paths, vary = tuple(path for path, _ in files), (tuple(boundaries), axes, designs)
+    own: dict[str, Any] = {"readings": _readings_by_system(file), "decide": file.decide}
+    return Study(file.study, file.title, paths, points, series, *vary, **own)
 
 
 @dataclass(frozen=True)

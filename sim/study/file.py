@@ -248,11 +248,12 @@ class StudyFile(Strict):
         if not self.series and not self.boundaries and not self.parts:
             yield broken_rule("series", None, "at least one series, boundaries, or parts")
         yield from self._unknown_claims()
-        entries, total = list(self.entries), 0
-        for number, (key, entry) in enumerate(entries):
-            if any(one.name == entry.name for _, one in entries[:number]):
+        names, total = set[str](), 0
+        for key, entry in self.entries:
+            if entry.name in names:
                 yield broken_rule(f"{key}.name", entry.name, "a name that no other series has")
-        for key, entry in entries:
+            names.add(entry.name)
+        for key, entry in self.entries:
             lists = self.reading_lists(entry.system) if isinstance(entry, SeriesFile) else {}
             total += prod(map(len, lists.values())) * entry.max_points
             if total > MAX_POINTS:
