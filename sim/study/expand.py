@@ -49,8 +49,8 @@ def expand(files: Sequence[tuple[Path, StudyFile]]) -> Study:
     path, file = files[0]
     _require_valid_points(points, str(path))
     paths, vary = tuple(path for path, _ in files), (tuple(boundaries), axes, designs)
-    own: dict[str, Any] = {"readings": _readings_by_system(file), "decide": file.decide}
-    return Study(file.study, file.title, paths, points, series, *vary, **own)
+    rest: dict[str, Any] = {"readings": _readings_by_system(file), "decide": file.decide}
+    return Study(file.study, file.title, paths, points, series, *vary, **rest)
 
 
 @dataclass(frozen=True)
