@@ -162,7 +162,7 @@ def make_dataset(folder: Path) -> tuple[Path, Path]:
         parameters = point.parameters
         velocity = transport(parameters) / (1 + parameters.obstacle) * (1 + SPREAD)
         arrays = made_profiles(parameters) | made_series(parameters)
-        if any(FIGURES[name].particles for name in point.figures):
+        if any(FIGURES[name].keys.particles for name in point.figures):
             arrays |= made_particles(parameters)
         write_run(results / study.name / "runs", parameters, velocity, arrays=arrays)
     return study_path, build(study_path, results)
