@@ -98,7 +98,7 @@ def _compute(
     samples = origin.samples if origin else ()
     states = States(output, parameters, checkpoint_interval(), samples)
     numbers = range(len(records), parameters.replicates)
-    stored_samples = [states.samples(number) for number in numbers if number in states]
+    stored_samples = states.samples(numbers)
     if stored or stored_samples:
         log.info("%s: %s", output, "grows" if stored else "continued from a checkpoint")
     done = len(records) * parameters.steps + sum(stored_samples) * parameters.sample_steps
