@@ -5,10 +5,8 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager
-from multiprocessing import get_context, parent_process
+from collections.abc import Iterable, Mapping, Sequence
+from multiprocessing import parent_process
 from multiprocessing.connection import wait
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -121,10 +119,13 @@ def _batches(files: Sequence[File], processes: int, scheduler: str | None) -> It
         absolute = [[(file[0].absolute(), file[1], file[2]) for file in part] for part in parts]
         return _read_by_cluster(absolute, scheduler)
     if processes > 1 and len(files) >= MIN_FILES:
-        with _process_pool(min(processes, len(parts))) as options:
-            import dask
+        import dask
 
-            return dask.compute(*map(dask.delayed(read_batch, pure=False), parts), **options)
+        tasks, count = map(dask.delayed(read_batch, pure=False), parts), min(processes, len(parts))
+        options = {"num_workers": count, "initializer": _follow_parent, "chunksize": 1}
+        # Forks have all libraries loaded.
+        with dask.config.set({"multiprocessing.context": "fork"}):
+            return dask.compute(*tasks, scheduler="processes", **options)
     return map(read_batch, parts)
 
 
@@ -139,13 +140,6 @@ def read_batch(files: Sequence[File]) -> Batch:
             except InputError as error:
                 problems.append(str(error))
     return Batch(rows, problems)
-
-
-@contextmanager
-def _process_pool(count: int) -> Iterator[dict[str, Any]]:
-    """Yield options for dask with forks of this process, which have all libraries loaded."""
-    with ProcessPoolExecutor(count, get_context("fork"), initializer=_follow_parent) as pool:
-        yield {"scheduler": "processes", "pool": pool, "chunksize": 1}
 
 
 def _read_by_cluster(parts: Sequence[Sequence[File]], address: str) -> Sequence[Batch]:

@@ -14,7 +14,6 @@ from contextlib import contextmanager, suppress
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any
 
 from sim.base.errors import InputError
 from sim.base.files import require_writable
@@ -66,18 +65,6 @@ def run(point: str, output: Path, quiet: bool, record_failure: bool) -> int:
         return run_point(parameters, output, quiet=quiet, record_failure=record_failure)
 
 
-def _listed_points() -> list[Any]:
-    """Return the list of points on the standard input."""
-    try:
-        points = json.load(sys.stdin)
-    except (ValueError, AttributeError):
-        # Without a standard input, there is no such file.
-        points = None
-    if not isinstance(points, list):
-        raise InputError("<stdin>: not a list of points; allowed: a JSON list of mappings")
-    return points
-
-
 def batch(results: Path) -> int:
     """Run points one after the other in this process, except those with a current run file.
 
@@ -90,7 +77,12 @@ def batch(results: Path) -> int:
     InputError
         When a point or the folder cannot be used.
     """
-    points = [parse_point(mapping, "<stdin>") for mapping in _listed_points()]
+    listed = None
+    with suppress(ValueError, AttributeError):  # without a standard input, there is no such file
+        listed = json.load(sys.stdin)
+    if not isinstance(listed, list):
+        raise InputError("<stdin>: not a list of points; allowed: a JSON list of mappings")
+    points = [parse_point(mapping, "<stdin>") for mapping in listed]
     runs, logs = results / "runs", results / "logs" / "runs"
     for folder in (runs, logs):
         require_writable(folder, "results")

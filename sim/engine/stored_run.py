@@ -81,15 +81,14 @@ def starts_to_run(
     ``runs`` is the folder of the run files, ``points`` and what is needed of them are by id.
     """
 
-    def is_there(key: str) -> bool:
-        return has_enough(runs / f"{key}.nc", points[key], need(key))
+    def lacks(key: str) -> bool:
+        return not has_enough(runs / f"{key}.nc", points[key], need(key))
 
-    starts = {key: one.start_from for key, one in points.items() if one.start_from in points}
-    to_run = [key for key in starts if not is_there(key)]
+    to_run = [key for key, one in points.items() if one.start_from in points and lacks(key)]
     found: set[str] = set()
     for key in to_run:
-        start = starts.get(key, "")
-        if not start or start in found or not is_there(start):
+        start = points[key].start_from
+        if start not in points or start in found or lacks(start):
             continue
         if not has_enough(runs / f"{start}.nc", points[start]):
             found.add(start)
@@ -329,14 +328,6 @@ class RunFile(_Arrays):
             values.flags.writeable = False
             self._cache[name] = values
         return self._cache[name]
-
-    def require_whole(self, path: Path) -> None:
-        """Raise `InputError` where the file is reduced, so that it has no series and no states."""
-        require_all(self.attrs, path)
-
-    def read_slice(self, name: str, index: Any) -> np.ndarray:
-        """Read one slice of a variable, over all its replicates, without loading the rest."""
-        return np.asarray(self._variables[name][index])
 
     def dims(self, name: str) -> tuple[str, ...]:
         """Return the names of the dimensions of a variable, without those of letters."""

@@ -197,13 +197,17 @@ def test_all_that_is_wrong_is_counted_and_the_first_is_named(
 def test_processes_end_with_their_parent(files, small_batches):
     """A killed parent cannot tell them to end."""
     lines = (
-        "import os, signal\n"
+        "import os, signal, time\n"
+        "from pathlib import Path\n"
         "from sim.dataset import sources\n"
-        "with sources._process_pool(2) as how:\n"
-        "    children = {how['pool'].submit(os.getpid).result() for _ in range(9)}\n"
-        "    children = [process.pid for process in how['pool']._processes.values()]\n"
-        "    print(*children, flush=True)\n"
-        "    os.kill(os.getpid(), signal.SIGKILL)\n"
+        "parent = os.getpid()\n"
+        "def kill_parent(part):\n"
+        "    print(os.getpid(), flush=True)\n"
+        "    time.sleep(0.5)\n"
+        "    os.kill(parent, signal.SIGKILL)\n"
+        "    time.sleep(3600)\n"
+        "sources.read_batch, sources.MIN_FILES = kill_parent, 2\n"
+        "sources.read_files([(Path('none'), {}, None)] * 2, processes=2)\n"
     )
     done = subprocess.run([sys.executable, "-c", lines], cwd=ROOT, capture_output=True, text=True)
     children = list(map(int, done.stdout.split()))
