@@ -16,7 +16,7 @@ from sim.parameters import BeltParameters, ChuteParameters, point_id
 from sim.parameters.variables import variables_of
 from sim.study.load import load_study
 from tests.made.figures import make_built_study
-from tests.made.netcdf import ROUNDING, edit_file, store
+from tests.made.netcdf import ROUNDING, store
 from tests.made.runs import FAILURE, HEIGHTS, is_hurt, is_lost, made_velocity, write_run
 
 
@@ -115,19 +115,6 @@ def test_profiles_have_nine_binary_digits(dataset_path):
     # The first of the digits is not stored, being a one.
     assert np.all(mantissas * 2**10 % 1 == 0)
     assert not np.all(mantissas * 2**8 % 1 == 0)
-
-
-@pytest.mark.parametrize(
-    ("parameters", "is_kept"), [(ChuteParameters(), True), (BeltParameters(), False)]
-)
-def test_last_samples_are_kept_of_chutes_alone(parameters, is_kept, tmp_path):
-    write_run(tmp_path, parameters)
-    path = tmp_path / f"{point_id(parameters)}.nc"
-    last = "velocity_profile_instantaneous"
-    with edit_file(path) as file:
-        profile = file["velocity_profile"]
-        file.createVariable(last, profile.dtype, profile.dimensions)[:] = profile[:]
-    assert (last in read_run(path).values) == is_kept
 
 
 def test_columns_of_many_points_are_compressed_and_hold_the_same(

@@ -76,25 +76,12 @@ def made_point(
     height: np.ndarray | None = None,
     **parameters: object,
 ) -> MadePoint:
-    """Return a point; omitted values are those of a good run.
+    """Return a point that completed; omitted values are those of a good run.
 
-    Parameters
-    ----------
-    system : {'chute', 'belt'}
-    scalars : mapping, optional
-        SI values by name of anything in `sim.parameters.variables.SCALARS` or of measures: one
-        number (replicates then scatter about it), one per replicate, or a word.
-    profiles : mapping, optional
-        By name: a function of the heights (m), whose values then scatter over replicates as a
-        whole, or an array (replicate, slice). Those named ``column_...`` run along the belt.
-    replicates : int
-        All of them completed.
-    scatter : float
-        Standard deviation of replicates, relative to the value.
-    height : (H,) array, optional
-        Centres of the slices, m.
-    **parameters
-        Parameters that differ from the paper.
+    ``scalars`` are SI values by name of `SCALARS` or of measures: one number, about which the
+    replicates scatter by ``scatter`` of it, one per replicate, or a word. ``profiles`` are
+    functions of the heights (m), whose values scatter as a whole, or arrays (replicate, slice);
+    those named ``column_...`` run along the belt. ``height`` (H,) are centres of slices, m.
     """
     point = parse_point(
         {"system": system, "replicates": replicates} | parameters, "tests.made.results"
@@ -128,16 +115,9 @@ def made_results(
     boundaries: Sequence[Mapping[str, object]] = (),
     particles: Mapping[str, xr.Dataset] | None = None,
 ) -> Results:
-    """Return points as the results of one study.
+    """Return points, each only once, as the results of one study.
 
-    Parameters
-    ----------
-    *points : MadePoint
-        Each of them only once.
-    boundaries : sequence of mapping, optional
-        One per boundary, from `made_boundary`.
-    particles : mapping, optional
-        Group ``particles`` by id of the point.
+    ``boundaries`` are those of `made_boundary`; ``particles`` are groups by id of the point.
     """
     members = {one.id: Point(one.id, one.parameters, (), ()) for one in points}
     study: Any = SimpleNamespace(name="made", title="Made up", points=members)

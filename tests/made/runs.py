@@ -11,7 +11,7 @@ import numpy as np
 from sim.base.seals import append_summary, seal
 from sim.dataset.boundaries import added_points
 from sim.engine.identity import NUMERICS
-from sim.parameters import Parameters, amounts, canonical_values, field_info, point_id
+from sim.parameters import Parameters, amounts, canonical_values, point_id
 from sim.parameters.variables import SCALARS
 from sim.study.load import load_study
 from tests.made.once import once
@@ -32,24 +32,11 @@ def write_run(
     caveat: str = "",
     arrays: Mapping[str, Any] | None = None,
 ) -> Path:
-    """Write ``<folder>/<point id>.nc`` by the contract of a run file.
+    """Write ``<folder>/<point id>.nc`` by the contract of a run file; return its path.
 
-    Parameters
-    ----------
-    folder : Path
-        Created if absent.
-    parameters : Parameters
-        The point; it sets the number of replicates.
-    velocity : float or sequence of float
-        Mean velocity, m/s, of all or of each replicate.
-    regime : str
-        Regime of the replicates that completed.
-    failed : sequence of int
-        Replicates that blew up; all of them make the run a failed one.
-    caveat : str
-        What the run says is doubtful about itself.
-    arrays : mapping
-        Further variables, or replacements of those made up here.
+    ``velocity`` (m/s) is that of all or of each replicate, ``regime`` that of those that completed;
+    ``failed`` ones blew up, and all of them make the run a failed one. ``arrays`` are further
+    variables, or replacements of those made up here.
     """
     count = parameters.replicates
     velocities = np.broadcast_to(np.asarray(velocity, dtype=float), count).copy()
@@ -138,22 +125,18 @@ def _scalars(
         "status": np.where(lost, "failed", "completed").astype(object),
         "reason": np.where(lost, FAILURE, "").astype(object),
     }
-    return {name: ("replicate", array, _units(SCALARS[name])) for name, array in values.items()}
-
-
-def _units(row: Any) -> dict[str, str]:
-    return {"units": row.unit} if row.unit else {}
+    return {
+        name: ("replicate", array, {"units": SCALARS[name].unit} if SCALARS[name].unit else {})
+        for name, array in values.items()
+    }
 
 
 def _parameters(parameters: Parameters) -> dict[str, Any]:
-    rows = field_info(parameters)
-    data: dict[str, Any] = {"particles": ((), parameters.particles, {"units": "1"})}
-    for name, value in canonical_values(parameters).items():
-        attrs = {"long_name": rows[name].description} | _units(rows[name])
-        if rows[name].scale:
-            attrs["comment"] = f"multiple of {rows[name].scale}"
-        data[name] = ((), int(value) if isinstance(value, bool) else value, attrs)
-    return data
+    values = canonical_values(parameters) | {"particles": parameters.particles}
+    return {
+        name: ((), int(value) if isinstance(value, bool) else value)
+        for name, value in values.items()
+    }
 
 
 def _attributes(parameters: Parameters, failed: Sequence[int], numerics: int) -> dict[str, Any]:
