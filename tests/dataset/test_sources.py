@@ -195,7 +195,7 @@ def test_processes_end_with_their_parent(files, small_batches):
         "from sim.dataset import sources\n"
         "parent = os.getpid()\n"
         "def kill_parent(part):\n"
-        "    print(os.getpid(), flush=True)\n"
+        "    os.write(1, b'%d ' % os.getpid())\n"
         "    time.sleep(0.5)\n"
         "    os.kill(parent, signal.SIGKILL)\n"
         "    time.sleep(3600)\n"

@@ -4,14 +4,12 @@
 """
 
 import errno
-import io
 import json
 import logging
 import os
 import signal
 import subprocess
 import sys
-import zipfile
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -23,7 +21,7 @@ from sim.engine import states
 from sim.engine.command import warm
 from sim.engine.replicate import Replicate, stored_replicate
 from sim.engine.run import run_point
-from sim.engine.states import SHARE, States, checkpoint_interval, pack, unpack
+from sim.engine.states import SHARE, States, checkpoint_interval, pack
 from sim.parameters import Parameters, canonical_values
 from tests.engine_motion.points import belt_point
 from tests.golden import contents, digest
@@ -233,31 +231,6 @@ def test_a_state_of_another_shape_is_none_of_the_replicate(saved, changes, words
         assert read(tmp_path) is None
     (warning,) = caplog.messages
     assert "replicate 0 starts anew" in warning and words in warning
-
-
-def test_nothing_that_lies_in_a_file_is_run(saved, tmp_path, caplog):
-    """An array of objects is a pickle, which could run anything."""
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w") as archive:
-        archive.writestr("numbers.json", "{}")
-        with archive.open("trap", "w") as member:
-            np.lib.format.write_array(member, np.array([Trap()], object), allow_pickle=True)
-    with pytest.raises(ValueError, match="allow_pickle"):
-        unpack(buffer.getvalue())
-    for content in (b"", b"no archive", pack({})[:-5], buffer.getvalue()):
-        saved._archives[0] = content
-        assert stored_replicate(saved, BELT, 0) is None
-        assert "starts anew" in caplog.messages[-1]
-    assert not Trap.sprung
-
-
-class Trap:
-    """Tells when it is unpickled."""
-
-    sprung = False
-
-    def __reduce__(self):
-        return setattr, (Trap, "sprung", True)
 
 
 def test_states_are_written_when_due_for_a_share_of_the_time(tmp_path, monkeypatch):
