@@ -363,13 +363,13 @@ def _attributes(origin: Mapping[str, Sequence[str]], study: Study) -> dict[str, 
     }
 
 
-def _labels(study: Study, caveats: Iterable[str], hashes: Iterable[str]) -> dict[str, Any]:
+def _labels(study: Study, told: Iterable[str], hashes: Iterable[str]) -> dict[str, Any]:
     """Return coordinates of each point: id, series, figures, caveat, source, particles, looks."""
     points = list(study.points.values())
     texts = {
         "series": (" ".join(point.series) for point in points),
         "figures": (" ".join(point.figures) for point in points),
-        "caveat": caveats,
+        "caveat": told,
         "run_source_hash": hashes,
     }
     return {

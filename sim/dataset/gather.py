@@ -83,7 +83,7 @@ def read_run(
                 )
             # Time series are for figures, which read them from run files.
             require_all(run.attrs, path, need._replace(series=False))
-            origin = {"seal": seal, "wanted": amounts_text(amounts)}
+            origin: dict[str, Any] = {"seal": seal, "wanted": amounts_text(amounts)}
             origin |= {name: run.attrs.get(name, "") for name in ORIGIN} | {"adopted": ""}
             number = numerics_of(run.attrs)
             origin["numerics"] = "unknown" if number is None else number

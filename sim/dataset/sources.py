@@ -15,7 +15,7 @@ from sim.base.errors import InputError
 from sim.base.plugins import load, places
 from sim.dataset.earlier import earlier_rows
 from sim.dataset.gather import read_run
-from sim.dataset.rows import Row, reader_hash
+from sim.dataset.rows import OF_PROFILES, Row, reader_hash
 from sim.parameters import amounts
 from sim.study.model import Need, Point, Study
 
@@ -82,7 +82,10 @@ def gather_rows(
         if key not in rows
     ]
     rows |= {row.point: row for row in read_files(files, processes, scheduler)}
-    return {key: row if need(key).profiles else row.without_profiles() for key, row in rows.items()}
+    for row in rows.values():
+        for name in () if need(row.point).profiles else OF_PROFILES.keys() & row.values.keys():
+            del row.values[name]
+    return rows
 
 
 def read_files(

@@ -96,6 +96,7 @@ def batch(results: Path) -> int:
 def _run_with_log(parameters: Parameters, runs: Path, logs: Path) -> int:
     """Run a point, unless a current run file exists, with its own log; return the exit code."""
     from sim.engine.run import run_point
+    from sim.engine.shared_runs import find_runs, take_runs
 
     name = point_id(parameters)
     path = logs / f"{name}.log"
@@ -105,7 +106,10 @@ def _run_with_log(parameters: Parameters, runs: Path, logs: Path) -> int:
     root = logging.getLogger()
     root.addHandler(handler)
     try:
-        _take_from_others(parameters, runs)
+        # Another study may have run it since the jobs were planned.
+        shared = find_runs(runs, {name: parameters})
+        for key in take_runs(runs, shared):
+            log.info("%s: taken from %s", key, shared[key].path)
         with _named_if_too_large(parameters):
             return run_point(parameters, runs / f"{name}.nc", record_failure=True)
     except SystemExit:
@@ -121,15 +125,6 @@ def _run_with_log(parameters: Parameters, runs: Path, logs: Path) -> int:
         root.removeHandler(handler)
         handler.close()
     return SYSTEM_ERROR
-
-
-def _take_from_others(parameters: Parameters, runs: Path) -> None:
-    """Take what another study has of a point, as it may have run it since the jobs were planned."""
-    from sim.engine.shared_runs import find_runs, take_runs
-
-    shared = find_runs(runs, {point_id(parameters): parameters})
-    for name in take_runs(runs, shared):
-        log.info("%s: taken from %s", name, shared[name].path)
 
 
 @contextmanager

@@ -103,12 +103,6 @@ _VARIABLE = "TALUS_CACHE_DIR"
 _FOLDER_NAME = re.compile(r"[0-9a-f]{12}(-[0-9a-f]{12})?")
 
 
-def _plugin_hash() -> str:
-    """Return a hash of the plug-ins that compiled code may contain, empty without any."""
-    text = codes(*COMPILED_KINDS)
-    return hashlib.sha256(text.encode()).hexdigest()[:12] if text else ""
-
-
 def cache_directory(with_plugins: bool = True) -> Path:
     """Return the folder of compiled code for the present sources and plug-ins.
 
@@ -124,9 +118,9 @@ def cache_directory(with_plugins: bool = True) -> Path:
     InputError
         When the folder in ``TALUS_CACHE_DIR`` belongs to another user, or others can write it.
     """
-    name = "-".join(
-        filter(None, (source_hash(COMPILED_PARTS), _plugin_hash() if with_plugins else ""))
-    )
+    name = source_hash(COMPILED_PARTS)
+    if with_plugins and (text := codes(*COMPILED_KINDS)):
+        name += f"-{hashlib.sha256(text.encode()).hexdigest()[:12]}"
     if folder := os.environ.get(_VARIABLE):
         try:
             return private_folder(Path(folder) / name)
@@ -149,7 +143,8 @@ def remove_cache() -> str:
     folder = Path(os.environ.get(_VARIABLE) or cache_folder() / "talus")
     size = 0
     for path in folder.glob("*"):
-        if _FOLDER_NAME.fullmatch(path.name) and list(path.rglob("*.nbi")):
+        is_ours = _FOLDER_NAME.fullmatch(path.name) and not path.is_symlink()
+        if is_ours and list(path.rglob("*.nbi")):
             size += sum(file.lstat().st_size for file in path.rglob("*"))
             shutil.rmtree(path)
     return f"{folder}: {size / 1e6:.0f} MB of compiled code removed"

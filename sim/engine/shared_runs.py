@@ -23,6 +23,7 @@ from sim.engine.stored_run import (
     find_stage,
     has_enough,
     is_alike,
+    length_of,
     read_origin_samples,
     read_parameters,
     read_stage_amounts,
@@ -194,11 +195,7 @@ def _best(paths: Iterable[Path], own: Path, point: Parameters) -> SharedRun | No
 
 def _holds(stages: Stages, wanted: Mapping[str, float]) -> bool:
     """True where a run of just this length is among the stages, with replicates enough."""
-    return any(covers(stage, wanted) and _length(stage) == _length(wanted) for stage in stages)
-
-
-def _length(stage: Mapping[str, float]) -> dict[str, float]:
-    return {name: value for name, value in stage.items() if name != "replicates"}
+    return any(covers(stage, wanted) and length_of(stage) == length_of(wanted) for stage in stages)
 
 
 def _saves_time(path: Path, stages: Stages, here: int, held: Stages, point: Parameters) -> bool:

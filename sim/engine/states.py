@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from types import FrameType
-from typing import Any, Protocol, Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -161,14 +161,6 @@ def state_file(output: Path) -> Path:
     return output.with_name(f".{output.name}.state")
 
 
-class Resumable(Protocol):
-    """A replicate of a number, with all that is needed to continue it."""
-
-    number: int
-
-    def state(self) -> FlatState: ...
-
-
 class States:
     """The file ``.<output>.state`` beside the output of a run.
 
@@ -227,9 +219,10 @@ class States:
         """Return the numbers of samples in the states of those replicates that have one."""
         return [_samples(self._archives[number]) for number in numbers if number in self._archives]
 
-    def offer(self, replicate: Resumable) -> None:
+    def offer(self, replicate: Any) -> None:
         """Write the states if it is time; an error of the file system is only a warning.
 
+        ``replicate`` has a ``number`` and gives all that is needed to continue it by ``state()``.
         Called at least every few tenths of a second of a replicate's running time. Raises
         ``SystemExit`` after SIGTERM.
         """
@@ -251,7 +244,7 @@ class States:
             log.warning("%s: terminated; the next start continues from here", self.path)
             raise SystemExit(TERMINATION_CODE)
 
-    def keep(self, replicate: Resumable) -> None:
+    def keep(self, replicate: Any) -> None:
         """Add the present state of a replicate to the states that will be written."""
         self._archives[replicate.number] = pack(replicate.state())
 

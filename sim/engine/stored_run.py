@@ -105,10 +105,8 @@ def current_status(path: Path, parameters: Parameters, need: Levels = None) -> s
     file old. Raises ``OSError`` where the system does not give the bytes of the file.
     """
     with suppress(InputError), open_run_file(path) as file:
-        attributes = read_attributes(file)
-        is_current = is_run_of(attributes, parameters) and has_all(attributes, need)
-        if is_current and find_group(file, amounts(parameters)):
-            return str(attributes["status"])
+        if has_enough(path, parameters, need):
+            return str(file.status)
     return ""
 
 
@@ -182,6 +180,12 @@ def _held_by(path: Path, version: tuple[int, ...], names: tuple[str, ...]) -> _H
         return summary["attributes"], summary["held"]
     with netCDF4.Dataset(path) as file:
         return read_attributes(file), stage_amounts(file, names)
+
+
+def length_of(run: Parameters | Mapping[str, float]) -> dict[str, float]:
+    """Return those of the amounts of a run that set the length of its replicates."""
+    held = run if isinstance(run, Mapping) else amounts(run)
+    return {name: value for name, value in held.items() if name != "replicates"}
 
 
 def is_alike(first: Sequence[int], second: Sequence[int]) -> bool:

@@ -254,14 +254,6 @@ def test_states_are_written_when_due_for_a_share_of_the_time(tmp_path, monkeypat
     assert np.diff(saves).min() >= 0.05 / SHARE
 
 
-def test_states_that_cannot_be_written_stop_no_run(tmp_path, caplog):
-    kept = States(tmp_path / "missing" / "run.nc", BELT, 0.0)
-    with caplog.at_level(logging.WARNING):
-        kept.offer(start_replicate())
-    (warning,) = caplog.messages
-    assert "no states are kept: No such file" in warning
-
-
 @pytest.mark.parametrize("text", ["soon", "-1", "nan"])
 def test_the_interval_is_a_number_of_seconds(text, monkeypatch):
     monkeypatch.setenv("TALUS_CHECKPOINT_SECONDS", text)
