@@ -43,20 +43,13 @@ _KEPT = ("seal", "engine_version", "source_hash", "versions", "created", "caveat
 
 
 def missing_variables(group: Any, system: str) -> list[str]:
-    """Return the variables that this version stores and the writer of a dataset did not know.
+    """Return the variables of a system that this version stores and a dataset's writer did not.
 
-    Parameters
-    ----------
-    group : netCDF4.Dataset
-        Group `RUNS` of the dataset.
-    system : str
-        The system whose variables are meant.
+    ``group`` is the group `RUNS` of the dataset.
     """
     reads = group.getncattr("reads") if "reads" in group.ncattrs() else ""
-    if system not in ALL:
-        # A system of a later version.
-        return [system]
-    return sorted(stored_names(system) - set(reads.split()))
+    # Or it is a system of a later version.
+    return sorted(stored_names(system) - set(reads.split())) if system in ALL else [system]
 
 
 def adopt(study_path: Path, dataset_path: Path, results: Path) -> str:
@@ -90,7 +83,6 @@ def adopt(study_path: Path, dataset_path: Path, results: Path) -> str:
     points = points_of_rounds(study, folder)
     with checked_read(dataset_path, "dataset", replaceable=False, sealed=True):
         content = read_regular(dataset_path)
-        _require_origin(dataset_path)
         stored = _read_points(dataset_path)
         wanted = stored if study.rounds else stored.keys() & points.keys()
         usable = {
@@ -131,18 +123,30 @@ def _read_points(path: Path) -> dict[str, Parameters]:
     """Return the points of a dataset by id, with the amounts that it holds, as good as run files.
 
     A row is left out if its numerics differ or if the writer of the dataset did not know a variable
-    that is stored now.
+    of its system that is stored now. Raises an error where that leaves out all rows, or where the
+    file is no dataset.
     """
     with netCDF4.Dataset(path) as file:
-        runs = file.groups[RUNS]
-        systems, numerics = file["system"][:].tolist(), runs["numerics"][:].tolist()
-        complete = {system for system in {*systems} if not missing_variables(runs, system)}
-        root = open_group(file, None)
+        if "study" not in file.ncattrs():
+            raise ValueError("no study in it")
+        if RUNS not in file.groups or "wanted" not in file.groups[RUNS].variables:
+            raise InputError(
+                f"{path}: does not say how much of each point it holds; make it again from its runs"
+            )
+        runs, systems = file.groups[RUNS], file["system"][:].tolist()
+        if str(NUMERICS) not in (numerics := str(file.getncattr("numerics"))).split(", "):
+            raise InputError.of_value(path, "numerics", numerics, str(NUMERICS))
+        lacking = {system: missing_variables(runs, system) for system in sorted({*systems})}
+        if all(lacking.values()):
+            names = ", ".join(next(iter(lacking.values()))[:MOST_NAMED])
+            allowed = "one with them; make it again from its runs"
+            raise InputError.of_value(path, "", f"a dataset that cannot have {names}", allowed)
         rows = [
             row
-            for row, system in enumerate(systems)
-            if system in complete and numerics[row] == str(NUMERICS)
+            for row, (system, number) in enumerate(zip(systems, runs["numerics"][:], strict=True))
+            if not lacking[system] and number == str(NUMERICS)
         ]
+        root = open_group(file, None)
         table = with_all_parameters(root.drop_vars(list(root.data_vars)).isel(point=rows).load())
     columns = {str(name): values.values for name, values in table.coords.items()}
     points: dict[str, Parameters] = {}
@@ -197,26 +201,3 @@ def _write_run(path: Path, point: Parameters, row: Row, dataset: str) -> None:
         summary = {"attributes": attributes, "held": [amounts(point)], "scalars": scalars}
         append_summary(temporary, summary)
         seal(temporary)
-
-
-def _require_origin(path: Path) -> None:
-    """Refuse a file that is no dataset, has other numerics, or lacks variables that are stored now.
-
-    A dataset of several systems is refused for lacking variables only if all of them lack some.
-    """
-    with netCDF4.Dataset(path) as file:
-        if "study" not in file.ncattrs():
-            raise ValueError("no study in it")
-        if RUNS not in file.groups or "wanted" not in file.groups[RUNS].variables:
-            raise InputError(
-                f"{path}: does not say how much of each point it holds; make it again from its runs"
-            )
-        numerics = str(file.getncattr("numerics"))
-        systems = sorted(set(file["system"][:].tolist()))
-        lacking = [missing_variables(file.groups[RUNS], system) for system in systems]
-    if str(NUMERICS) not in numerics.split(", "):
-        raise InputError.of_value(path, "numerics", numerics, str(NUMERICS))
-    if lacking and all(lacking):
-        names = ", ".join(lacking[0][:MOST_NAMED])
-        allowed = "one with them; make it again from its runs"
-        raise InputError.of_value(path, "", f"a dataset that cannot have {names}", allowed)

@@ -75,16 +75,12 @@ def side_reader(study: Study, runs: Path) -> SideFinder:
     """Return a function that reads the side of a point from its run file in the folder ``runs``."""
 
     def side_of(boundary: Boundary, point: Parameters) -> str | None:
-        path = runs / f"{point_id(point)}.nc"
-        return side_of_run(path, boundary.of, with_study_amounts(study, point))
+        key = point_id(point)
+        # A series of the study may ask for more of the point.
+        point = study.points[key].parameters if key in study.points else point
+        return side_of_run(runs / f"{key}.nc", boundary.of, point)
 
     return side_of
-
-
-def with_study_amounts(study: Study, point: Parameters) -> Parameters:
-    """Return a point of a boundary with the amounts of the study, whose series may ask for more."""
-    member = study.points.get(point_id(point))
-    return member.parameters if member else point
 
 
 def add_rounds(study: Study, sides_of_boundaries: Sequence[Sides]) -> Study:
@@ -172,17 +168,11 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
 
 
 def format_csv(study: Study, rows: "pd.DataFrame") -> str:
-    """Return the text of ``boundaries.csv``."""
-    return csv_columns(study, rows).to_csv(index=False, float_format="%.10g")
-
-
-def csv_columns(study: Study, rows: "pd.DataFrame") -> "pd.DataFrame":
-    """Return the columns of ``boundaries.csv``, among them the parameters that grids vary.
+    """Return the text of ``boundaries.csv``: results, and the parameters that grids vary.
 
     A parameter is blank in the rows of boundaries along it.
     """
     varied = dict.fromkeys(name for boundary in study.boundaries for name in boundary.grid)
     blanked = {name: rows[name].mask(rows["along"] == name) for name in varied}
-    return rows.assign(**blanked)[
-        ["name", "system", "of", *varied, "along", "unit", *RESULT_COLUMNS]
-    ]
+    columns = ["name", "system", "of", *varied, "along", "unit", *RESULT_COLUMNS]
+    return rows.assign(**blanked)[columns].to_csv(index=False, float_format="%.10g")

@@ -24,7 +24,7 @@ from sim.base.seals import seal
 from sim.dataset.boundaries import add_rounds, find_sides, tabulate
 from sim.dataset.earlier import keep_dataset
 from sim.dataset.grids import Values
-from sim.dataset.replicates import caveat, outcomes
+from sim.dataset.replicates import caveats, outcomes
 from sim.dataset.results import COLUMNS, GROUP, Results, with_all_parameters
 from sim.dataset.rounds import add_further_points, points_of_rounds
 from sim.dataset.rows import (
@@ -248,13 +248,11 @@ def _encoding(values: xr.Variable, group: str | None) -> dict[str, Any]:
     if values.dtype.kind in "OUT":
         # Text is compressed when stored as characters, unlike strings.
         return COMPRESSION | {"dtype": "S1"}
-    if is_column:
-        return COMPRESSION
     if values.dtype == np.float32:
         digits = PROFILE_DIGITS if group in SYSTEMS else POSITION_DIGITS
-    elif values.dtype == np.float64 and group not in SYSTEMS:
-        digits = SCALAR_DIGITS
     else:
+        digits = SCALAR_DIGITS if values.dtype == np.float64 and group not in SYSTEMS else 0
+    if is_column or not digits:
         return COMPRESSION
     return COMPRESSION | {"quantize_mode": "BitRound", "significant_digits": digits}
 
@@ -287,21 +285,15 @@ def root(rows: Table, study: Study) -> xr.Dataset:
             for name, values in rows.values.items()
         }
     )
-    # Not every engine tells it.
-    unknown = xr.full_like(scalars["steps"], np.nan)
-    overlaps = scalars.get("max_overlap", unknown)
-    caveats = map(
-        caveat,
-        rows.origin["caveat"],
-        scalars["missing_energy"].values,
-        [point.parameters for point in study.points.values()],
-        overlaps.where(scalars["status"] == "completed").values,
-        (scalars["steps"] * scalars["time_step_used"]).values,
-        scalars.get("layer_order", unknown).values,
-    )
+    told = [
+        caveats(own, {name: values[row] for name, values in rows.values.items()}, point.parameters)
+        for row, (own, point) in enumerate(
+            zip(rows.origin["caveat"], study.points.values(), strict=True)
+        )
+    ]
     numbers = np.arange(scalars.sizes["replicate"])
     dataset = scalars.assign_coords(
-        _labels(study, caveats, rows.origin["source_hash"])
+        _labels(study, told, rows.origin["source_hash"])
         | _parameters(list(study.points.values()))
         | {"replicate": ("replicate", numbers, _REPLICATE)}
     )
@@ -335,9 +327,9 @@ def runs(rows: Table) -> xr.Dataset:
     return xr.Dataset(columns, attrs={"code": reader_hash(), "reads": reads})
 
 
-def point_coordinate(points: Sequence[Point]) -> Any:
-    """Return the coordinate ``point`` with the ids of the points."""
-    return "point", [point.id for point in points], {"long_name": "point id"}
+def _column(name: str, values: Iterable[Any], kind: Any = None) -> Any:
+    """Return a variable over ``point`` with its unit and long name."""
+    return "point", np.array(list(values), kind), _attributes_of(name)
 
 
 def _attributes_of(name: str) -> dict[str, str]:
@@ -347,18 +339,12 @@ def _attributes_of(name: str) -> dict[str, str]:
 def _pooled_variables(dataset: xr.Dataset) -> dict[str, Any]:
     """Return the variables ``point_*``: statistics of each point pooled over its replicates."""
     rows = outcomes(dataset)
-    variables = {
-        f"point_{name}": ("point", np.array([row[name] for row in rows], float))
-        for name in ("velocity", "half_width")
+    kinds = {"velocity": float, "half_width": float, "regime": object}
+    kinds |= {"quality": object, "stopped": object}
+    return {
+        f"point_{name}": _column(f"point_{name}", (row[name] for row in rows), kind)
+        for name, kind in kinds.items()
     }
-    for name in ("regime", "quality", "stopped"):
-        variables[f"point_{name}"] = _text_variable(row[name] for row in rows)
-    return _with_attrs(variables)
-
-
-def _with_attrs(variables: Mapping[str, Any]) -> dict[str, Any]:
-    """Return variables over ``point`` with their units and long names."""
-    return {name: (*values[:2], _attributes_of(name)) for name, values in variables.items()}
 
 
 def _attributes(origin: Mapping[str, Sequence[str]], study: Study) -> dict[str, str]:
@@ -368,31 +354,30 @@ def _attributes(origin: Mapping[str, Sequence[str]], study: Study) -> dict[str, 
     attrs |= {name: ", ".join(dict.fromkeys(origin[name])) for name in distinct}
     dates = origin["created"]
     first, last = min(dates), max(dates)
-    # Without the present date, so that the same runs give the same file.
-    history = f"{last}: the last of {len(dates)} runs, here combined; the first: {first}"
-    source = f"Talus {attrs['engine_version']}, numerics {attrs['numerics']}"
     return attrs | {
-        "source": source,
-        "history": history,
+        "source": f"Talus {attrs['engine_version']}, numerics {attrs['numerics']}",
+        # Without the present date, so that the same runs give the same file.
+        "history": f"{last}: the last of {len(dates)} runs, here combined; the first: {first}",
         "first_run": first,
         "last_run": last,
     }
 
 
-def _labels(study: Study, caveats: Iterable[str], hashes: Iterable[str]) -> dict[str, Any]:
+def _labels(study: Study, told: Iterable[str], hashes: Iterable[str]) -> dict[str, Any]:
     """Return coordinates of each point: id, series, figures, caveat, source, particles, looks."""
     points = list(study.points.values())
-    return _with_attrs(
-        {
-            "point": point_coordinate(points),
-            "series": _text_variable(" ".join(point.series) for point in points),
-            "figures": _text_variable(" ".join(point.figures) for point in points),
-            "caveat": _text_variable(caveats),
-            "run_source_hash": _text_variable(hashes),
-            "particles": ("point", [point.parameters.particles for point in points]),
-            "looks": ("point", [point.looks for point in points]),
-        }
-    )
+    texts = {
+        "series": (" ".join(point.series) for point in points),
+        "figures": (" ".join(point.figures) for point in points),
+        "caveat": told,
+        "run_source_hash": hashes,
+    }
+    return {
+        "point": _column("point", study.points),
+        **{name: _column(name, values, object) for name, values in texts.items()},
+        "particles": _column("particles", (point.parameters.particles for point in points)),
+        "looks": _column("looks", (point.looks for point in points)),
+    }
 
 
 def _parameters(points: Sequence[Point]) -> dict[str, Any]:
@@ -407,7 +392,7 @@ def _parameter(name: str, mappings: Sequence[Mapping[str, Any]]) -> Any:
     systems = dict.fromkeys(mapping["system"] for mapping in mappings if name in mapping)
     attrs = {"long_name": join_declarations(name, "description", systems)}
     if any(isinstance(value, str) for value in values):
-        return _text_variable(("" if value is None else value for value in values), attrs)
+        return "point", np.array(["" if one is None else one for one in values], object), attrs
     rows = {system: field_info(SYSTEMS[system])[name] for system in systems}
     units = {system: row.unit for system, row in rows.items()}
     comments = {
@@ -432,10 +417,6 @@ def join_declarations(name: str, attribute: str, systems: Iterable[str]) -> str:
     """Join an attribute of a parameter as declared by some systems, without repetitions."""
     rows = [field_info(SYSTEMS[system]).get(name) for system in systems]
     return "; ".join(dict.fromkeys(getattr(row, attribute) for row in rows if row))
-
-
-def _text_variable(values: Iterable[str], attrs: Mapping[str, str] | None = None) -> Any:
-    return "point", np.array(list(values), dtype=object), dict(attrs or {})
 
 
 def natural_velocities(root: xr.Dataset) -> xr.Dataset:
@@ -463,4 +444,5 @@ def si_parameters(points: Sequence[Point]) -> xr.Dataset:
         values = [row[name].value if name in row else np.nan for row in values_in_si]
         attrs = {"units": unit, "long_name": join_declarations(name, "description", systems)}
         variables[name] = ("point", np.array(values, float), attrs)
-    return xr.Dataset(variables, {"point": point_coordinate(points)})
+    ids = "point", [point.id for point in points], {"long_name": "point id"}
+    return xr.Dataset(variables, {"point": ids})

@@ -4,12 +4,10 @@ import os
 import shutil
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
-from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
 import netCDF4
-import pandas as pd
 
 from sim.base.files import atomic_write
 from sim.base.seals import UNREADABLE, is_damaged, read_seal
@@ -21,12 +19,10 @@ from sim.dataset.rows import (
     WORDS,
     Row,
     amounts_text,
-    points_with_profiles,
     reader_hash,
     stored_names,
-    stored_particles,
 )
-from sim.parameters import Parameters, amounts
+from sim.parameters import SYSTEMS, Parameters, amounts
 from sim.study.model import Need
 from sim.study.plottable import Shown
 
@@ -64,7 +60,9 @@ def earlier_rows(
 
     def is_same(row: Any, code: str) -> bool:
         run, wanted = folder / "runs" / f"{row.point}.nc", texts.get(row.point)
-        return row.wanted == wanted and code == reader_hash() and _has_seal(run, row.seal)
+        with suppress(OSError):
+            return row.wanted == wanted and code == reader_hash() and read_seal(run) == row.seal
+        return False
 
     with suppress(*UNREADABLE):
         if path.is_file() and not is_damaged(path):
@@ -81,46 +79,37 @@ def read_rows(
     name, and the hash of the code that read it. Variables unknown to the present code are left out.
     """
     with netCDF4.Dataset(path) as file:
+        root, runs = (open_group(file, name).load() for name in (None, RUNS))
+        groups = {name: open_group(file, name).load() for name in SYSTEMS if name in file.groups}
+        places = {
+            point: place
+            for group in groups.values()
+            for place, point in enumerate(group["run"].values)
+        }
         states = file.groups[PARTICLES].groups if PARTICLES in file.groups else {}
-        particles = {point: stored_particles(states, point) for point in states}
-        with_profiles = points_with_profiles(file)
-        # Only now: xarray turns off that characters are read as text.
-        root, runs = open_group(file, None), open_group(file, RUNS)
         known_names = stored_names()
-        table = pd.DataFrame({name: root[name].values for name in ("point", "system")})
-        columns = [str(name) for name in runs]
-        origin = [name for name in columns if name not in ("variables", "adopted")]
-        table = table.assign(**{name: runs[name].values for name in columns})
-        selection = [
-            particles.get(point, Shown.NOTHING) >= need(point).particles
-            and (point in with_profiles or not need(point).profiles)
-            and is_selected(row, runs.attrs["code"])
-            for row in table.itertuples(index=False)
-            for point in [row.point]
-        ]
-        values_of = cache(lambda name: root[name].values)
-        profiles_of = cache(partial(open_group, file))
-        profile_of = cache(lambda system, name: profiles_of(system)[name].values)
-        points_of = cache(lambda system: profiles_of(system).indexes["run"])
-        for number, row in table[selection].iterrows():
+        origin = [str(name) for name in runs if name not in ("variables", "adopted")]
+        labels = {name: root[name].values for name in ("point", "system")}
+        for number, row in enumerate(runs.to_dataframe().assign(**labels).itertuples()):
+            wanted, particles = need(row.point), Shown.NOTHING
+            if row.point in states:
+                has_path = "path" in states[row.point].variables
+                particles = Shown.PATH if has_path else Shown.STATE
+            has_enough = particles >= wanted.particles and (
+                row.point in places or not wanted.profiles
+            )
+            if not (has_enough and is_selected(row, runs.attrs["code"])):
+                continue
             values = {}
-            for name in filter(known_names.__contains__, row["variables"].split()):
+            for name in filter(known_names.__contains__, row.variables.split()):
                 if name in OF_PROFILES:
-                    place = points_of(row["system"]).get_loc(row["point"])
-                    values[name] = profile_of(row["system"], name)[place]
+                    stored = groups[row.system].variables[name].values
+                    values[name] = stored[places[row.point]]
                 else:
                     kind = object if name in WORDS else float
-                    values[name] = values_of(name)[number].astype(kind)
+                    values[name] = root.variables[name].values[number].astype(kind)
             state = None
-            if row["point"] in particles:
-                state = open_group(file, f"{PARTICLES}/{row['point']}").load()
-            known = {name: row[name] for name in origin} | {"adopted": ""}
-            yield Row(row["point"], known, values, state).without_padding()
-
-
-def _has_seal(run: Path, seal: str) -> bool:
-    """Return whether a run file has this seal; without a file it has not."""
-    try:
-        return read_seal(run) == seal
-    except OSError:
-        return False
+            if particles:
+                state = open_group(file, f"{PARTICLES}/{row.point}").load()
+            known = {name: getattr(row, name) for name in origin} | {"adopted": ""}
+            yield Row(row.point, known, values, state).without_padding()

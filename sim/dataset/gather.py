@@ -32,6 +32,9 @@ from sim.study.plottable import Shown
 #: Without these attributes a file is no run file.
 ATTRIBUTES = {"point_id", "system", "engine_version", "source_hash", "versions", "created"}
 
+#: What a dataset says of the origin of a row, besides how much of it is wanted.
+ORIGIN = ("engine_version", "numerics", "source_hash", "versions", "created", "caveat")
+
 #: The least that is needed of a run.
 SCALARS_ALONE = Need(Shown.NOTHING, profiles=False)
 
@@ -80,12 +83,14 @@ def read_run(
                 )
             # Time series are for figures, which read them from run files.
             require_all(run.attrs, path, need._replace(series=False))
-            origin = {"seal": seal, "wanted": amounts_text(amounts)} | _provenance(run.attrs)
+            origin: dict[str, Any] = {"seal": seal, "wanted": amounts_text(amounts)}
+            origin |= {name: run.attrs.get(name, "") for name in ORIGIN} | {"adopted": ""}
+            number = numerics_of(run.attrs)
+            origin["numerics"] = "unknown" if number is None else number
             if "reduced" in run.attrs:
                 origin |= {name: run.attrs[name] for name in ("seal", "adopted")}
                 values, state = _row(run), _row_state(run, file)
             else:
-                origin["adopted"] = ""
                 values = _scalars(run) | _profiles(run)
                 state = _state(run) if need.particles else None
     return Row(path.stem, {name: str(text) for name, text in origin.items()}, values, state)
@@ -113,19 +118,6 @@ def _require_point(run: RunFile, file: netCDF4.Dataset, point: str) -> None:
         raise ValueError("it has no point")
     if run.attrs["point_id"] != point:
         raise ValueError(f"holds point {run.attrs['point_id']}")
-
-
-def _provenance(attributes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return engine, numerics, sources, libraries, date and caveat of a run file."""
-    number = numerics_of(attributes)
-    return {
-        "engine_version": attributes["engine_version"],
-        "numerics": "unknown" if number is None else str(number),
-        "source_hash": attributes["source_hash"],
-        "versions": attributes["versions"],
-        "created": attributes["created"],
-        "caveat": attributes.get("caveat", ""),
-    }
 
 
 def _list_amounts(amounts: Mapping[str, float]) -> str:

@@ -3,7 +3,7 @@
 Pooling averages out the noise in the slopes of single replicates.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from math import nan
 from typing import Any
 
@@ -12,7 +12,7 @@ import xarray as xr
 
 from sim.base.statistics import MANY, mean_interval, student, student_half_width
 from sim.dataset.results import Results
-from sim.engine.stored_run import NamedValues, Replicate, RunFile, Summary
+from sim.engine.stored_run import NamedValues, Replicate, RunFile
 from sim.measures.layers import missing_energy
 from sim.parameters import Parameters
 from sim.parameters.chute import negligible_acceleration
@@ -264,40 +264,36 @@ LEDGER_SCALARS = (
 )
 
 
-def caveat(
-    own_caveat: str,
-    missing_shares: Iterable[float],
-    parameters: Parameters,
-    overlaps: Iterable[float],
-    lengths: Iterable[float],
-    orders: Iterable[float] = (),
-) -> str:
-    """Return all caveats of a run as one text, empty for a sound run.
+def caveats(own_caveat: str, scalars: Mapping[str, Any], parameters: Parameters) -> str:
+    """Return all caveats of the run of a point as one text, empty for a sound run.
 
     Parameters
     ----------
     own_caveat : str
         Caveat in the run file.
-    missing_shares, overlaps : iterable of float
-        Missing shares of the energy, and largest overlaps in diameters, per replicate; NaN where
-        not known.
+    scalars : mapping
+        By name, over the replicates, what is known of ``status``, ``steps``, ``time_step_used``,
+        ``max_overlap`` and ``layer_order``, and ``missing_energy`` or `LEDGER_SCALARS`.
     parameters : Parameters
         The point.
-    lengths : iterable of float
-        Lengths of the replicates, s.
-    orders : iterable of float
-        Order of layers of the replicates, NaN where not known.
     """
-    is_leaking = any(share > UNSOUND_SHARE for share in missing_shares)
-    overlap_caveats = (parameters.caveat_of(float(overlap)) for overlap in overlaps)
-    longest = _LENGTH_TOLERANCE * parameters.steps * parameters.time_step
-    is_longer = any(length > longest for length in lengths)
+    missing = scalars.get("missing_energy")
+    missing = _missing_shares(scalars, parameters) if missing is None else missing
+    overlaps = np.asarray(scalars.get("max_overlap", ()), float)
+    if overlaps.size:
+        # A replicate that blew up is not a flow.
+        overlaps = overlaps[np.asarray(scalars["status"]) == "completed"]
+    lengths = np.multiply(scalars.get("steps", ()), scalars.get("time_step_used", ()))
+    is_longer = (lengths > _LENGTH_TOLERANCE * parameters.steps * parameters.time_step).any()
+    has_layers = is_narrow(parameters) and np.any(
+        np.greater(scalars.get("layer_order", ()), LAYERED)
+    )
     texts = (
         own_caveat,
-        _LEAK_TEXT if is_leaking else "",
-        *overlap_caveats,
+        _LEAK_TEXT if np.any(np.greater(missing, UNSOUND_SHARE)) else "",
+        *(parameters.caveat_of(float(overlap)) for overlap in overlaps),
         _LENGTH_TEXT if is_longer else "",
-        _LAYERS_TEXT if is_narrow(parameters) and any(one > LAYERED for one in orders) else "",
+        _LAYERS_TEXT if has_layers else "",
     )
     return "; ".join(filter(None, dict.fromkeys(texts)))
 
@@ -320,23 +316,16 @@ def layer_orders(run: RunFile, parameters: Parameters) -> list[float]:
     return [one.get("layer_order", nan) for one in orders]
 
 
-def caveat_of_run(run: Summary, parameters: Parameters, orders: Iterable[float] = ()) -> str:
-    """Return all caveats of the run of a point as one text; ``orders`` as of `caveat`."""
-    own_caveat = run.attrs.get("caveat", "")
-    # A replicate that blew up is not a flow. Not every engine tells overlaps.
-    pairs = zip(run.scalars.get("max_overlap", ()), run.scalars.get("status", ()), strict=False)
-    overlaps = [overlap for overlap, status in pairs if status == "completed"]
-    steps = zip(run.scalars.get("steps", ()), run.scalars.get("time_step_used", ()), strict=True)
-    lengths = [count * step for count, step in steps]
-    if "energy_residual" not in run.scalars:
-        return caveat(own_caveat, (), parameters, overlaps, lengths, orders)
+def _missing_shares(scalars: Mapping[str, Any], parameters: Parameters) -> list[float]:
+    """Return the missing share of the energy of each replicate, none where that is not known."""
+    if "energy_residual" not in scalars:
+        return []
+    columns = {name: scalars[name] for name in LEDGER_SCALARS if name in scalars}
     shared = {"particles": parameters.particles, "mass": parameters.mass}
-    columns = {name: run.scalars[name] for name in LEDGER_SCALARS if name in run.scalars}
-    replicates = (
-        dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)
-    )
-    missing_shares = [missing_energy(shared | scalars) for scalars in replicates]
-    return caveat(own_caveat, missing_shares, parameters, overlaps, lengths, orders)
+    return [
+        missing_energy(shared | dict(zip(columns, values, strict=True)))
+        for values in zip(*columns.values(), strict=True)
+    ]
 
 
 def replicate_values(

@@ -201,7 +201,9 @@ def load(results: str | Path) -> Results:
 
 
 def _checked_dataset(path: Path) -> AbstractContextManager[None]:
-    return checked_read(path, "dataset", replaceable=is_study_dataset(path), sealed=True)
+    # It lies where the workflow makes it, next to its runs.
+    is_of_study = path.name == "dataset.nc" and (path.parent / "runs").is_dir()
+    return checked_read(path, "dataset", replaceable=is_of_study, sealed=True)
 
 
 def with_all_parameters(dataset: xr.Dataset) -> xr.Dataset:
@@ -235,11 +237,6 @@ def _read_boundaries(file: netCDF4.Dataset) -> pd.DataFrame:
         return pd.DataFrame(columns=COLUMNS)
     table = _load_group(file, GROUP).to_dataframe()
     return table.assign(**added_columns({name: table[name].to_numpy() for name in table}))
-
-
-def is_study_dataset(dataset: Path) -> bool:
-    """Return whether a dataset lies where the workflow makes it, next to its runs."""
-    return dataset.name == "dataset.nc" and (dataset.parent / "runs").is_dir()
 
 
 def added_columns(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

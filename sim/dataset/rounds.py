@@ -1,7 +1,7 @@
 """Rounds of refinement that have finished, and the sides of a boundary that runs are on."""
 
 import json
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -32,14 +32,10 @@ RESULT_COLUMNS = ("low", "high", "below", "above", "verdict", "points")
 #: Systems that can have a boundary of ``transport``.
 VibratedParameters = BeltParameters | ConveyorParameters
 
-#: Side of a boundary by regime, for each kind of boundary that regimes decide.
-REGIME_SIDES = {
-    "flow": {"arrested": "arrested", "steady": "flowing", "accelerating": "flowing"},
-    "acceleration": {
-        "arrested": "not accelerating",
-        "steady": "not accelerating",
-        "accelerating": "accelerating",
-    },
+#: Regimes on each side of a boundary, for each kind of boundary that regimes decide.
+REGIMES = {
+    "flow": {"arrested": ["arrested"], "flowing": ["steady", "accelerating"]},
+    "acceleration": {"not accelerating": ["arrested", "steady"], "accelerating": ["accelerating"]},
 }
 
 #: The scalars of a run that decide its side.
@@ -180,35 +176,19 @@ def side(scalars: NamedValues, of: str, parameters: Parameters) -> str | None:
         The point.
     """
     values = {name: np.asarray(scalars[name]) for name in SCALARS}
-    slowest, fastest = _interval_ends(values, "velocity")
-    _, gain = _interval_ends(values, "acceleration")
-    completed = np.flatnonzero(values["status"] == "completed")
+    velocity, margin, regime = (
+        values[name] for name in ("velocity", "velocity_half_width", "regime")
+    )
+    slowest, fastest = velocity - margin, velocity + margin
     if of == "transport":
         # Only vibrated systems can have this boundary in a study.
-        vibrated = cast(VibratedParameters, parameters)
-        sides = {_transport_side(vibrated, slowest[index], fastest[index]) for index in completed}
+        least = ONSET_TRANSPORT * cast(VibratedParameters, parameters).velocity_amplitude
+        where = {"no transport": fastest <= least, "transport": slowest > least}
     else:
-        moving = (slowest > 0) & (gain >= 0)
-        sides = {_regime_side(of, values["regime"][index], moving[index]) for index in completed}
-    return sides.pop() if len(sides) == 1 else None
-
-
-def _interval_ends(scalars: Mapping[str, np.ndarray], name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return the lower and upper ends of the 95 % intervals of a quantity, per replicate."""
-    middle, half_width = scalars[name], scalars[f"{name}_half_width"]
-    return middle - half_width, middle + half_width
-
-
-def _regime_side(of: str, regime: str, moving: bool) -> str | None:
-    """Return the side that a regime is on; an undetermined flow that moves is flowing."""
-    if of == "flow" and regime == "undetermined" and moving:
-        return "flowing"
-    return REGIME_SIDES[of].get(regime)
-
-
-def _transport_side(parameters: VibratedParameters, slowest: float, fastest: float) -> str | None:
-    """Return the side that the whole 95 % interval of a mean velocity (m/s) is on."""
-    least = ONSET_TRANSPORT * parameters.velocity_amplitude
-    if fastest <= least:
-        return "no transport"
-    return "transport" if slowest > least else None
+        where = {side: np.isin(regime, regimes) for side, regimes in REGIMES[of].items()}
+    if of == "flow":
+        gain = values["acceleration"] + values["acceleration_half_width"]
+        where["flowing"] |= (regime == "undetermined") & (slowest > 0) & (gain >= 0)
+    completed = values["status"] == "completed"
+    sides = [side for side, is_there in where.items() if is_there[completed].all()]
+    return sides[0] if completed.any() and sides else None

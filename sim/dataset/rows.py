@@ -4,7 +4,7 @@ import json
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -12,7 +12,6 @@ from sim.base.additions import codes
 from sim.base.program import files_hash, room_hash
 from sim.engine import identity
 from sim.engine.stored_run import measured_names
-from sim.parameters import SYSTEMS
 from sim.parameters.variables import (
     OBSERVABLE,
     SCALARS,
@@ -20,7 +19,6 @@ from sim.parameters.variables import (
     observable_variables,
     variables_of,
 )
-from sim.study.plottable import Shown
 
 if TYPE_CHECKING:
     # Not imported otherwise: plans of studies use these names, and need no table library.
@@ -106,19 +104,6 @@ def stored_names(system: str | None = None) -> set[str]:
     return names | measured_names(system)
 
 
-def stored_particles(states: Mapping[str, Any], point: str) -> Shown:
-    """Return how much of the particles of a point a dataset stores in its groups of states."""
-    if point not in states:
-        return Shown.NOTHING
-    return Shown.PATH if "path" in states[point].variables else Shown.STATE
-
-
-def points_with_profiles(file: Any) -> set[str]:
-    """Return the points whose profiles a dataset, opened by netCDF4, has."""
-    groups = [group for name, group in file.groups.items() if name in SYSTEMS]
-    return {point for group in groups for point in group["run"][:].tolist()}
-
-
 def amounts_text(amounts: Mapping[str, float] | None) -> str:
     """Return the amounts of a point as JSON; equal amounts give equal texts."""
     return json.dumps(dict(amounts or {}), sort_keys=True)
@@ -146,11 +131,6 @@ class Row(NamedTuple):
     origin: dict[str, str]
     values: dict[str, np.ndarray]
     state: "xr.Dataset | None" = None
-
-    def without_profiles(self) -> "Row":
-        """Return the row without its profiles."""
-        values = {name: array for name, array in self.values.items() if name not in OF_PROFILES}
-        return self._replace(values=values)
 
     def without_padding(self) -> "Row":
         """Return the row without what a dataset has filled it up with to a longer one."""

@@ -5,10 +5,8 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager
-from multiprocessing import get_context, parent_process
+from collections.abc import Iterable, Mapping, Sequence
+from multiprocessing import parent_process
 from multiprocessing.connection import wait
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -17,7 +15,7 @@ from sim.base.errors import InputError
 from sim.base.plugins import load, places
 from sim.dataset.earlier import earlier_rows
 from sim.dataset.gather import read_run
-from sim.dataset.rows import Row, reader_hash
+from sim.dataset.rows import OF_PROFILES, Row, reader_hash
 from sim.parameters import amounts
 from sim.study.model import Need, Study
 from sim.study.points import Point
@@ -85,7 +83,10 @@ def gather_rows(
         if key not in rows
     ]
     rows |= {row.point: row for row in read_files(files, processes, scheduler)}
-    return {key: row if need(key).profiles else row.without_profiles() for key, row in rows.items()}
+    for row in rows.values():
+        for name in () if need(row.point).profiles else OF_PROFILES.keys() & row.values.keys():
+            del row.values[name]
+    return rows
 
 
 def read_files(
@@ -122,10 +123,13 @@ def _batches(files: Sequence[File], processes: int, scheduler: str | None) -> It
         absolute = [[(file[0].absolute(), file[1], file[2]) for file in part] for part in parts]
         return _read_by_cluster(absolute, scheduler)
     if processes > 1 and len(files) >= MIN_FILES:
-        with _process_pool(min(processes, len(parts))) as options:
-            import dask
+        import dask
 
-            return dask.compute(*map(dask.delayed(read_batch, pure=False), parts), **options)
+        tasks, count = map(dask.delayed(read_batch, pure=False), parts), min(processes, len(parts))
+        options = {"num_workers": count, "initializer": _follow_parent, "chunksize": 1}
+        # Forks have all libraries loaded.
+        with dask.config.set({"multiprocessing.context": "fork"}):
+            return dask.compute(*tasks, scheduler="processes", **options)
     return map(read_batch, parts)
 
 
@@ -140,13 +144,6 @@ def read_batch(files: Sequence[File]) -> Batch:
             except InputError as error:
                 problems.append(str(error))
     return Batch(rows, problems)
-
-
-@contextmanager
-def _process_pool(count: int) -> Iterator[dict[str, Any]]:
-    """Yield options for dask with forks of this process, which have all libraries loaded."""
-    with ProcessPoolExecutor(count, get_context("fork"), initializer=_follow_parent) as pool:
-        yield {"scheduler": "processes", "pool": pool, "chunksize": 1}
 
 
 def _read_by_cluster(parts: Sequence[Sequence[File]], address: str) -> Sequence[Batch]:

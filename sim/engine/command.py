@@ -14,7 +14,6 @@ from contextlib import contextmanager, suppress
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any
 
 from sim.base.errors import InputError
 from sim.base.files import require_writable
@@ -66,18 +65,6 @@ def run(point: str, output: Path, quiet: bool, record_failure: bool) -> int:
         return run_point(parameters, output, quiet=quiet, record_failure=record_failure)
 
 
-def _listed_points() -> list[Any]:
-    """Return the list of points on the standard input."""
-    try:
-        points = json.load(sys.stdin)
-    except (ValueError, AttributeError):
-        # Without a standard input, there is no such file.
-        points = None
-    if not isinstance(points, list):
-        raise InputError("<stdin>: not a list of points; allowed: a JSON list of mappings")
-    return points
-
-
 def batch(results: Path) -> int:
     """Run points one after the other in this process, except those with a current run file.
 
@@ -90,7 +77,12 @@ def batch(results: Path) -> int:
     InputError
         When a point or the folder cannot be used.
     """
-    points = [parse_point(mapping, "<stdin>") for mapping in _listed_points()]
+    listed = None
+    with suppress(ValueError, AttributeError):  # without a standard input, there is no such file
+        listed = json.load(sys.stdin)
+    if not isinstance(listed, list):
+        raise InputError("<stdin>: not a list of points; allowed: a JSON list of mappings")
+    points = [parse_point(mapping, "<stdin>") for mapping in listed]
     runs, logs = results / "runs", results / "logs" / "runs"
     for folder in (runs, logs):
         require_writable(folder, "results")
@@ -104,6 +96,7 @@ def batch(results: Path) -> int:
 def _run_with_log(parameters: Parameters, runs: Path, logs: Path) -> int:
     """Run a point, unless a current run file exists, with its own log; return the exit code."""
     from sim.engine.run import run_point
+    from sim.engine.shared_runs import find_runs, take_runs
 
     name = point_id(parameters)
     path = logs / f"{name}.log"
@@ -113,7 +106,10 @@ def _run_with_log(parameters: Parameters, runs: Path, logs: Path) -> int:
     root = logging.getLogger()
     root.addHandler(handler)
     try:
-        _take_from_others(parameters, runs)
+        # Another study may have run it since the jobs were planned.
+        shared = find_runs(runs, {name: parameters})
+        for key in take_runs(runs, shared):
+            log.info("%s: taken from %s", key, shared[key].path)
         with _named_if_too_large(parameters):
             return run_point(parameters, runs / f"{name}.nc", record_failure=True)
     except SystemExit:
@@ -129,15 +125,6 @@ def _run_with_log(parameters: Parameters, runs: Path, logs: Path) -> int:
         root.removeHandler(handler)
         handler.close()
     return SYSTEM_ERROR
-
-
-def _take_from_others(parameters: Parameters, runs: Path) -> None:
-    """Take what another study has of a point, as it may have run it since the jobs were planned."""
-    from sim.engine.shared_runs import find_runs, take_runs
-
-    shared = find_runs(runs, {point_id(parameters): parameters})
-    for name in take_runs(runs, shared):
-        log.info("%s: taken from %s", name, shared[name].path)
 
 
 @contextmanager

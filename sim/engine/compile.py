@@ -11,7 +11,7 @@ import os
 import sys
 from collections.abc import Callable, Hashable
 from contextlib import suppress
-from functools import partial, wraps
+from functools import cache, partial, wraps
 from numbers import Real
 from time import process_time
 from typing import Any, NamedTuple
@@ -84,26 +84,18 @@ def working_time():
     return process_time() - _timer.seconds
 
 
-def _ignore_write_errors(save):
-    """Wrap numba's function that stores compiled code: a failure is a warning and ends no run."""
+_save_code, _numbered_name = IndexDataCacheFile.save, IndexDataCacheFile._data_name
 
-    @wraps(save)
-    def save_if_possible(*arguments):
-        try:
-            save(*arguments)
-        except OSError as error:
-            if not save_if_possible.has_failed:
-                log.warning("compiled code is not kept: %s", error.strerror or error)
-            save_if_possible.has_failed = True
-
-    save_if_possible.has_failed = False
-    return save_if_possible
+#: Told once.
+_warn = cache(partial(log.warning, "compiled code is not kept: %s"))
 
 
-IndexDataCacheFile.save = _ignore_write_errors(IndexDataCacheFile.save)
-
-
-_numbered_name = IndexDataCacheFile._data_name
+def _save_if_possible(*arguments):
+    """Store compiled code; a failure is a warning and ends no run."""
+    try:
+        _save_code(*arguments)
+    except OSError as error:
+        _warn(error.strerror or error)
 
 
 def _unique_name(file, number):
@@ -115,6 +107,7 @@ def _unique_name(file, number):
     return _numbered_name(file, uuid4().int)
 
 
+IndexDataCacheFile.save = _save_if_possible
 IndexDataCacheFile._data_name = _unique_name
 
 #: Reordering of sums and fused multiply-add are allowed; ``nnan`` and ``ninf`` are left out because

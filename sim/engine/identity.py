@@ -102,16 +102,6 @@ _VARIABLE = "TALUS_CACHE_DIR"
 #: Name of a folder of compiled code: hashes of the sources and of plug-ins.
 _FOLDER_NAME = re.compile(r"[0-9a-f]{12}(-[0-9a-f]{12})?")
 
-#: Ends of numba's files in such a folder, and of all files there.
-_COMPILED = (".nbi", ".nbc")
-_CACHED = (*_COMPILED, ".json", ".txt")
-
-
-def _plugin_hash() -> str:
-    """Return a hash of the plug-ins that compiled code may contain, empty without any."""
-    text = codes(*COMPILED_KINDS)
-    return hashlib.sha256(text.encode()).hexdigest()[:12] if text else ""
-
 
 def cache_directory(with_plugins: bool = True) -> Path:
     """Return the folder of compiled code for the present sources and plug-ins.
@@ -128,9 +118,9 @@ def cache_directory(with_plugins: bool = True) -> Path:
     InputError
         When the folder in ``TALUS_CACHE_DIR`` belongs to another user, or others can write it.
     """
-    name = "-".join(
-        filter(None, (source_hash(COMPILED_PARTS), _plugin_hash() if with_plugins else ""))
-    )
+    name = source_hash(COMPILED_PARTS)
+    if with_plugins and (text := codes(*COMPILED_KINDS)):
+        name += f"-{hashlib.sha256(text.encode()).hexdigest()[:12]}"
     if folder := os.environ.get(_VARIABLE):
         try:
             return private_folder(Path(folder) / name)
@@ -148,17 +138,14 @@ def cache_directory(with_plugins: bool = True) -> Path:
 def remove_cache() -> str:
     """Remove the folders of compiled code; return a line that says where and how much.
 
-    The next run compiles again. A folder that holds anything else stays.
+    The next run compiles again. A folder without compiled code stays.
     """
     folder = Path(os.environ.get(_VARIABLE) or cache_folder() / "talus")
     size = 0
-    for path in folder.glob("*") if folder.is_dir() else ():
-        if not _FOLDER_NAME.fullmatch(path.name) or path.is_symlink() or not path.is_dir():
-            continue
-        files = [file for file in path.rglob("*") if not file.is_dir() or file.is_symlink()]
-        is_ours = all(file.suffix in _CACHED or file.name.startswith("warm-") for file in files)
-        if is_ours and any(file.suffix in _COMPILED for file in files):
-            size += sum(file.lstat().st_size for file in files)
+    for path in folder.glob("*"):
+        is_ours = _FOLDER_NAME.fullmatch(path.name) and not path.is_symlink()
+        if is_ours and list(path.rglob("*.nbi")):
+            size += sum(file.lstat().st_size for file in path.rglob("*"))
             shutil.rmtree(path)
     return f"{folder}: {size / 1e6:.0f} MB of compiled code removed"
 

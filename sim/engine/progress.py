@@ -41,7 +41,7 @@ class Progress(BaseModel):
     on the point, by a monotonic clock; ``updated`` is when the file was written.
     """
 
-    model_config = ConfigDict(frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(allow_inf_nan=False)
 
     point: str
     done: int = Field(ge=0)
@@ -132,51 +132,44 @@ class _Meter:
     """Counts the steps of a run, measures their time by a monotonic clock, and tells of both."""
 
     def __init__(self, parameters: Parameters, output: Path, quiet: bool, done: int):
-        self.point, self.length = point_id(parameters), length(parameters)
-        self.at_most, self.particles = may_end_early(parameters), parameters.particles
-        self.total, self.done = parameters.replicates * parameters.steps, done
-        self.file, self.quiet = progress_file(output), quiet
-        name = f"{self.point} (at most)" if self.at_most else self.point
-        self.bar = bar(self.total, name, "step", quiet, done)
-        self.start = self.latest = self.last_write = monotonic()
-        self.samples = 0
-        self.reference = (done, self.start)
+        self.now = Progress(
+            point=point_id(parameters),
+            done=done,
+            total=parameters.replicates * parameters.steps,
+            at_most=may_end_early(parameters),
+            particles=parameters.particles,
+            rate=0.0,
+            elapsed=0.0,
+            updated=datetime.now(UTC),
+            pid=os.getpid(),
+            host=socket.gethostname(),
+        )
+        self.length, self.file, self.quiet = length(parameters), progress_file(output), quiet
+        name = f"{self.now.point} (at most)" if self.now.at_most else self.now.point
+        self.bar = bar(self.now.total, name, "step", quiet, done)
+        self.start = self.last_write = monotonic()
+        #: Steps done at a time; the first sample includes loading, and compilation where needed.
+        self.reference: tuple[int, float] | None = None
         self.pause, self.next_line = FIRST_PAUSE, self.start + FIRST_PAUSE
         self.write()
 
     def advance(self, steps: int) -> None:
         """Count steps; update the bar and, where they are due, the file and the log."""
-        now = monotonic()
-        if self.samples == 1:
-            self.reference = (self.done, self.latest)
-        self.samples += 1
-        self.done += steps
-        self.latest = now
+        time, now = monotonic(), self.now
+        now.done += steps
+        now.elapsed, now.updated = time - self.start, datetime.now(UTC)
+        if not self.reference:
+            self.reference = now.done, time
+        elif seconds := time - self.reference[1]:
+            now.rate = (now.done - self.reference[0]) * now.particles / seconds
         self.bar.update(steps)
-        if now - self.last_write >= WRITE_INTERVAL:
-            self.last_write = now
+        if time - self.last_write >= WRITE_INTERVAL:
+            self.last_write = time
             self.write()
-        if self.bar.disable and not self.quiet and now >= self.next_line:
+        if self.bar.disable and not self.quiet and time >= self.next_line:
             self.pause = min(2 * self.pause, LONGEST_PAUSE)
-            self.next_line = now + self.pause
+            self.next_line = time + self.pause
             log.info(self.line())
-
-    def read(self) -> Progress:
-        """Return the present content of the progress file."""
-        steps, seconds = self.done - self.reference[0], self.latest - self.reference[1]
-        return Progress(
-            point=self.point,
-            done=self.done,
-            total=self.total,
-            at_most=self.at_most,
-            particles=self.particles,
-            # The first sample includes loading, and compilation where it is still needed.
-            rate=steps * self.particles / seconds if self.samples > 1 and seconds > 0 else 0.0,
-            elapsed=self.latest - self.start,
-            updated=datetime.now(UTC),
-            pid=os.getpid(),
-            host=socket.gethostname(),
-        )
 
     def write(self) -> None:
         """Replace the progress file; an error must not end a run.
@@ -184,11 +177,11 @@ class _Meter:
         The file need not survive a power cut, so nothing waits for the disk.
         """
         with suppress(OSError), atomic_write(self.file, durable=False) as temporary:
-            temporary.write_text(self.read().model_dump_json(indent=2) + "\n")
+            temporary.write_text(self.now.model_dump_json(indent=2) + "\n")
 
     def line(self) -> str:
         """Return the text of a log line."""
-        now = self.read()
+        now = self.now
         done = f"{now.point}: {now.percent} % of {self.length}"
         if now.remaining_seconds is None:
             return done

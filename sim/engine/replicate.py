@@ -239,4 +239,4 @@ def origin_of(parameters: Parameters, output: Path) -> Origin | None:
         except ValueError as error:
             raise InputError(f"{name}: start_from: {source_name}: {error}") from None
 
-    return Origin(start, tuple(states.samples(n) for n in range(source.replicates) if n in states))
+    return Origin(start, tuple(states.samples(range(source.replicates))))

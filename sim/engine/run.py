@@ -22,7 +22,7 @@ from sim.engine.progress import length, progress
 from sim.engine.replicate import Origin, Replicate, origin_of, stored_replicate
 from sim.engine.run_file import Stage, read_stages, write
 from sim.engine.states import States, checkpoint_interval
-from sim.engine.stored_run import current_status, is_alike, read_origin_samples
+from sim.engine.stored_run import current_status, is_alike, length_of, read_origin_samples
 from sim.engine.systems.recorder import Record
 from sim.parameters import Parameters, amounts, point_id, with_larger_amounts
 
@@ -72,8 +72,11 @@ def run_point(
             log.info("%s: already there", output)
         else:
             status = _compute(parameters, output, quiet, origin, is_old)
+            if status == "failed" and not temporary:
+                command = shlex.join(["python", "-m", "sim", "points", str(output), "--point"])
+                log.warning("%s: its point, to see the failure again: %s", name, command)
             if not temporary:
-                _log_file(parameters, output, status)
+                log.info("%s: written", output)
     return BLOW_UP_CODE if status == "failed" and not record_failure else 0
 
 
@@ -89,7 +92,7 @@ def _compute(
     stored = [] if is_old else read_stages(output, parameters)
     if stored:
         parameters = with_larger_amounts(parameters, amounts(stored[0].parameters))
-    same = bool(stored) and _lengths(stored[0].parameters) == _lengths(parameters)
+    same = bool(stored) and length_of(stored[0].parameters) == length_of(parameters)
     records = list(stored[0].records) if same else []
     if stored and not same:
         for record in stored[0].records:
@@ -98,7 +101,7 @@ def _compute(
     samples = origin.samples if origin else ()
     states = States(output, parameters, checkpoint_interval(), samples)
     numbers = range(len(records), parameters.replicates)
-    stored_samples = [states.samples(number) for number in numbers if number in states]
+    stored_samples = states.samples(numbers)
     if stored or stored_samples:
         log.info("%s: %s", output, "grows" if stored else "continued from a checkpoint")
     done = len(records) * parameters.steps + sum(stored_samples) * parameters.sample_steps
@@ -114,29 +117,11 @@ def _compute(
     if origin:
         attributes["origin"] = " ".join(map(str, samples[: parameters.replicates]))
     write(output, stages, replicate.system, attributes)
-    _log_results(parameters, records)
-    return attributes["status"]
-
-
-def _lengths(parameters: Parameters) -> dict[str, float]:
-    """Return the amounts that set the length of a replicate."""
-    return {name: value for name, value in amounts(parameters).items() if name != "replicates"}
-
-
-def _log_file(parameters: Parameters, output: Path, status: str) -> None:
-    """Log where a run is, and of one that failed how to see it again."""
-    if status == "failed":
-        command = shlex.join(["python", "-m", "sim", "points", str(output), "--point"])
-        log.warning("%s: its point, to see the failure again: %s", point_id(parameters), command)
-    log.info("%s: written", output)
-
-
-def _log_results(parameters: Parameters, records: list[Record]) -> None:
-    """Log the result of each replicate and of all together."""
     for record in records:
         log.log(*_closing_line(parameters, record))
     if len(records) > 1:
         log.info(_summary_line(parameters, records))
+    return attributes["status"]
 
 
 def _closing_line(parameters: Parameters, record: Record) -> tuple[int, str]:

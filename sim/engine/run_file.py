@@ -40,6 +40,11 @@ class Stage(NamedTuple):
     parameters: Parameters
     records: list[Record]
 
+    @property
+    def interval(self) -> float:
+        """Time between two samples, s."""
+        return self.parameters.sample_steps * self.parameters.time_step
+
 
 def write(
     path: Path, stages: Sequence[Stage], system: Replica, attributes: Mapping[str, Any]
@@ -67,11 +72,17 @@ def write(
             _write_trajectory(groups[0], stages[0])
             for number, stage in enumerate(stages[1:], start=1):
                 groups.append(_GroupWriter(file.createGroup(f"shorter_{number}")))
-                _write_amounts(groups[-1], stage.parameters)
+                rows = field_info(stage.parameters)
+                for name, value in amounts(stage.parameters).items():
+                    _put(groups[-1], name, (), value, rows[name].unit, rows[name].description)
                 _write_stage(groups[-1], stage, system)
             for group in groups:
                 group.fill()
-        append_summary(temporary, _summary(attributes, stages))
+        records = stages[0].records
+        scalars = {name: [one.scalars[name] for one in records] for name in records[0].scalars}
+        held = [amounts(stage.parameters) for stage in stages]
+        summary = {"attributes": attributes, "held": held, "scalars": scalars}
+        append_summary(temporary, summary)
         seal(temporary)
 
 
@@ -94,30 +105,9 @@ class _GroupWriter:
 def _write_stage(file: _GroupWriter, stage: Stage, system: Replica) -> None:
     _write_axes(file, stage, system)
     for name, (unit, long_name, values) in system.coordinates.items():
-        file.group.createDimension(name, len(values))
+        _add_dimensions(file, [name], [len(values)])
         _put(file, name, (name,), values, unit, long_name)
     _write_records(file, stage.records, system)
-
-
-def _interval(stage: Stage) -> float:
-    """Return the time (s) between two samples."""
-    return stage.parameters.sample_steps * stage.parameters.time_step
-
-
-def _summary(attributes: Mapping[str, Any], stages: Sequence[Stage]) -> dict[str, Any]:
-    """Return the summary that is appended to the file.
-
-    It has the attributes, the amounts of each stage, and the scalars of the longest stage by
-    replicate.
-    """
-    records = stages[0].records
-    return {
-        "attributes": attributes,
-        "held": [amounts(stage.parameters) for stage in stages],
-        "scalars": {
-            name: [record.scalars[name] for record in records] for name in records[0].scalars
-        },
-    }
 
 
 def _put(
@@ -180,12 +170,6 @@ def _write_parameters(file: _GroupWriter, parameters: Parameters) -> None:
         _put(file, name, (), value, "m s-2", meaning)
 
 
-def _write_amounts(file: _GroupWriter, parameters: Parameters) -> None:
-    rows = field_info(parameters)
-    for name, value in amounts(parameters).items():
-        _put(file, name, (), value, rows[name].unit, rows[name].description)
-
-
 def _write_axes(file: _GroupWriter, stage: Stage, system: Replica) -> None:
     records, samples = stage.records, _samples(stage.records)
     names = ("replicate", "time", "height", "frame", "particle", "axis", "quaternion")
@@ -193,7 +177,7 @@ def _write_axes(file: _GroupWriter, stage: Stage, system: Replica) -> None:
     sizes = (len(records), samples, len(system.profile_height), 2, *particles, 4)
     _add_dimensions(file, names, sizes)
     _put(file, "replicate", ("replicate",), np.arange(len(records)), "1", "number of the replicate")
-    time = np.arange(1, samples + 1) * _interval(stage)
+    time = np.arange(1, samples + 1) * stage.interval
     # An elapsed time without a date: in CF this is neither an axis T nor a time coordinate.
     _put(file, "time", ("time",), time, "s", "end of the sample interval, since the start")
     height = _put(
@@ -235,7 +219,7 @@ def _write_trajectory(file: _GroupWriter, stage: Stage) -> None:
         return
     count = _samples(records) // spacing
     file.group.createDimension("trajectory_time", count)
-    time = spacing * _interval(stage) * np.arange(1, count + 1)
+    time = spacing * stage.interval * np.arange(1, count + 1)
     time_name = "time of the frame of the trajectory, since the start"
     _put(file, "trajectory_time", ("trajectory_time",), time, "s", time_name)
     for name, row in variables_of("trajectory").items():

@@ -7,7 +7,6 @@ is safe because whatever changes a run file or a state replaces it.
 
 import os
 import shutil
-import stat
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -24,6 +23,7 @@ from sim.engine.stored_run import (
     find_stage,
     has_enough,
     is_alike,
+    length_of,
     read_origin_samples,
     read_parameters,
     read_stage_amounts,
@@ -93,8 +93,8 @@ def describe(shared: Iterable[SharedRun]) -> str:
 def take_runs(runs: Path, shared: Mapping[str, SharedRun]) -> set[str]:
     """Give run files of other studies, with their states, a name here; return ids of these points.
 
-    Files are copied where they belong to somebody else or are on another disk. A damaged file is
-    not taken, and stays as it is. Nor is a file taken whose point is being run here.
+    Files are copied where no link is possible. A damaged file is not taken, and stays as it is. Nor
+    is a file taken whose point is being run here.
     """
     taken = set()
     if shared:
@@ -117,46 +117,36 @@ def _take(run: SharedRun, output: Path, folder: Path) -> bool:
         # A run that grows writes its state first; so the state is never behind the run file.
         if not _fetch(run.path, new):
             return False
-        has_state = _fetch(state_file(run.path), new_state)
-        if has_state and not _is_behind(new, output, run.point):
-            new_state.replace(state_file(output))
+        if _fetch(state_file(run.path), new_state):
+            here, there = (sum(stored_samples(path, run.point)) for path in (output, new))
+            if there >= here:
+                new_state.replace(state_file(output))
         new.replace(output)
     return True
 
 
-def _is_behind(new: Path, output: Path, point: Parameters) -> bool:
-    """True where the states beside a new run file are of an earlier moment than those here."""
-    here = sum(stored_samples(output, point))
-    return here > 0 and here > sum(stored_samples(new, point))
-
-
 def _fetch(source: Path, target: Path) -> bool:
-    """Link a file to a new name, or copy it; return whether it is a whole, regular file."""
+    """Link a file to a new name, or copy it; return whether it is there and whole."""
     with suppress(FileNotFoundError):
-        status = source.lstat()
-        if status.st_uid == os.geteuid():
-            with suppress(OSError):
-                os.link(source, target, follow_symlinks=False)
-        if not os.path.lexists(target) and stat.S_ISREG(status.st_mode):
-            shutil.copy2(source, target, follow_symlinks=False)
-        return stat.S_ISREG(target.lstat().st_mode) and not is_damaged(target)
+        try:
+            os.link(source.resolve(), target)
+        except OSError:
+            shutil.copy2(source, target)
+        return not is_damaged(target)
     return False
 
 
 def _files_elsewhere(runs: Path, names: set[str]) -> dict[str, list[Path]]:
-    """Return the regular files of these names in other studies, each inode once, by name."""
+    """Return the files of these names in other studies, each inode once, by name."""
     found: dict[str, dict[int, Path]] = {name: {} for name in names}
     with suppress(OSError):
         studies = sorted(runs.parent.parent.iterdir()) if names else []
-        for study in studies:
-            folder = study / runs.name
-            if study.name == runs.parent.name or study.is_symlink() or folder.is_symlink():
-                continue
+        for study in (one for one in studies if one.name != runs.parent.name):
             # Folders that are no studies, or that are not ours to read.
-            with suppress(OSError), os.scandir(folder) as entries:
+            with suppress(OSError), os.scandir(study / runs.name) as entries:
                 for entry in entries:
-                    if entry.name in names and entry.is_file(follow_symlinks=False):
-                        found[entry.name].setdefault(entry.inode(), Path(entry.path))
+                    if entry.name in names and entry.is_file():
+                        found[entry.name].setdefault(entry.stat().st_ino, Path(entry.path))
     return {name: list(paths.values()) for name, paths in found.items() if paths}
 
 
@@ -205,11 +195,7 @@ def _best(paths: Iterable[Path], own: Path, point: Parameters) -> SharedRun | No
 
 def _holds(stages: Stages, wanted: Mapping[str, float]) -> bool:
     """True where a run of just this length is among the stages, with replicates enough."""
-    return any(covers(stage, wanted) and _length(stage) == _length(wanted) for stage in stages)
-
-
-def _length(stage: Mapping[str, float]) -> dict[str, float]:
-    return {name: value for name, value in stage.items() if name != "replicates"}
+    return any(covers(stage, wanted) and length_of(stage) == length_of(wanted) for stage in stages)
 
 
 def _saves_time(path: Path, stages: Stages, here: int, held: Stages, point: Parameters) -> bool:

@@ -8,11 +8,11 @@ import signal
 import threading
 import time
 import zipfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from types import FrameType
-from typing import Any, Protocol, Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -20,15 +20,12 @@ from sim.base.errors import InputError
 from sim.base.files import atomic_write, is_of_system, open_regular
 from sim.base.seals import is_damaged, seal, set_aside
 from sim.engine.identity import NUMERICS
+from sim.engine.stored_run import is_alike
 from sim.parameters import Parameters, point_id
 
-# Conversion of nested structures to flat dictionaries of arrays and numbers by path, and back.
-#
-# A state is stored as data alone; a new structure supplies the types of the containers. So the
-# content of a file can become numbers of a flow and nothing else.
-
-
-#: Arrays and numbers by path in the structure, such as ``spheres.position``.
+#: Arrays and numbers by path in a nested structure, such as ``spheres.position``. A state is stored
+#: as such data alone, and a new structure supplies the types of the containers: so the content of a
+#: file can become numbers of a flow and nothing else.
 FlatState = dict[str, Any]
 
 _PLAIN = (bool, int, float, str, np.generic)
@@ -73,41 +70,34 @@ def refill(structure: Any, values: Mapping[str, Any], growing_axis: int = -1) ->
         When ``values`` has other paths than the structure, or an array there has another type or
         other lengths.
     """
-    expected = flatten(structure)
-    if expected.keys() != values.keys():
-        odd = min(expected.keys() ^ values.keys())
-        raise ValueError(f"{odd} is not in both")
-    for path, value in expected.items():
-        if _kind(value) != _kind(values[path]):
-            raise ValueError(f"{path} is of another kind")
-        old, new = np.shape(value), np.shape(values[path])
-        if _drop_axis(old, growing_axis) != _drop_axis(new, growing_axis):
-            raise ValueError(f"{path} has the lengths {new}, not {old}")
-    return _fill(structure, iter(values[path] for path in expected), {})
+    left, arrays = dict(values), dict[int, Any]()
+
+    def fill(part: Any, path: str) -> Any:
+        if isinstance(part, (np.ndarray, *_PLAIN)):
+            if path not in left or _kind(part, growing_axis) != _kind(left[path], growing_axis):
+                raise ValueError(f"{path} is not as in the system")
+            new = left.pop(path)
+            return arrays.setdefault(id(part), new) if isinstance(part, np.ndarray) else new
+        filled = {
+            name: fill(one, f"{path}.{name}" if path else str(name))
+            for name, one in _parts(part).items()
+        }
+        if isinstance(part, dict):
+            return filled
+        return type(part)(**filled) if hasattr(part, "_asdict") else type(part)(filled.values())
+
+    whole = fill(structure, "")
+    if left:
+        raise ValueError(f"{min(left)} is not in the system")
+    return whole
 
 
-def _kind(value: Any) -> tuple[Any, ...]:
-    if isinstance(value, np.ndarray):
-        return value.dtype, value.ndim
-    return (str if isinstance(value, str) else float,)
-
-
-def _drop_axis(lengths: tuple[int, ...], axis: int) -> tuple[int, ...]:
-    return lengths[:axis] + lengths[axis:][1:]
-
-
-def _fill(value: Any, values: Iterator[Any], arrays: dict[int, Any]) -> Any:
-    """Return the counterpart of a value from the next values, in the order of `flatten`.
-
-    ``arrays`` maps ids of arrays already met to new ones.
-    """
-    if isinstance(value, (np.ndarray, *_PLAIN)):
-        new = next(values)
-        return arrays.setdefault(id(value), new) if isinstance(value, np.ndarray) else new
-    parts = {name: _fill(part, values, arrays) for name, part in _parts(value).items()}
-    if isinstance(value, dict):
-        return parts
-    return type(value)(**parts) if hasattr(value, "_asdict") else type(value)(parts.values())
+def _kind(value: Any, growing_axis: int) -> tuple[Any, ...]:
+    """Return the type of a value and, of an array, its lengths but for the growing axis."""
+    if not isinstance(value, np.ndarray):
+        return (str if isinstance(value, str) else float,)
+    before, after = value.shape[:growing_axis], value.shape[growing_axis:]
+    return value.dtype, value.ndim, before + after[1:]
 
 
 log = logging.getLogger("talus")
@@ -154,26 +144,21 @@ def pack(state: FlatState) -> bytes:
 
 
 def unpack(archive: bytes) -> FlatState:
-    """Return the state in an archive; raises ``ValueError`` when there is none."""
-    try:
-        with np.load(io.BytesIO(archive)) as file:
-            state = {name: file[name] for name in file.files}
-        return json.loads(state.pop(_NUMBERS)) | state
-    except (zipfile.BadZipFile, LookupError, EOFError) as error:
-        raise ValueError(str(error)) from None
+    """Return the state in an archive."""
+    with np.load(io.BytesIO(archive)) as file:
+        state = {name: file[name] for name in file.files}
+    return json.loads(state.pop(_NUMBERS)) | state
+
+
+def _samples(archive: bytes) -> int:
+    """Return the number of samples in an archive, without reading its arrays."""
+    with np.load(io.BytesIO(archive)) as file:
+        return json.loads(file[_NUMBERS])["told.shown"]
 
 
 def state_file(output: Path) -> Path:
     """Return the path of the states of the run that writes ``output``."""
     return output.with_name(f".{output.name}.state")
-
-
-class Resumable(Protocol):
-    """A replicate of a number, with all that is needed to continue it."""
-
-    number: int
-
-    def state(self) -> FlatState: ...
 
 
 class States:
@@ -230,21 +215,14 @@ class States:
         """Return the packed state of a replicate, None where none is stored."""
         return self._archives.get(number)
 
-    def __contains__(self, number: int) -> bool:
-        """True where a state of a replicate is stored."""
-        return number in self._archives
+    def samples(self, numbers: Iterable[int]) -> list[int]:
+        """Return the numbers of samples in the states of those replicates that have one."""
+        return [_samples(self._archives[number]) for number in numbers if number in self._archives]
 
-    def samples(self, number: int) -> int:
-        """Return the number of samples in the stored state of a replicate."""
-        try:
-            with np.load(io.BytesIO(self._archives[number])) as file:
-                return json.loads(file[_NUMBERS])["told.shown"]
-        except (zipfile.BadZipFile, LookupError, ValueError, EOFError):
-            return 0
-
-    def offer(self, replicate: Resumable) -> None:
+    def offer(self, replicate: Any) -> None:
         """Write the states if it is time; an error of the file system is only a warning.
 
+        ``replicate`` has a ``number`` and gives all that is needed to continue it by ``state()``.
         Called at least every few tenths of a second of a replicate's running time. Raises
         ``SystemExit`` after SIGTERM.
         """
@@ -266,26 +244,22 @@ class States:
             log.warning("%s: terminated; the next start continues from here", self.path)
             raise SystemExit(TERMINATION_CODE)
 
-    def keep(self, replicate: Resumable) -> None:
+    def keep(self, replicate: Any) -> None:
         """Add the present state of a replicate to the states that will be written."""
         self._archives[replicate.number] = pack(replicate.state())
 
     def save(self) -> None:
         """Write all states, completely or not at all; an error of the file system is a warning."""
+        archives = dict(sorted(self._archives.items()))
+        sizes = {number: len(archive) for number, archive in archives.items()}
+        header = json.dumps(self._identity | {"sizes": sizes, "origin": self._origin}).encode()
         try:
-            self._write()
+            with atomic_write(self.path) as temporary:
+                with temporary.open("wb") as file:
+                    file.writelines([header, b"\n", *archives.values()])
+                seal(temporary)
         except OSError as error:
             log.warning("%s: no states are kept: %s", self.path, error.strerror or error)
-
-    def _write(self) -> None:
-        sizes = {number: len(archive) for number, archive in sorted(self._archives.items())}
-        with atomic_write(self.path) as temporary:
-            with temporary.open("wb") as file:
-                header = self._identity | {"sizes": sizes, "origin": self._origin}
-                file.write(json.dumps(header).encode() + b"\n")
-                for number in sizes:
-                    file.write(self._archives[number])
-            seal(temporary)
 
     def _load(self) -> dict[int, bytes]:
         """Return the archives of the file by replicate, empty where there is no file.
@@ -316,8 +290,7 @@ class States:
         for key, value in self._identity.items():
             if header.get(key) != value:
                 raise ValueError(f"states of other {key}")
-        samples = zip(header.get("origin", []), self._origin, strict=False)
-        if any(stored != present for stored, present in samples):
+        if not is_alike(header.get("origin", []), self._origin):
             raise ValueError("states from before the run that they start from went on")
 
 
@@ -328,6 +301,5 @@ def stored_samples(output: Path, parameters: Parameters) -> list[int]:
     bytes of the file.
     """
     with suppress(InputError):
-        states = States(output, parameters, is_own=False)
-        return [states.samples(n) for n in range(parameters.replicates) if n in states]
+        return States(output, parameters, is_own=False).samples(range(parameters.replicates))
     return []

@@ -81,15 +81,14 @@ def starts_to_run(
     ``runs`` is the folder of the run files, ``points`` and what is needed of them are by id.
     """
 
-    def is_there(key: str) -> bool:
-        return has_enough(runs / f"{key}.nc", points[key], need(key))
+    def lacks(key: str) -> bool:
+        return not has_enough(runs / f"{key}.nc", points[key], need(key))
 
-    starts = {key: one.start_from for key, one in points.items() if one.start_from in points}
-    to_run = [key for key in starts if not is_there(key)]
+    to_run = [key for key, one in points.items() if one.start_from in points and lacks(key)]
     found: set[str] = set()
     for key in to_run:
-        start = starts.get(key, "")
-        if not start or start in found or not is_there(start):
+        start = points[key].start_from
+        if start not in points or start in found or lacks(start):
             continue
         if not has_enough(runs / f"{start}.nc", points[start]):
             found.add(start)
@@ -106,10 +105,8 @@ def current_status(path: Path, parameters: Parameters, need: Levels = None) -> s
     file old. Raises ``OSError`` where the system does not give the bytes of the file.
     """
     with suppress(InputError), open_run_file(path) as file:
-        attributes = read_attributes(file)
-        is_current = is_run_of(attributes, parameters) and has_all(attributes, need)
-        if is_current and find_group(file, amounts(parameters)):
-            return str(attributes["status"])
+        if has_enough(path, parameters, need):
+            return str(file.status)
     return ""
 
 
@@ -183,6 +180,12 @@ def _held_by(path: Path, version: tuple[int, ...], names: tuple[str, ...]) -> _H
         return summary["attributes"], summary["held"]
     with netCDF4.Dataset(path) as file:
         return read_attributes(file), stage_amounts(file, names)
+
+
+def length_of(run: Parameters | Mapping[str, float]) -> dict[str, float]:
+    """Return those of the amounts of a run that set the length of its replicates."""
+    held = run if isinstance(run, Mapping) else amounts(run)
+    return {name: value for name, value in held.items() if name != "replicates"}
 
 
 def is_alike(first: Sequence[int], second: Sequence[int]) -> bool:
@@ -329,14 +332,6 @@ class RunFile(_Arrays):
             values.flags.writeable = False
             self._cache[name] = values
         return self._cache[name]
-
-    def require_whole(self, path: Path) -> None:
-        """Raise `InputError` where the file is reduced, so that it has no series and no states."""
-        require_all(self.attrs, path)
-
-    def read_slice(self, name: str, index: Any) -> np.ndarray:
-        """Read one slice of a variable, over all its replicates, without loading the rest."""
-        return np.asarray(self._variables[name][index])
 
     def dims(self, name: str) -> tuple[str, ...]:
         """Return the names of the dimensions of a variable, without those of letters."""

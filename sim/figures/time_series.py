@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from sim.base.errors import InputError
 from sim.base.seals import checked_read
-from sim.engine.stored_run import RunFile
+from sim.engine.stored_run import RunFile, require_all
 from sim.figures.axes import set_log
 from sim.figures.caption import not_drawn
 from sim.figures.data import FigureData, label_with_unit, unit_of
@@ -80,7 +80,7 @@ def read_time_series(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
         netCDF4.Dataset(path) as file,
     ):
         run = RunFile(file, _point_amounts(data.spec.system, row))
-        run.require_whole(path)
+        require_all(run.attrs, path)
         completed = np.flatnonzero(np.asarray(run["status"]) == "completed")
         time, values = np.asarray(run["time"]), np.asarray(run[observable.source])
     scales = scale_of_point(data, row, "s"), scale_of_point(data, row, observable.unit)

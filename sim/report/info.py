@@ -5,7 +5,7 @@ from pathlib import Path
 
 import netCDF4
 
-from sim.dataset.replicates import caveat_of_run, layer_orders
+from sim.dataset.replicates import caveats, layer_orders
 from sim.engine.stored_run import RunFile, open_run_file, parameters_of, summary_of
 from sim.parameters import Parameters, as_yaml, complete_values, field_info
 from sim.parameters.variables import SCALARS
@@ -40,8 +40,9 @@ def describe(path: str | Path, as_point: bool = False) -> str:
     path = Path(path)
     with open_run_file(path) as file:
         parameters = parameters_of(file, path)
-        orders = layer_orders(RunFile(file), parameters)
-        caveat = caveat_of_run(summary_of(path), parameters, orders)
+        run = summary_of(path)
+        scalars = run.scalars | {"layer_order": layer_orders(RunFile(file), parameters)}
+        caveat = caveats(run.attrs.get("caveat", ""), scalars, parameters)
         return as_yaml(parameters).rstrip() if as_point else _summary(file, parameters, caveat)
 
 

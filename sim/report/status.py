@@ -19,7 +19,7 @@ from sim.base.errors import InputError, align_table, count_text, duration, print
 from sim.base.files import is_of_system
 from sim.base.program import program
 from sim.base.seals import UNREADABLE
-from sim.dataset.replicates import caveat_of_run
+from sim.dataset.replicates import caveats
 from sim.dataset.rounds import points_of_rounds, rounds_to_come
 from sim.engine.identity import NUMERICS, numerics_of
 from sim.engine.progress import LONGEST_SILENCE, Progress, progress_file, read_progress
@@ -260,7 +260,8 @@ def _read_ended(path: Path, changed: int, parameters: Parameters, need: Need | N
     cores = parameters.cores
     try:
         run = summary_of(path, amounts(parameters))
-        attributes, caveat = run.attrs, caveat_of_run(run, parameters)
+        attributes = run.attrs
+        caveat = caveats(attributes.get("caveat", ""), run.scalars, parameters)
         wall_time = float(attributes.get("wall_time", 0.0))
     except UNREADABLE as error:
         if is_of_system(error):

@@ -13,7 +13,6 @@ from sim.dataset import adopted, rows
 from sim.dataset.adopted import adopt
 from sim.dataset.build import build
 from sim.dataset.results import load_results
-from sim.engine import stored_run
 from sim.engine.identity import NUMERICS
 from sim.engine.run_file import read_stages
 from sim.engine.stored_run import current_status, has_enough, is_reduced
@@ -121,16 +120,17 @@ def test_a_dataset_of_adopted_points_alone_can_be_adopted(study, complete_study,
     assert len(adopted_ids(other)) == 6
 
 
-def test_a_run_file_that_holds_enough_goes_before(study, complete_study):
+def test_a_run_file_gives_way_to_a_row_unless_it_holds_enough_or_something_else(
+    study, complete_study
+):
     adopt(study.path, complete_study.output, study.results)
     study.write(3, velocity=0.7)
+    fewer, longer = study.points[5], study.points[4]
+    write_run(study.runs, fewer.model_copy(update={"replicates": 1}))
+    changed = {"replicates": longer.replicates - 1, "average": 2 * longer.average}
+    write_run(study.runs, longer.model_copy(update=changed))
     adopt(study.path, complete_study.output, study.results)
-    assert adopted_ids(study) == set(ids(study, 0, 1, 2, 4, 5))
-    build(study.path, study.results)
-    results = load_results(study.output)
-    point = ids(study, 3)[0]
-    velocity = results.dataset["velocity"].sel(point=point).values[0]
-    assert velocity == pytest.approx(0.7)
+    assert adopted_ids(study) == set(ids(study, 0, 1, 2, 5))
 
 
 def test_a_point_of_which_more_is_wanted_is_run(study, complete_study):
@@ -148,51 +148,27 @@ def test_a_point_of_which_more_is_wanted_is_run(study, complete_study):
     assert "covers 6 of 6" in adopt(study.path, complete_study.output, study.results)
 
 
-def test_a_smaller_run_gives_way_to_a_row_and_one_with_something_else_does_not(
-    study, complete_study
-):
-    fewer, longer = study.points[5], study.points[3]
-    write_run(study.runs, fewer.model_copy(update={"replicates": 1}))
-    changed = {"replicates": longer.replicates - 1, "average": 2 * longer.average}
-    write_run(study.runs, longer.model_copy(update=changed))
-    adopt(study.path, complete_study.output, study.results)
-    assert adopted_ids(study) == set(ids(study, 0, 1, 2, 4, 5))
-
-
-def test_a_point_that_is_shown_needs_its_state(study, complete_study, tmp_path):
-    hidden = Mixed(tmp_path / "hidden")
-    shutil.copytree(complete_study.results, hidden.results)
-    dataset = tmp_path / "hidden.nc"
-    hidden.build_afresh(*range(6))
-    shutil.copy(hidden.output, dataset)
-    assert "covers 5 of 6" in adopt(study.path, dataset, study.results)
-    assert adopted_ids(study) == set(ids(study, *({*range(6)} - {SHOWN})))
-
-
-def test_a_point_whose_profiles_are_wanted_needs_them(study, complete_study, tmp_path):
-    bare = Mixed(tmp_path / "bare")
-    shutil.copytree(complete_study.results, bare.results)
-    bare.build_afresh(*range(6), shown=PATHS, bare=HALF)
-    assert "covers 3 of 6" in adopt(study.path, bare.output, study.results)
-    assert adopted_ids(study) == set(ids(study, *REST))
-    study.save(*range(6), shown=PATHS, bare=range(6))
-    assert "covers 6 of 6" in adopt(study.path, bare.output, study.results)
-    build(study.path, study.results)
-    assert not load_results(study.output).profiles
+@pytest.mark.parametrize(
+    ("made", "taken"),
+    [({}, {*range(6)} - {SHOWN}), ({"shown": PATHS, "bare": HALF}, REST)],
+    ids=["without particles", "without profiles"],
+)
+def test_a_point_of_which_more_is_shown_is_not_taken(made, taken, study, complete_study, tmp_path):
+    other = Mixed(tmp_path / "other")
+    shutil.copytree(complete_study.results, other.results)
+    other.build_afresh(*range(6), **made)
+    assert f"covers {len(taken)} of 6" in adopt(study.path, other.output, study.results)
+    assert adopted_ids(study) == set(ids(study, *taken))
 
 
 TIME_SERIES = "plots: [{name: p, kind: time_series, y: velocity, series: [s0]}]\n"
 
 
-def test_what_is_drawn_from_run_files_needs_them(study, complete_study):
-    study.path.write_text(study.path.read_text().replace("series:", f"{TIME_SERIES}series:", 1))
-    assert "covers 5 of 6" in adopt(study.path, complete_study.output, study.results)
-    assert adopted_ids(study) == set(ids(study, 1, 2, 3, 4, 5))
-
-
 def test_what_reads_series_or_states_says_that_there_are_none(study, complete_study, tmp_path):
     adopt(study.path, complete_study.output, study.results)
     study.path.write_text(study.path.read_text().replace("series:", f"{TIME_SERIES}series:", 1))
+    assert adopted_ids(study) == set(ids(study, 1, 2, 3, 4, 5))
+    assert "covers 5 of 6" in adopt(study.path, complete_study.output, study.results)
     results, folder = study.output.parent, tmp_path / "figures"
     path = study.runs / f"{ids(study, 0)[0]}.nc"
     said = f"^{path}: only a row of a dataset that was adopted, without the series"
@@ -214,13 +190,6 @@ def test_what_other_code_has_read_is_taken_if_it_knew_all_names(study, complete_
     xr.testing.assert_identical(
         xr.load_dataset(study.output), xr.load_dataset(complete_study.output)
     )
-    names, new_names = stored_run.measured_names, {"chute": {"new_measure"}}
-    monkeypatch.setattr(
-        stored_run, "measured_names", lambda system: names(system) | new_names.get(system, set())
-    )
-    assert adopted_ids(study) == set(ids(study, 3, 4, 5))
-    with pytest.raises(InputError, match="without the series, particles or observables"):
-        build(study.path, study.results)
     monkeypatch.setattr(adopted, "missing_variables", lambda made, system: ["new_measure"])
     with pytest.raises(InputError, match="got 'a dataset that cannot have new_measure'; allowed"):
         adopt(study.path, complete_study.output, study.results)
@@ -238,6 +207,8 @@ def test_an_observable_of_one_system_keeps_no_other_from_being_adopted(
     study.path.write_text(study.path.read_text() + "plugins: [mine.py]\n")
     with restore_plugins():
         assert adopted_ids(study) == set(ids(study, 3, 4, 5))
+        with pytest.raises(InputError, match="without the series, particles or observables"):
+            build(study.path, study.results)
         assert "covers 3 of 6 points" in adopt(study.path, complete_study.output, study.results)
         assert adopted_ids(study) == set(ids(study, 3, 4, 5))
 

@@ -20,83 +20,54 @@ from sim.dataset.rounds import read_round, side_of_run
 from sim.parameters import BeltParameters, ChuteParameters, canonical_values
 from sim.study.load import load_study
 from sim.surrogates.rounds import write_round
-from tests.made.netcdf import store
 from tests.made.runs import make_regimes, make_study, write_run
 
 CHUTE = ChuteParameters(replicates=2)
 BELT = BeltParameters(replicates=2, frequency=20)
 
 
-@pytest.mark.parametrize(
-    ("regime", "flow", "acceleration"),
-    [
-        ("arrested", "arrested", "not accelerating"),
-        ("steady", "flowing", "not accelerating"),
-        ("accelerating", "flowing", "accelerating"),
-        ("undetermined", None, None),
-    ],
-)
-def test_regimes_tell_the_side(regime, flow, acceleration, tmp_path):
-    path = write_run(tmp_path, CHUTE, 0.0, regime=regime)
-    assert side_of_run(path, "flow", CHUTE) == flow
-    assert side_of_run(path, "acceleration", CHUTE) == acceleration
+UPRIGHT = BeltParameters(vibration_angle=90)
 
 
-@pytest.mark.parametrize(
-    ("velocity", "gain", "side"),
-    [(0.1, 0.0, "flowing"), (0.1, 1.0, "flowing"), (0.1, -3.0, None), (5e-4, 0.0, None)],
-)
-def test_an_undetermined_flow_flows_if_it_surely_moves_and_does_not_slow_down(
-    velocity, gain, side, tmp_path
-):
-    path = write_run(tmp_path, CHUTE, velocity, regime="undetermined")
-    with xr.open_dataset(path) as opened:
-        run = opened.load()
-    run["acceleration"][:] = gain
-    store(run, path)
-    assert side_of_run(path, "flow", CHUTE) == side
-    assert side_of_run(path, "acceleration", CHUTE) is None
+def each(value: object) -> tuple[str, np.ndarray]:
+    """Return a scalar of two replicates, which may have one value."""
+    values = np.broadcast_to(np.asarray(value), 2)
+    return "replicate", values.astype(object) if isinstance(values[0], str) else values
 
 
-def test_replicates_must_agree_on_the_side_not_on_the_regime(tmp_path):
-    path = write_run(tmp_path, CHUTE)
-    with xr.open_dataset(path) as opened:
-        run = opened.load()
-    run["regime"] = ("replicate", np.array(["steady", "accelerating"], dtype=object))
-    store(run, path)
-    assert side_of_run(path, "flow", CHUTE) == "flowing"
-    assert side_of_run(path, "acceleration", CHUTE) is None
+#: Points with velocity (m/s), regime and other scalars, and the side of each kind of boundary.
+SIDES = [
+    (CHUTE, 0.0, "arrested", {}, {"flow": "arrested", "acceleration": "not accelerating"}),
+    (CHUTE, 0.0, "steady", {}, {"flow": "flowing", "acceleration": "not accelerating"}),
+    (CHUTE, 0.0, "accelerating", {}, {"flow": "flowing", "acceleration": "accelerating"}),
+    (CHUTE, 0.0, "undetermined", {}, {"flow": None, "acceleration": None}),
+    # It flows if it surely moves and does not slow down.
+    (CHUTE, 0.1, "undetermined", {"acceleration": 0.0}, {"flow": "flowing", "acceleration": None}),
+    (CHUTE, 0.1, "undetermined", {"acceleration": 1.0}, {"flow": "flowing", "acceleration": None}),
+    (CHUTE, 0.1, "undetermined", {"acceleration": -3.0}, {"flow": None, "acceleration": None}),
+    (CHUTE, 5e-4, "undetermined", {"acceleration": 0.0}, {"flow": None, "acceleration": None}),
+    # Replicates must agree on the side, not on the regime.
+    (
+        *(CHUTE, 0.5, "steady", {"regime": ["steady", "accelerating"]}),
+        {"flow": "flowing", "acceleration": None},
+    ),
+    # A tenth of the belt's velocity amplitude is 12.6 mm/s, the half width is 0.9 mm/s.
+    (BELT, (0.03, 0.04), "undetermined", {}, {"transport": "transport"}),
+    (BELT, (0.001, 0.0115), "undetermined", {}, {"transport": "no transport"}),
+    (BELT, (-0.03, 0.001), "undetermined", {}, {"transport": "no transport"}),
+    (BELT, (0.012, 0.013), "undetermined", {}, {"transport": None}),
+    (BELT, (0.001, 0.03), "undetermined", {}, {"transport": None}),
+    (BELT, 0.03, "steady", {"velocity_half_width": nan}, {"transport": None}),
+    # A belt that shakes upright moves nothing along.
+    (UPRIGHT, 0.0, "steady", {}, {"transport": "no transport"}),
+]
 
 
-# A tenth of the belt's velocity amplitude is 12.6 mm/s, the half width is 0.9 mm/s.
-@pytest.mark.parametrize(
-    ("velocity", "side"),
-    [
-        ((0.03, 0.04), "transport"),
-        ((0.001, 0.0115), "no transport"),
-        ((-0.03, 0.001), "no transport"),
-        ((0.012, 0.013), None),
-        ((0.001, 0.03), None),
-    ],
-)
-def test_transport_is_a_velocity_that_counts(velocity, side, tmp_path):
-    path = write_run(tmp_path, BELT, velocity, regime="undetermined")
-    assert side_of_run(path, "transport", BELT) == side
-
-
-def test_a_velocity_without_an_error_tells_nothing(tmp_path):
-    path = write_run(tmp_path, BELT, 0.03)
-    with xr.open_dataset(path) as opened:
-        run = opened.load()
-    run["velocity_half_width"][:] = nan
-    store(run, path)
-    assert side_of_run(path, "transport", BELT) is None
-
-
-def test_a_belt_that_shakes_upright_moves_nothing_along(tmp_path):
-    upright = BeltParameters(vibration_angle=90)
-    path = write_run(tmp_path, upright, 0.0)
-    assert side_of_run(path, "transport", upright) == "no transport"
+@pytest.mark.parametrize(("point", "velocity", "regime", "scalars", "sides"), SIDES)
+def test_the_side_of_a_run(point, velocity, regime, scalars, sides, tmp_path):
+    arrays = {name: each(value) for name, value in scalars.items()}
+    path = write_run(tmp_path, point, velocity, regime=regime, arrays=arrays)
+    assert {of: side_of_run(path, of, point) for of in sides} == sides
 
 
 @pytest.fixture(scope="module")

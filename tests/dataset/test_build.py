@@ -16,7 +16,7 @@ from sim.parameters import BeltParameters, ChuteParameters, point_id
 from sim.parameters.variables import variables_of
 from sim.study.load import load_study
 from tests.made.figures import make_built_study
-from tests.made.netcdf import ROUNDING, edit_file, store
+from tests.made.netcdf import ROUNDING, store
 from tests.made.runs import FAILURE, HEIGHTS, is_hurt, is_lost, made_velocity, write_run
 
 
@@ -36,7 +36,7 @@ def dataset(dataset_path) -> xr.Dataset:
         return opened.load()
 
 
-def test_scalars_are_those_of_the_runs(study_results, dataset):
+def test_scalars_are_those_of_the_runs_and_replicates_are_told_together_too(study_results, dataset):
     for point in load_study(*study_results).points.values():
         if is_lost(point.parameters) or is_hurt(point.parameters):
             continue
@@ -45,17 +45,12 @@ def test_scalars_are_those_of_the_runs(study_results, dataset):
         assert float(row["velocity"].mean()) == pytest.approx(mean, rel=2**-24)
         assert np.float32(row["velocity"]).tolist()[0] == row["velocity"].values[0]
         assert set(row["regime"].values[: point.parameters.replicates]) == {regime}
-
-
-def test_replicates_are_told_together_too(study_results, dataset):
-    point = next(iter(load_study(*study_results).points.values()))
-    mean, regime = made_velocity(point.parameters)
-    row = dataset.sel(point=point.id)
-    assert float(row["point_velocity"]) == pytest.approx(mean, rel=2**-24)
-    assert float(row["point_half_width"]) > 0.0
-    # A velocity that grows is that of the window alone.
-    quality = "drifting" if regime == "accelerating" else "reliable"
-    assert (row["point_regime"].item(), row["point_quality"].item()) == (regime, quality)
+        assert float(row["point_velocity"]) == pytest.approx(mean, rel=2**-24)
+        assert row["point_regime"].item() == regime
+        # A velocity that grows is that of the window alone.
+        quality = "drifting" if regime == "accelerating" else "reliable"
+        assert row["point_quality"].item() == quality
+        assert float(row["point_half_width"]) > 0.0
 
 
 def test_failures_keep_their_whole_reason(study_results, dataset):
@@ -88,18 +83,14 @@ def test_a_point_of_two_series_is_one_row_with_both(dataset):
     assert dataset.attrs["source_hash"] == "0123456789ab"
 
 
-def test_a_run_under_the_name_of_another_is_refused(tmp_path):
-    path = write_run(tmp_path, ChuteParameters())
-    other = path.rename(tmp_path / f"{point_id(ChuteParameters(depth=2))}.nc")
+def test_a_file_that_is_not_the_run_of_its_name_is_refused(tmp_path):
+    other = tmp_path / f"{point_id(ChuteParameters(depth=2))}.nc"
+    write_run(tmp_path, ChuteParameters()).rename(other)
     with pytest.raises(InputError, match="holds point chute-depth5"):
         read_run(other)
-
-
-def test_a_netcdf_file_that_is_no_run_is_named(tmp_path):
-    path = tmp_path / "other.nc"
-    store(xr.Dataset({"depth": 1.0}), path)
-    with pytest.raises(InputError, match=r"other\.nc: damaged or not a run file"):
-        read_run(path)
+    store(xr.Dataset({"depth": 1.0}), other)
+    with pytest.raises(InputError, match=f"{other.name}: damaged or not a run file"):
+        read_run(other)
 
 
 def test_profiles_of_both_systems_lie_in_groups(study_results, dataset_path):
@@ -126,19 +117,6 @@ def test_profiles_have_nine_binary_digits(dataset_path):
     assert not np.all(mantissas * 2**8 % 1 == 0)
 
 
-@pytest.mark.parametrize(
-    ("parameters", "is_kept"), [(ChuteParameters(), True), (BeltParameters(), False)]
-)
-def test_last_samples_are_kept_of_chutes_alone(parameters, is_kept, tmp_path):
-    write_run(tmp_path, parameters)
-    path = tmp_path / f"{point_id(parameters)}.nc"
-    last = "velocity_profile_instantaneous"
-    with edit_file(path) as file:
-        profile = file["velocity_profile"]
-        file.createVariable(last, profile.dtype, profile.dimensions)[:] = profile[:]
-    assert (last in read_run(path).values) == is_kept
-
-
 def test_columns_of_many_points_are_compressed_and_hold_the_same(
     study_results, dataset_path, tmp_path, monkeypatch
 ):
@@ -151,28 +129,18 @@ def test_columns_of_many_points_are_compressed_and_hold_the_same(
     xr.testing.assert_identical(xr.open_datatree(path), xr.open_datatree(dataset_path))
 
 
-def run_row(name, width, slices, replicates):
-    """Return the row of a run on a belt ``width`` (mm) long."""
-    squares = np.arange(width) + 0.5
-    field = xr.Dataset(
-        {
-            "field_velocity": (
-                ("replicate", "column", "level"),
-                np.broadcast_to(squares[:, None], (replicates, width, 2)),
-            ),
-            "field_density": (("replicate", "column", "level"), np.ones((replicates, width, 2))),
-        },
-        coords={"column": 1e-3 * squares, "level": [0.0, 1e-3]},
-    )
-    arrays = {
-        "height": 1e-3 * np.arange(slices),
-        "number_density": np.ones((replicates, slices)),
-    }
-    return Row(name, {}, arrays | column_means(field))
-
-
 def test_belts_of_different_lengths_are_filled_up():
-    rows = {"short": run_row("short", 3, 5, 2), "long": run_row("long", 6, 4, 3)}
+    rows = {}
+    for name, width, slices, replicates in (("short", 3, 5, 2), ("long", 6, 4, 3)):
+        squares = np.arange(width) + 0.5
+        field = np.broadcast_to(squares[:, None], (replicates, width, 2))
+        run = {"field_velocity": field, "field_density": np.ones_like(field)}
+        run |= {"column": 1e-3 * squares, "level": [0.0, 1e-3]}
+        arrays = {
+            "height": 1e-3 * np.arange(slices),
+            "number_density": np.ones((replicates, slices)),
+        }
+        rows[name] = Row(name, {}, arrays | column_means(run))
     dataset = profiles(tabulate_rows(rows, ["long", "short"], OF_PROFILES, 3))
     assert dataset.sizes == {"run": 2, "replicate": 3, "slice": 5, "square": 6}
     short = dataset.sel(run="short")

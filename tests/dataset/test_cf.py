@@ -76,16 +76,11 @@ def test_variables_of_a_dataset_say_what_they_are(dataset):
         assert file["point"].ndim == 2
 
 
-def test_velocities_are_there_in_natural_units_too(dataset):
-    root = xr.load_dataset(dataset)
-    natural = xr.load_dataset(dataset, group="natural")
+def test_velocities_are_there_in_natural_units_and_parameters_in_si(dataset):
+    root, natural, si = (xr.load_dataset(dataset, group=name) for name in (None, "natural", "si"))
     unit = (root.gravity * root.diameter) ** 0.5
     xr.testing.assert_allclose(natural.point_velocity * unit, root.point_velocity)
     assert natural.velocity.dims == root.velocity.dims and natural.velocity.units == "1"
-
-
-def test_parameters_are_there_in_si_too(dataset):
-    root, si = xr.load_dataset(dataset), xr.load_dataset(dataset, group="si")
     belts = root.system.values == "belt"
     expected = (root.amplitude * root.diameter).values[belts]
     assert si.amplitude.values[belts] == pytest.approx(expected)

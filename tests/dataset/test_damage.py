@@ -3,16 +3,12 @@
 import errno
 import json
 import os
-import random
 import resource
 import subprocess
-import threading
-from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 from unittest.mock import Mock
 
-import numpy as np
 import pytest
 
 from sim.base.errors import InputError
@@ -28,11 +24,10 @@ from tests.engine.test_states import assert_same
 from tests.engine_motion.points import belt_point
 from tests.figures.drawing import draw
 from tests.made.figures import make_figures
-from tests.made.processes import program, refusal, start_run, wait_until
+from tests.made.processes import program, start_run
 
 POINT = belt_point(beads=20, width=5, transient=1, average=3)
 LONG = belt_point(beads=200, transient=2, average=10)
-OFFSETS = 120
 
 
 @pytest.fixture(scope="module")
@@ -49,68 +44,32 @@ def path(tmp_path) -> Path:
     return tmp_path / f"{point_id(POINT)}.nc"
 
 
-def assert_refused_or_true(path: Path, content: bytes, expected) -> bool:
-    """Assert that a file is set aside or read correctly; return whether it was refused."""
-    path.write_bytes(content)
-    aside = path.with_name(f"{path.name}.damaged")
-    try:
-        row = read_run(path)
-    except DamagedError as error:
-        assert str(error).startswith(f"{path}: damaged") and "\n" not in str(error)
-        assert not path.exists() and aside.read_bytes() == content
-        aside.unlink()
-        return True
-    assert path.exists() and row.values.keys() == expected.values.keys()
-    for name, values in row.values.items():
-        np.testing.assert_array_equal(values, expected.values[name])
-    return False
-
-
-def flipped_bits(content: bytes) -> Iterator[bytes]:
-    flips = random.Random(1)
-    for _ in range(OFFSETS):
-        changed = bytearray(content)
-        changed[flips.randrange(len(content))] ^= 1 << flips.randrange(8)
-        yield bytes(changed)
-
-
-def holes(content: bytes) -> Iterator[bytes]:
-    for share in (0.05, 0.3, 0.5, 0.9):
-        begin = int(share * len(content))
-        yield content[:begin] + bytes(512) + content[begin + 512 :]
-
-
-def other_lengths(content: bytes) -> Iterator[bytes]:
+def test_a_file_of_another_length_is_never_read(content, path):
+    """Flipped bits are tried in `tests/drills/test_bit_flips.py`."""
     end = content.rindex(b'\n{"attributes":')
     last = {len(content) - cut for cut in (*range(1, 83), 100, 1000)}
-    for length in {0, 1, 7, 8, 100, end - 26, end // 2, end // 3} | last:
-        yield content[:length]
-    yield content + b"\n"
+    lengths = {0, 1, 7, 8, 100, end - 26, end // 2, end // 3} | last
+    aside = path.with_name(f"{path.name}.damaged")
+    for damaged in (*(content[:length] for length in lengths), content + b"\n"):
+        path.write_bytes(damaged)
+        with pytest.raises(DamagedError, match=f"^{path}: damaged"):
+            read_run(path)
+        assert not path.exists() and aside.read_bytes() == damaged
+        aside.unlink()
 
 
-@pytest.mark.parametrize(("damage", "spared"), [(flipped_bits, 1), (holes, 4), (other_lengths, 0)])
-def test_damage_is_never_read(damage, spared, content, path):
-    """A flip in the few letters that announce the checksum does no harm, nor a hole in zeros."""
-    path.write_bytes(content)
-    expected = read_run(path)
-    refused = [assert_refused_or_true(path, damaged, expected) for damaged in damage(content)]
-    assert refused.count(False) <= spared
-
-
-@pytest.mark.parametrize("name", ["EACCES", "EIO", "ESTALE", "EMFILE", "ENOMEM"])
-def test_an_error_of_the_system_is_no_damage(name, content, path, monkeypatch):
+def test_an_error_of_the_system_is_no_damage(content, path, monkeypatch):
     path.write_bytes(content)
 
     def fail(*_: object, **__: object) -> int:
-        raise OSError(getattr(errno, name), "the system says no", str(path))
+        raise OSError(errno.ESTALE, "the system says no", str(path))
 
     with monkeypatch.context() as patch:
         patch.setattr("sim.base.files.os.open", fail)
-        for read in (read_run, partial(current_status, parameters=POINT)):
+        readers = partial(current_status, parameters=POINT), partial(read_stages, parameters=POINT)
+        for read in (read_run, *readers):
             with pytest.raises(OSError, match="the system says no"):
                 read(path)
-        with pytest.raises(OSError, match="the system says no"):
-            read_stages(path, POINT)
     assert path.read_bytes() == content and len(list(path.parent.iterdir())) == 1
     read_run(path)
 
@@ -128,19 +87,6 @@ def test_what_a_library_cannot_read_of_a_whole_file_stays(content, path, monkeyp
 def study_results(tmp_path) -> tuple[Path, Path]:
     """A study with its run files, dataset and figures."""
     return make_figures(tmp_path)
-
-
-def test_all_damaged_runs_of_a_study_are_set_aside_at_once(study_results, capsys):
-    study, results = study_results
-    runs = sorted((results / "made" / "runs").iterdir())
-    before = (results / "made" / "dataset.nc").read_bytes()
-    runs[0].write_bytes(runs[0].read_bytes()[:1000])
-    runs[3].write_bytes(b"")
-    line = refusal(capsys, "dataset", study, "--results", results)
-    assert "rerun the study" in line and "1 more" in line
-    assert not runs[0].exists() and not runs[3].exists()
-    assert all(run.exists() for run in (*runs[1:3], *runs[4:]))
-    assert (results / "made" / "dataset.nc").read_bytes() == before
 
 
 def test_a_file_named_by_mistake_is_left_where_it_is(tmp_path, content):
@@ -217,15 +163,3 @@ def test_two_processes_of_one_run_do_not_meet(tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {"run.nc", ".run.nc.state"}
     assert run_point(LONG, tmp_path / "alone.nc", quiet=True) == 0
     assert_same(output, tmp_path / "alone.nc")
-
-
-def test_who_waits_computes_what_the_other_did_not_finish(tmp_path, caplog):
-    warm([POINT])
-    output = tmp_path / "run.nc"
-    with file_lock(output):
-        waiting = threading.Thread(target=run_point, args=(POINT, output, True))
-        waiting.start()
-        wait_until(lambda: "waiting for another" in caplog.text or not waiting.is_alive())
-        assert waiting.is_alive() and not output.exists()
-    waiting.join()
-    assert output.exists()

@@ -7,8 +7,7 @@ import pytest
 from sim.base.statistics import student_half_width
 from sim.dataset.gather import measures, read_run
 from sim.dataset.replicates import (
-    caveat,
-    caveat_of_run,
+    caveats,
     layer_orders,
     mean_interval,
     outcome,
@@ -119,23 +118,24 @@ def test_a_mean_that_drifts_and_one_without_scatter_are_told():
 PAPER = ChuteParameters()
 
 
-def caveat_text(own_caveat, missing_shares, overlaps=(), lengths=()):
-    return caveat(own_caveat, missing_shares, PAPER, overlaps, lengths)
+def caveat_text(point=PAPER, **scalars):
+    """Return the caveats of replicates that all completed."""
+    count = max(map(len, scalars.values()), default=0)
+    known = {"status": ["completed"] * count, "time_step_used": [point.time_step] * count}
+    return caveats("", known | {"steps": [point.steps] * count} | scalars, point)
 
 
 def test_flows_that_overlap_beyond_the_contact_law_say_so_once():
-    assert caveat_text("", [], [np.nan, 0.099]) == ""
-    text = caveat_text("", [], [0.05, 0.11, 0.2])
+    assert caveat_text(max_overlap=[np.nan, 0.099]) == ""
+    text = caveat_text(max_overlap=[0.05, 0.11, 0.2])
     assert text.startswith("spheres overlap by more than 10 % of a diameter")
-    assert caveat("", [], BeltParameters(), [0.6], []) == ""
+    assert caveat_text(BeltParameters(), max_overlap=[0.6]) == ""
 
 
 def test_runs_longer_than_is_asked_for_say_so():
-    asked = PAPER.steps * PAPER.time_step
-    assert caveat_text("", [], lengths=[asked, 0.2 * asked, np.nan]) == ""
-    assert caveat_text("", [], lengths=[asked, 1.1 * asked]).startswith(
-        "runs longer than is asked for"
-    )
+    asked = PAPER.steps
+    assert caveat_text(steps=[asked, 0.2 * asked, np.nan]) == ""
+    assert caveat_text(steps=[asked, 1.1 * asked]).startswith("runs longer than is asked for")
 
 
 def test_a_study_that_asks_for_less_than_was_run_is_told_so(tmp_path):
@@ -143,7 +143,7 @@ def test_a_study_that_asks_for_less_than_was_run_is_told_so(tmp_path):
     held = ChuteParameters(average=40, replicates=2)
     path = write_run(tmp_path, held, 0.5)
     for asked, is_longer in ((held, False), (ChuteParameters(average=10, replicates=1), True)):
-        text = caveat_of_run(summary_of(path, amounts(asked)), asked)
+        text = caveats("", summary_of(path, amounts(asked)).scalars, asked)
         assert text.startswith("runs longer") == is_longer
 
 
@@ -175,9 +175,9 @@ def test_a_run_file_and_the_dataset_agree(tmp_path, acceleration):
         "acceleration": ("replicate", [acceleration, np.nan]),
     }
     path = write_run(tmp_path, point, 0.5, failed=[1], arrays=arrays)
-    text = caveat_of_run(summary_of(path), point)
+    text = caveats("", summary_of(path).scalars, point)
     assert bool(text) == (acceleration == 0)
-    assert text == caveat_text("", read_run(path).values["missing_energy"])
+    assert text == caveats("", read_run(path).values, point)
 
 
 @pytest.mark.parametrize(
@@ -194,7 +194,7 @@ def test_a_run_file_and_the_dataset_agree(tmp_path, acceleration):
     ],
 )
 def test_layers_on_bumps_in_a_narrow_cell_are_told(values, orders, is_told):
-    text = caveat("", [], ChuteParameters(depth=12, **values), [], [], orders)
+    text = caveat_text(ChuteParameters(depth=12, **values), layer_order=orders)
     assert text.startswith("on bumps in a cell narrower than 8 σ") == is_told == bool(text)
 
 
@@ -213,5 +213,6 @@ def test_the_order_of_layers_of_a_run_file_is_that_of_the_dataset(tmp_path):
         orders = layer_orders(run, point)
         assert orders == list(measures(run)["layer_order"]) == [pytest.approx(1, abs=1e-3)]
         assert layer_orders(run, ChuteParameters(bumps=1, cell=8, depth=12)) == []
-    assert "ordered in layers" in caveat_of_run(summary_of(path), point, orders)
+    scalars = summary_of(path).scalars | {"layer_order": orders}
+    assert "ordered in layers" in caveats("", scalars, point)
     assert "ordered in layers" in describe(path)

@@ -53,10 +53,6 @@ def test_profiles_and_particles_are_read_when_they_are_asked_for_and_once(datase
     assert study_results.particles("b") is study_results.particles("b")
     assert list(study_results.profiles["belt"]["x"]) == [1, 2]
     assert groups_read == [None, "states/b", "belt"]
-
-
-def test_a_point_or_a_group_that_is_not_there_is_refused(dataset):
-    study_results = load_results(dataset)
     with pytest.raises(InputError, match=r"^c: no particles in the dataset$"):
         study_results.particles("c")
     with pytest.raises(KeyError):

@@ -61,16 +61,9 @@ def points_read(monkeypatch) -> list[str]:
     return ids_read
 
 
-def test_nothing_is_read_again(study, points_read):
-    assert study.build(*STORED) == study.output.read_bytes()
-    assert points_read == []
-
-
-def test_points_that_come_are_read_and_those_that_go_leave_no_trace(study, points_read):
-    steps = random.Random(1)
-    held = set(STORED)
-    for _ in range(4):
-        numbers = steps.sample(range(6), steps.randrange(1, 7))
+def test_only_points_that_come_are_read_and_those_that_go_leave_no_trace(study, points_read):
+    steps, held = random.Random(1), set(STORED)
+    for numbers in (STORED, *(steps.sample(range(6), steps.randrange(1, 7)) for _ in range(4))):
         points_read.clear()
         found = study.build(*numbers)
         assert set(points_read) == set(ids(study, *set(numbers) - held))
@@ -197,13 +190,17 @@ def test_all_that_is_wrong_is_counted_and_the_first_is_named(
 def test_processes_end_with_their_parent(files, small_batches):
     """A killed parent cannot tell them to end."""
     lines = (
-        "import os, signal\n"
+        "import os, signal, time\n"
+        "from pathlib import Path\n"
         "from sim.dataset import sources\n"
-        "with sources._process_pool(2) as how:\n"
-        "    children = {how['pool'].submit(os.getpid).result() for _ in range(9)}\n"
-        "    children = [process.pid for process in how['pool']._processes.values()]\n"
-        "    print(*children, flush=True)\n"
-        "    os.kill(os.getpid(), signal.SIGKILL)\n"
+        "parent = os.getpid()\n"
+        "def kill_parent(part):\n"
+        "    os.write(1, b'%d ' % os.getpid())\n"
+        "    time.sleep(0.5)\n"
+        "    os.kill(parent, signal.SIGKILL)\n"
+        "    time.sleep(3600)\n"
+        "sources.read_batch, sources.MIN_FILES = kill_parent, 2\n"
+        "sources.read_files([(Path('none'), {}, None)] * 2, processes=2)\n"
     )
     done = subprocess.run([sys.executable, "-c", lines], cwd=ROOT, capture_output=True, text=True)
     children = list(map(int, done.stdout.split()))
@@ -272,17 +269,11 @@ def test_workers_that_end_while_they_read_are_told(files, monkeypatch):
         ending.join()
 
 
-def test_what_is_no_address_is_refused(files):
+def test_what_is_no_address_or_has_no_package_is_refused(files, monkeypatch):
     pytest.importorskip("distributed")
+    assert read_files([], scheduler="nonsense") == []
     with pytest.raises(InputError, match="--dask-scheduler: got 'nonsense'; allowed: the address"):
         read_files(files, scheduler="nonsense")
-
-
-def test_a_missing_package_is_named(files, monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(InputError, match="pip install distributed"):
         read_files(files, scheduler="tcp://127.0.0.1:8786")
-
-
-def test_nobody_is_asked_to_read_nothing():
-    assert read_files([], scheduler="nonsense") == []

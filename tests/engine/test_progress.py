@@ -111,12 +111,13 @@ def test_the_file_tells_the_run_until_it_ends(clock, output):
     assert list(output.parent.iterdir()) == []
 
 
-def test_the_file_is_not_written_all_the_time(clock, output):
+def test_the_file_is_not_written_all_the_time_and_needs_not_be_writable(clock, output, tmp_path):
     written = set()
-    with progress(POINT, output) as advance:
+    with progress(POINT, output) as advance, progress(POINT, tmp_path / "none" / "run.nc") as other:
         for _ in range(100):
             clock.time += 0.1
             advance(1)
+            other(1)
             written.add(read_progress(output).done)
     assert len(written) in (5, 6)
 
@@ -127,12 +128,6 @@ def test_the_file_goes_with_a_run_that_raises_but_not_with_one_that_is_terminate
         assert progress_file(output).exists()
         raise error
     assert progress_file(output).exists() == (error is SystemExit)
-
-
-def test_a_file_that_cannot_be_written_does_not_end_the_run(clock, tmp_path):
-    with progress(POINT, tmp_path / "none" / "run.nc") as advance:
-        clock.time += 10.0
-        advance(1)
 
 
 def test_a_run_that_resumes_counts_what_lies_behind_it(clock, output):
@@ -150,15 +145,10 @@ def test_a_run_that_resumes_counts_what_lies_behind_it(clock, output):
 def test_files_that_say_nothing_are_nothing(clock, output):
     with progress(POINT, output):
         text = progress_file(output).read_text()
-        assert read_progress(output) is not None
         broken = [b"", b"\xff\x00", text[: len(text) // 2].encode(), b"[1]", b"null", b"{}"]
         for change in ({"rate": "fast"}, {"done": -1}, {"total": 0}):
             broken.append(json.dumps(json.loads(text) | change).encode())
         for content in broken:
             progress_file(output).write_bytes(content)
             assert read_progress(output) is None, content
-        progress_file(output).unlink()
-        assert read_progress(output) is None
-        progress_file(output).mkdir()
-        assert read_progress(output) is None
-        progress_file(output).rmdir()
+    assert read_progress(output) is None

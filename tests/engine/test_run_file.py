@@ -1,9 +1,5 @@
 """Writing a run file: all of it or nothing."""
 
-import os
-import signal
-import subprocess
-import sys
 from types import SimpleNamespace
 
 import netCDF4
@@ -14,7 +10,6 @@ from sim.engine import run_file
 from sim.engine.systems.recorder import Record
 from sim.parameters.variables import variables_of
 from tests.engine_motion.points import chute_point
-from tests.made.processes import ROOT
 
 SERIES = {"mean_velocity": variables_of("series")["mean_velocity"]}
 INTERVAL = chute_point().sample_steps * chute_point().time_step
@@ -116,36 +111,3 @@ def test_a_failing_write_leaves_no_file_and_an_old_one_alone(tmp_path):
         write(tmp_path / "run.nc", [broken])
     assert (tmp_path / "run.nc").read_bytes() == before
     assert len(list(tmp_path.iterdir())) == 1
-
-
-KILLED = """
-import signal, sys
-from pathlib import Path
-from sim.engine import run_file
-from tests.engine.test_run_file import write
-
-def stuck(*arguments):
-    print("writing", flush=True)
-    sys.stdin.read()
-
-# Whoever starts the tests in the background makes them, and what they start, deaf to SIGINT.
-signal.signal(signal.SIGINT, signal.default_int_handler)
-run_file._write_stage = stuck
-write(Path(sys.argv[1]))
-"""
-
-
-def test_an_interrupted_write_leaves_no_file(tmp_path):
-    process = subprocess.Popen(
-        [sys.executable, "-c", KILLED, str(tmp_path / "run.nc")],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        cwd=ROOT,
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
-    )
-    with process:
-        assert process.stdout.readline() == b"writing\n"
-        process.send_signal(signal.SIGINT)
-        assert process.wait() != 0
-    assert not list(tmp_path.iterdir())

@@ -44,18 +44,9 @@ class Folder:
 
     def write_progress(self, key: str, **changes) -> Path:
         """Write the progress file of a run of this process that is halfway."""
-        values = {
-            "point": key,
-            "done": 500,
-            "total": 1000,
-            "at_most": False,
-            "particles": 100,
-            "rate": 5e3,
-            "elapsed": 10.0,
-            "updated": datetime.now(UTC),
-            "pid": os.getpid(),
-            "host": socket.gethostname(),
-        }
+        values = {"point": key, "done": 500, "total": 1000, "at_most": False, "particles": 100}
+        values |= {"rate": 5e3, "elapsed": 10.0, "updated": datetime.now(UTC)}
+        values |= {"pid": os.getpid(), "host": socket.gethostname()}
         self.runs.mkdir(parents=True, exist_ok=True)
         path = progress_file(self.runs / f"{key}.nc")
         path.write_text(Progress(**values | changes).model_dump_json())

@@ -60,15 +60,10 @@ def refusal(capsys, *words: object) -> str:
     return line
 
 
-def run_command(output: Path) -> list[str]:
-    """Return the command that runs a point from the standard input into a file."""
-    return [sys.executable, "-m", "sim", "run", "-", "--output", str(output)]
-
-
 def start_run(parameters: Parameters, output: Path, **options) -> subprocess.Popen:
     """Start the run of a point in a process of its own, whose messages can be read."""
     process = subprocess.Popen(
-        run_command(output),
+        [sys.executable, "-m", "sim", "run", "-", "--output", str(output)],
         cwd=ROOT,
         stdin=subprocess.PIPE,
         stderr=subprocess.PIPE,

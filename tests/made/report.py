@@ -35,18 +35,9 @@ boundaries:
   - {name: onset, system: belt, of: transport, along: frequency, range: [11, 27], tolerance: 0.25}
 """
 
-BOUNDARY_ROW = {
-    "name": "onset",
-    "system": "belt",
-    "along": "frequency",
-    "unit": "Hz",
-    "low": 15.75,
-    "high": float("nan"),
-    "below": "no transport",
-    "above": "transport",
-    "verdict": "none",
-    "points": 7,
-}
+BOUNDARY_ROW = {"name": "onset", "system": "belt", "along": "frequency", "unit": "Hz"}
+BOUNDARY_ROW |= {"low": 15.75, "high": float("nan"), "below": "no transport", "above": "transport"}
+BOUNDARY_ROW |= {"verdict": "none", "points": 7}
 
 
 def made_claims(points: list[str]) -> list[Judgement]:

@@ -2,18 +2,26 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 from scipy.special import ndtri
 
-from sim.dataset.replicates import outcomes
-from sim.dataset.results import Results
-from sim.parameters import SYSTEMS, Parameters, complete_values, field_info, parse_point, point_id
+from sim.dataset.build import profiles, root
+from sim.dataset.gather import ORIGIN as NAMES
+from sim.dataset.results import Results, with_all_parameters
+from sim.dataset.rows import OF_PROFILES, Row, row_scalars, tabulate_rows
+from sim.parameters import Parameters, complete_values, field_info, parse_point, point_id
+from sim.study.model import Point
 
 #: A number, one per replicate, or a word.
 ScalarValues = float | str | Sequence[float]
+
+#: What made the runs.
+ORIGIN = dict.fromkeys(NAMES, "")
 
 #: Default scatter of replicates relative to the value.
 SCATTER = 1e-3
@@ -68,25 +76,12 @@ def made_point(
     height: np.ndarray | None = None,
     **parameters: object,
 ) -> MadePoint:
-    """Return a point; omitted values are those of a good run.
+    """Return a point that completed; omitted values are those of a good run.
 
-    Parameters
-    ----------
-    system : {'chute', 'belt'}
-    scalars : mapping, optional
-        SI values by name of anything in `sim.parameters.variables.SCALARS` or of measures: one
-        number (replicates then scatter about it), one per replicate, or a word.
-    profiles : mapping, optional
-        By name: a function of the heights (m), whose values then scatter over replicates as a
-        whole, or an array (replicate, slice). Those named ``column_...`` run along the belt.
-    replicates : int
-        All of them completed.
-    scatter : float
-        Standard deviation of replicates, relative to the value.
-    height : (H,) array, optional
-        Centres of the slices, m.
-    **parameters
-        Parameters that differ from the paper.
+    ``scalars`` are SI values by name of `SCALARS` or of measures: one number, about which the
+    replicates scatter by ``scatter`` of it, one per replicate, or a word. ``profiles`` are
+    functions of the heights (m), whose values scatter as a whole, or arrays (replicate, slice);
+    those named ``column_...`` run along the belt. ``height`` (H,) are centres of slices, m.
     """
     point = parse_point(
         {"system": system, "replicates": replicates} | parameters, "tests.made.results"
@@ -109,7 +104,7 @@ def made_point(
     arrays = {
         name: np.outer(factors, profile(_centres(name, point, height)))
         if callable(profile)
-        else np.asarray(profile, float)
+        else np.broadcast_to(np.asarray(profile, float), (replicates, np.shape(profile)[-1]))
         for name, profile in (profiles or {}).items()
     }
     return MadePoint(point, values, arrays, height)
@@ -120,29 +115,25 @@ def made_results(
     boundaries: Sequence[Mapping[str, object]] = (),
     particles: Mapping[str, xr.Dataset] | None = None,
 ) -> Results:
-    """Return points as the results of one study.
+    """Return points, each only once, as the results of one study.
 
-    Parameters
-    ----------
-    *points : MadePoint
-        Each of them only once.
-    boundaries : sequence of mapping, optional
-        One per boundary, from `made_boundary`.
-    particles : mapping, optional
-        Group ``particles`` by id of the point.
+    ``boundaries`` are those of `made_boundary`; ``particles`` are groups by id of the point.
     """
-    count = max(len(point.scalars["status"]) for point in points)
-    names = dict.fromkeys(name for point in points for name in point.scalars)
-    data = {name: (("point", "replicate"), _table(points, name, count)) for name in names}
-    root = xr.Dataset(data, coords=_coordinates(points) | {"replicate": np.arange(count)})
-    root = root.assign_attrs(study="made", title="Made up", engine_version="0", versions="none")
-    profiles = {
-        system: _profiles([point for point in points if point.parameters.system == system], count)
-        for system in {point.parameters.system for point in points}
+    members = {one.id: Point(one.id, one.parameters, (), ()) for one in points}
+    study: Any = SimpleNamespace(name="made", title="Made up", points=members)
+    rows = {one.id: Row(one.id, ORIGIN, {**one.scalars, **_arrays(one)}) for one in points}
+    dataset = with_all_parameters(root(tabulate_rows(rows, list(rows), row_scalars()), study))
+    ids = {
+        system: [one.id for one in points if one.parameters.system == system]
+        for system in dict.fromkeys(one.parameters.system for one in points)
+    }
+    groups = {
+        system: profiles(tabulate_rows(rows, of, OF_PROFILES, dataset.sizes["replicate"]))
+        for system, of in ids.items()
     }
     columns = None if boundaries else ["system", "of", "along", "low", "high"]
     table = pd.DataFrame(list(boundaries), columns=columns)
-    return Results(root.assign(_together(root)), profiles, table, dict(particles or {}))
+    return Results(dataset, groups, table, dict(particles or {}))
 
 
 def made_boundary(
@@ -202,66 +193,9 @@ def _replicated(values: ScalarValues, factors: np.ndarray) -> np.ndarray:
     return np.asarray(values, float)
 
 
-def _table(points: Sequence[MadePoint], name: str, count: int) -> np.ndarray:
-    """Return a scalar of all points (point, replicate), padded as the dataset is."""
-    word = any(name in point.scalars and point.scalars[name].dtype == object for point in points)
-    table = np.full((len(points), count), "" if word else np.nan, object if word else float)
-    for row, point in zip(table, points, strict=True):
-        if name in point.scalars:
-            row[: len(point.scalars[name])] = point.scalars[name]
-    return table
-
-
-def _coordinates(points: Sequence[MadePoint]) -> dict[str, object]:
-    """Return ids, particle numbers and every parameter of all systems, as in a dataset."""
-    empty = np.full(len(points), "", object)
-    labels = {
-        "point": [point.id for point in points],
-        "series": ("point", empty),
-        "figures": ("point", empty),
-        "caveat": ("point", empty),
-        "particles": ("point", [point.parameters.particles for point in points]),
-    }
-    names = dict.fromkeys(name for model in SYSTEMS.values() for name in model.model_fields)
-    for name in names:
-        values = [getattr(point.parameters, name, None) for point in points]
-        word = any(isinstance(value, str) for value in values)
-        missing = "" if word else np.nan
-        filled = [missing if value is None else value for value in values]
-        labels[name] = ("point", np.array(filled, object if word else float))
-    return labels
-
-
-def _together(root: xr.Dataset) -> dict[str, object]:
-    """Return statistics pooled over replicates, under the names of the dataset."""
-    rows = outcomes(root)
-    names = {"velocity": float, "half_width": float, "regime": object, "quality": object}
-    return {
-        f"point_{name}": ("point", np.array([row[name] for row in rows], kind))
-        for name, kind in names.items()
-    }
-
-
-def _profiles(points: Sequence[MadePoint], count: int) -> xr.Dataset:
-    """Return the profiles of one system's points, padded to the longest."""
-    names = dict.fromkeys(name for point in points for name in point.profiles)
-    data = {}
-    for dimension, centres in (("slice", "height"), ("square", "column")):
-        own = [name for name in names if _is_along(name) == _is_along(centres)]
-        if not own and _is_along(centres):
-            continue
-        rows = [_centres(centres, point.parameters, point.height) for point in points]
-        data[centres] = ("run", dimension), _padded(rows, (max(map(len, rows)),))
-        for name in own:
-            rows = [point.profiles.get(name, np.empty((0, 0))) for point in points]
-            shape = (count, data[centres][1].shape[1])
-            data[name] = ("run", "replicate", dimension), _padded(rows, shape)
-    return xr.Dataset(data, coords={"run": [point.id for point in points]})
-
-
-def _padded(rows: Sequence[np.ndarray], shape: tuple[int, ...]) -> np.ndarray:
-    """Return arrays filled up with NaN to one shape, as one array."""
-    table = np.full((len(rows), *shape), np.nan)
-    for filled, row in zip(table, rows, strict=True):
-        filled[tuple(slice(size) for size in row.shape)] = row
-    return table
+def _arrays(point: MadePoint) -> dict[str, np.ndarray]:
+    """Return the profiles of a point with the centres of their values."""
+    arrays = {"height": point.height, **point.profiles}
+    if any(map(_is_along, arrays)):
+        arrays["column"] = _centres("column", point.parameters, point.height)
+    return arrays

@@ -1,7 +1,7 @@
 """Synthetic run files: small ones as the engine writes them, with known answers."""
 
 from collections.abc import Mapping, Sequence
-from math import cos, nan, radians, sin
+from math import nan, radians
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +11,7 @@ import numpy as np
 from sim.base.seals import append_summary, seal
 from sim.dataset.boundaries import added_points
 from sim.engine.identity import NUMERICS
-from sim.engine.observe.force_balance import base_forces
-from sim.parameters import Parameters, amounts, canonical_values, field_info, point_id
+from sim.parameters import Parameters, amounts, canonical_values, point_id
 from sim.parameters.variables import SCALARS
 from sim.study.load import load_study
 from tests.made.once import once
@@ -29,40 +28,20 @@ def write_run(
     *,
     regime: str = "steady",
     failed: Sequence[int] = (),
-    shear_excess: float = 0.0,
-    normal_excess: float = 0.0,
-    gain: float = 0.0,
     numerics: int = NUMERICS,
     caveat: str = "",
     arrays: Mapping[str, Any] | None = None,
 ) -> Path:
-    """Write ``<folder>/<point id>.nc`` by the contract of a run file.
+    """Write ``<folder>/<point id>.nc`` by the contract of a run file; return its path.
 
-    Parameters
-    ----------
-    folder : Path
-        Created if absent.
-    parameters : Parameters
-        The point; it sets the number of replicates.
-    velocity : float or sequence of float
-        Mean velocity, m/s, of all or of each replicate.
-    regime : str
-        Regime of the replicates that completed.
-    failed : sequence of int
-        Replicates that blew up; all of them make the run a failed one.
-    shear_excess, normal_excess : float
-        Relative error put into the base forces of a chute.
-    gain : float
-        Velocity gained at a constant rate over the run, in √(g·diameter).
-    caveat : str
-        What the run says is doubtful about itself.
-    arrays : mapping
-        Further variables, or replacements of those made up here.
+    ``velocity`` (m/s) is that of all or of each replicate, ``regime`` that of those that completed;
+    ``failed`` ones blew up, and all of them make the run a failed one. ``arrays`` are further
+    variables, or replacements of those made up here.
     """
     count = parameters.replicates
     velocities = np.broadcast_to(np.asarray(velocity, dtype=float), count).copy()
     velocities[list(failed)] = nan
-    data = _series(parameters, velocities, shear_excess, normal_excess, gain)
+    data = _series(parameters, velocities)
     data |= _scalars(parameters, velocities, regime, failed)
     data |= _parameters(parameters) | dict(arrays or {})
     attributes = _attributes(parameters, failed, numerics) | {"caveat": caveat}
@@ -100,108 +79,64 @@ def _write(path: Path, data: Mapping[str, Any], attributes: Mapping[str, Any]) -
             variable[...] = values
 
 
-def _series(
-    parameters: Parameters,
-    velocities: np.ndarray,
-    shear_excess: float,
-    normal_excess: float,
-    gain: float,
-) -> dict[str, Any]:
-    """Return a time series that swings about its mean, with base forces that obey momentum."""
+def _series(parameters: Parameters, velocities: np.ndarray) -> dict[str, Any]:
+    """Return a time series that swings about its mean, and a profile."""
     span = (parameters.transient + parameters.average) * parameters.time_unit
     time = np.linspace(span / SAMPLES, span, SAMPLES)
-    phase = 2 * np.pi * time / span * 23
-    swing = 0.02 * parameters.velocity_unit
-    rise = gain * parameters.velocity_unit / span
-    series = velocities[:, None] + swing * np.sin(phase) + rise * (time - span / 2)
-    data = {
+    swing = 0.02 * parameters.velocity_unit * np.sin(2 * np.pi * time / span * 23)
+    profile = np.outer(velocities, np.linspace(0.5, 1.5, HEIGHTS))
+    return {
         "time": ("time", time, {"units": "s"}),
         "height": ("height", (np.arange(HEIGHTS) + 0.5) * 1e-3, {"units": "m"}),
-        "mean_velocity": (("replicate", "time"), series, {"units": "m s-1"}),
-        "velocity_profile": (
-            ("replicate", "height"),
-            np.outer(velocities, np.linspace(0.5, 1.5, HEIGHTS)),
-            {"units": "m s-1"},
-        ),
+        "mean_velocity": (("replicate", "time"), velocities[:, None] + swing, {"units": "m s-1"}),
+        "velocity_profile": (("replicate", "height"), profile, {"units": "m s-1"}),
     }
-    if parameters.system == "chute":
-        mass, weight = _mass_and_weight(parameters)
-        angle = radians(parameters.angle)
-        change = mass * (swing * np.cos(phase) * 2 * np.pi * 23 / span + rise)
-        shear = (weight * sin(angle) - change) * (1 + shear_excess)
-        normal = np.full(SAMPLES, weight * cos(angle)) * (1 + normal_excess)
-        blank = np.where(np.isnan(velocities), nan, 1.0)[:, None]
-        units = {"units": "N"}
-        data["base_shear_force"] = (("replicate", "time"), shear * blank, units)
-        data["base_normal_force"] = (("replicate", "time"), normal * blank, units)
-        start = round(SAMPLES * parameters.transient / (parameters.transient + parameters.average))
-        rows = [
-            base_forces(
-                *(row[start:] for row in (tau, sigma, v)),
-                mass,
-                (weight * sin(angle), weight * cos(angle)),
-                span / SAMPLES,
-            )
-            for tau, sigma, v in zip(shear * blank, normal * blank, series, strict=True)
-        ]
-        for name in rows[0]:
-            data[name] = ("replicate", np.array([row[name] for row in rows]), units)
-    return data
-
-
-def _mass_and_weight(parameters: Parameters) -> tuple[float, float]:
-    mass = parameters.particles * parameters.mass
-    return mass, mass * parameters.gravity
 
 
 def _scalars(
     parameters: Parameters, velocities: np.ndarray, regime: str, failed: Sequence[int]
 ) -> dict[str, Any]:
     count = len(velocities)
-    lost = [index in failed for index in range(count)]
-    acceleration = 2.0 if regime == "accelerating" else 1e-8
+    lost = np.isin(np.arange(count), failed)
     # A regime is undetermined where the trend is uncertain.
     unsure = 1.0 if regime == "undetermined" else 1e-7
-    numbers = {
-        "velocity": (velocities, "m s-1"),
-        "velocity_error": (np.where(lost, nan, 0.0004), "m s-1"),
-        "velocity_half_width": (np.where(lost, nan, 0.0009), "m s-1"),
-        "acceleration": (np.where(lost, nan, acceleration), "m s-2"),
-        "acceleration_error": (np.where(lost, nan, unsure / 2), "m s-2"),
-        "acceleration_half_width": (np.where(lost, nan, unsure), "m s-2"),
-        "average_start": (np.where(lost, nan, 0.25), "s"),
-        "independent_samples": (np.where(lost, nan, 40.0), "1"),
-        "energy_residual": (np.where(lost, nan, 1e-4), "1"),
-        "max_overlap": (np.where(lost, 0.31, 0.01), "1"),
-        "steps": (np.where(lost, 1200, parameters.steps), "1"),
-        "time_step_used": (np.where(lost, nan, parameters.time_step), "s"),
-        "wall_time": (np.full(count, 1.5), "s"),
-        "replicate_seed": (parameters.seed + np.arange(count), "1"),
+    known = {
+        "velocity": velocities,
+        "velocity_error": 0.0004,
+        "velocity_half_width": 0.0009,
+        "acceleration": 2.0 if regime == "accelerating" else 1e-8,
+        "acceleration_error": unsure / 2,
+        "acceleration_half_width": unsure,
+        "average_start": 0.25,
+        "independent_samples": 40.0,
+        "energy_residual": 1e-4,
+        "time_step_used": parameters.time_step,
     }
-    words = {
-        "regime": ["undetermined" if failure else regime for failure in lost],
-        "quality": ["failed" if failure else "reliable" for failure in lost],
-        "stopped": ["failure" if failure else "length" for failure in lost],
-        "status": ["failed" if failure else "completed" for failure in lost],
-        "reason": [FAILURE if failure else "" for failure in lost],
+    if parameters.system == "chute":
+        known |= {"base_normal": 1.0, "base_shear": 0.3}
+    values = {name: np.where(lost, nan, value) for name, value in known.items()} | {
+        "max_overlap": np.where(lost, 0.31, 0.01),
+        "steps": np.where(lost, 1200, parameters.steps),
+        "wall_time": np.full(count, 1.5),
+        "replicate_seed": parameters.seed + np.arange(count),
+        "regime": np.where(lost, "undetermined", regime).astype(object),
+        "quality": np.where(lost, "failed", "reliable").astype(object),
+        "stopped": np.where(lost, "failure", "length").astype(object),
+        "status": np.where(lost, "failed", "completed").astype(object),
+        "reason": np.where(lost, FAILURE, "").astype(object),
     }
-    data = {name: ("replicate", array, {"units": unit}) for name, (array, unit) in numbers.items()}
-    return data | {
-        name: ("replicate", np.array(values, dtype=object)) for name, values in words.items()
+    return {
+        name: ("replicate", array, {"units": SCALARS[name].unit} if SCALARS[name].unit else {})
+        for name, array in values.items()
     }
 
 
 def _parameters(parameters: Parameters) -> dict[str, Any]:
-    rows = field_info(parameters)
-    data: dict[str, Any] = {"particles": ((), parameters.particles, {"units": "1"})}
-    for name, value in canonical_values(parameters).items():
-        attrs = {"long_name": rows[name].description}
-        if rows[name].unit:
-            attrs["units"] = rows[name].unit
-        if rows[name].scale:
-            attrs["comment"] = f"multiple of {rows[name].scale}"
-        data[name] = ((), int(value) if isinstance(value, bool) else value, attrs)
-    return data
+    values = canonical_values(parameters) | {"particles": parameters.particles}
+    return {
+        name: ((), int(value) if isinstance(value, bool) else value)
+        for name, value in values.items()
+    }
 
 
 def _attributes(parameters: Parameters, failed: Sequence[int], numerics: int) -> dict[str, Any]:
@@ -227,18 +162,13 @@ def _attributes(parameters: Parameters, failed: Sequence[int], numerics: int) ->
 STUDY = """\
 study: made
 title: A made-up study
-defaults:
-  chute: {replicates: 2}
-  belt: {replicates: 3}
+defaults: {chute: {replicates: 2}, belt: {replicates: 3}}
 series:
   - name: depths
     system: chute
     grid: {depth: [0.5, 2.5, 5, 10], restitution: [0.7, 0.85]}
     figures: [walton_2]
-  - name: rough
-    system: chute
-    grid: {depth: [2.5, 5], friction: [0.4, 0.5]}
-    figures: [walton_2]
+  - {name: rough, system: chute, grid: {depth: [2.5, 5], friction: [0.4, 0.5]}, figures: [walton_2]}
   - name: angles
     system: belt
     grid: {frequency: [10, 20, 50, 80], vibration_angle: [30, 45, 60]}
@@ -304,54 +234,18 @@ REGIMES = """\
 study: regimes
 title: Made-up regimes
 boundaries:
-  - name: acceleration-friction
-    system: chute
-    of: acceleration
-    along: friction
-    range: [0.2, 0.6]
-    tolerance: 0.05
-    grid: {depth: [5, 10]}
-    figures: [regimes_friction]
-  - name: flow-friction
-    system: chute
-    of: flow
-    along: friction
-    range: [0.2, 1]
-    tolerance: 0.05
-    grid: {depth: [5, 10]}
-    figures: [regimes_friction]
-  - name: acceleration-depth
-    system: chute
-    of: acceleration
-    along: depth
-    range: [0.5, 2.5]
-    tolerance: 0.2
-    base: {friction: 0.4}
-    figures: [regimes_friction]
-  - name: acceleration-angle
-    system: chute
-    of: acceleration
-    along: angle
-    range: [12, 28]
-    tolerance: 1
-    grid: {depth: [5, 20]}
-    figures: [regimes_angle]
-  - name: flow-angle
-    system: chute
-    of: flow
-    along: angle
-    range: [12, 28]
-    tolerance: 1
-    grid: {depth: [5, 20]}
-    figures: [regimes_angle]
-  - name: onset
-    system: belt
-    of: transport
-    along: frequency
-    range: [11, 27]
-    tolerance: 0.25
-    grid: {amplitude: [0.5, 1]}
-    figures: [belt_onset]
+  - {name: acceleration-friction, system: chute, of: acceleration, along: friction, tolerance: 0.05,
+     range: [0.2, 0.6], grid: {depth: [5, 10]}, figures: [regimes_friction]}
+  - {name: flow-friction, system: chute, of: flow, along: friction, tolerance: 0.05,
+     range: [0.2, 1], grid: {depth: [5, 10]}, figures: [regimes_friction]}
+  - {name: acceleration-depth, system: chute, of: acceleration, along: depth, tolerance: 0.2,
+     range: [0.5, 2.5], base: {friction: 0.4}, figures: [regimes_friction]}
+  - {name: acceleration-angle, system: chute, of: acceleration, along: angle, tolerance: 1,
+     range: [12, 28], grid: {depth: [5, 20]}, figures: [regimes_angle]}
+  - {name: flow-angle, system: chute, of: flow, along: angle, tolerance: 1,
+     range: [12, 28], grid: {depth: [5, 20]}, figures: [regimes_angle]}
+  - {name: onset, system: belt, of: transport, along: frequency, tolerance: 0.25,
+     range: [11, 27], grid: {amplitude: [0.5, 1]}, figures: [belt_onset]}
 """
 
 

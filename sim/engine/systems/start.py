@@ -1,12 +1,9 @@
 """Initial states: random packings, a layer above the plane, a bed above the belt."""
 
-import hashlib
-from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from copy import deepcopy
 from itertools import product
 from math import pi, radians, tan
-from threading import Lock
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -285,18 +282,13 @@ def _stage(p: BeltParameters, frequency: float, time_step: float, words: str) ->
     return Stage(vibration(p, frequency), integrator, words)
 
 
-# Beds that have come to rest in this process: points that differ in the shaking alone share one.
-#
-# A bed is known by all that its settling is given, so nothing that changes it can be overlooked. No
-# bed outlives the process, so none outlives the code that settled it.
-
-
-#: Most memory (bytes) of the beds; the one that was last asked for the longest time ago goes first.
+#: Most memory (bytes) of the beds in `beds`; the one that was last asked for the longest time ago
+#: goes first.
 ROOM = 16_000_000
 
-#: Beds by what their settling was given; a lock, as flows may run in several threads.
-beds: OrderedDict[Hashable, Any] = OrderedDict()
-_lock = Lock()
+#: Beds that have come to rest in this process, by all that their settling was given: points that
+#: differ in the shaking alone share one. None outlives the code that settled it.
+beds: dict[tuple[Any, ...], Any] = {}
 
 
 def settle_once(kind: Hashable, given: Any, settle: Callable[[], Any]) -> Any:
@@ -311,28 +303,13 @@ def settle_once(kind: Hashable, given: Any, settle: Callable[[], Any]) -> Any:
     settle : callable
         Returns the settled bed, nested tuples of arrays and numbers. An exception is passed on.
     """
-    key = kind, _digest(given)
-    with _lock:
-        if bed := beds.get(key):
-            beds.move_to_end(key)
-            return deepcopy(bed)
-    bed = settle()
-    with _lock:
-        beds[key] = deepcopy(bed)
-        while sum(map(_size, beds.values())) > ROOM:
-            beds.popitem(last=False)
+    values = flatten(given).values()
+    key = kind, *(one.tobytes() if isinstance(one, np.ndarray) else repr(one) for one in values)
+    bed = beds.pop(key, None) or settle()
+    beds[key] = deepcopy(bed)
+    while sum(map(_size, list(beds.values()))) > ROOM:
+        beds.pop(next(iter(list(beds))), None)
     return bed
-
-
-def _digest(given: Any) -> bytes:
-    """Return a hash of all arrays and numbers of nested tuples, to the bit."""
-    digest = hashlib.sha256()
-    for name, value in flatten(given).items():
-        is_array = isinstance(value, np.ndarray)
-        text = f"{value.dtype} {value.shape}" if is_array else repr(value)
-        digest.update(f"{name} {text}\n".encode())
-        digest.update(value.tobytes() if is_array else b"")
-    return digest.digest()
 
 
 def _size(bed: Any) -> int:
