@@ -23,8 +23,8 @@ from sim.surrogates.posterior import (
     check_draws,
     summarize,
 )
-from sim.surrogates.predictor import on_one_thread, scaled
-from sim.surrogates.sample import standard_errors
+from sim.surrogates.process import on_one_thread
+from sim.surrogates.sample import scaled, standard_errors
 from sim.surrogates.surrogate import Surrogate
 from tests.coverage.rows import print_table
 from tests.made.surrogates import asked, made_sample

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.surrogates.predictor import scaled
+from sim.surrogates.sample import scaled
 
 
 @dataclass

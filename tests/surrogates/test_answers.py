@@ -33,8 +33,8 @@ from sim.surrogates.answers import (
     save_refusal,
     summary_lines,
 )
+from sim.surrogates.inquiries import write_round
 from sim.surrogates.posterior import summarize
-from sim.surrogates.rounds import write_round
 from sim.surrogates.storage import answer_files, load_surrogate
 from tests.made.runs import write_run
 from tests.made.surrogates import rough_answers
@@ -356,7 +356,7 @@ def test_a_table_and_a_refusal_take_each_others_place(tmp_path):
         save_refusal(Refusal('no indices, as "0 of 8"\x1b[2J'), path)
         assert refusal_in(path) == 'no indices, as "0 of 8" [2J'
         answers.save_table(INDICES, path)
-        assert not refusal_in(path) and answers.load_table(path).equals(INDICES)
+        assert not refusal_in(path) and storage.load_table(path).equals(INDICES)
 
 
 def test_a_kill_between_a_table_and_the_note_of_its_checksum_damages_nothing(tmp_path, monkeypatch):
@@ -372,8 +372,8 @@ def test_a_kill_between_a_table_and_the_note_of_its_checksum_damages_nothing(tmp
     monkeypatch.setattr(Path, "replace", replace_note_alone)
     with pytest.raises(KeyboardInterrupt):
         save_refusal(Refusal("no indices"), path)
-    assert answers.load_table(path).equals(INDICES)
+    assert storage.load_table(path).equals(INDICES)
     path.write_text(path.read_text().replace("friction", "fraction"))
     with pytest.raises(DamagedError, match="its checksum is wrong"):
-        answers.load_table(path)
+        storage.load_table(path)
     assert not refusal_in(path)

@@ -18,7 +18,7 @@ from sim.surrogates.indices import (
     sobol_indices_of_runs,
 )
 from sim.surrogates.inquiries import places_of
-from sim.surrogates.predictor import scaled, unscaled
+from sim.surrogates.sample import scaled, unscaled
 from sim.surrogates.surrogate import Surrogate
 from tests.figures.drawing import picture, table
 from tests.made.answers import picture_data

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from sklearn.base import clone
 
+from sim.surrogates.fit import fit_lengths, fit_process
 from sim.surrogates.process import Process
 from tests.made.surrogates import design, kinked, smooth
 
@@ -19,7 +20,7 @@ def noisy(function, count, dimensions, seed, noise):
 
 def test_a_smooth_function_is_known_from_few_points():
     x = design(32, 3)
-    process = Process.fit(x, smooth(x), np.zeros(32), has_scatter=False)
+    process = fit_process(x, smooth(x), np.zeros(32), has_scatter=False)
     fresh = np.random.default_rng(2).random((300, 3))
     mean, error = process.predict(fresh)
     apart = np.abs(mean - smooth(fresh))
@@ -33,7 +34,7 @@ def test_leaving_out_is_what_a_process_without_the_point_says():
     """The closed form, against processes of the same lengths through all other points."""
     x, y, size, _ = noisy(kinked, 16, 2, 3, 0.05)
     for is_log in (False, True):
-        process = Process(x, y, np.full(16, size**2), is_log, has_scatter=True).fit_lengths()
+        process, _ = fit_lengths(Process(x, y, np.full(16, size**2), is_log, has_scatter=True))
         left_out = process.left_out
         for index in range(16):
             others = np.arange(16) != index
@@ -41,9 +42,7 @@ def test_leaving_out_is_what_a_process_without_the_point_says():
             again.fit(process.places[others], process.values[others])
             mean, spread = again.predict(x[index : index + 1], return_std=True)
             error = np.sqrt(spread**2 - process._scatter)
-            middle, unit = process._in_unit(
-                process._offset + process._scale * mean, process._scale * error, np.ones(1)
-            )
+            middle, unit = process._in_unit(mean, error, np.ones(1))
             assert left_out.mean[index] == pytest.approx(middle[0], rel=1e-6)
             assert left_out.error[index] == pytest.approx(unit[0], rel=1e-4)
 
@@ -51,7 +50,7 @@ def test_leaving_out_is_what_a_process_without_the_point_says():
 @pytest.mark.parametrize("has_scatter", [True, False])
 def test_correlations_with_errors_are_the_covariance_of_the_process(has_scatter):
     x, y, size, rng = noisy(smooth, 16, 2, 3, 0.1)
-    process = Process(x, y, np.full(16, size**2), False, has_scatter).fit_lengths()
+    process, _ = fit_lengths(Process(x, y, np.full(16, size**2), False, has_scatter))
     groups, others = rng.random((3, 5, 2)), rng.random((3, 4, 2))
     found = process.correlation(groups, others)
     assert found.shape == (3, 5, 4)
@@ -75,7 +74,7 @@ def test_intervals_hold_the_truth_and_fresh_runs(function, is_known):
     for seed in range(6):
         x, y, size, rng = noisy(function, 32, 3, seed, 0.05)
         variance = np.full(32, size**2 if is_known else 0.0)
-        process = Process.fit(x, y, variance, has_scatter=not is_known)
+        process = fit_process(x, y, variance, has_scatter=not is_known)
         fresh = rng.random((300, 3))
         mean, error = process.predict(fresh)
         apart = np.abs(mean - function(fresh))
@@ -89,28 +88,28 @@ def test_intervals_hold_the_truth_and_fresh_runs(function, is_known):
 def test_the_logarithm_is_taken_where_it_predicts_better():
     x = design(24, 2)
     steep = np.exp(6 * x[:, 0] + x[:, 1])
-    assert Process.fit(x, steep, np.zeros(24), has_scatter=False).is_log
+    assert fit_process(x, steep, np.zeros(24), has_scatter=False).is_log
     around_zero = smooth(x) - smooth(x).mean()
-    assert not Process.fit(x, around_zero, np.zeros(24), has_scatter=False).is_log
+    assert not fit_process(x, around_zero, np.zeros(24), has_scatter=False).is_log
 
 
 def test_noise_that_is_not_known_is_estimated():
     x, y, size, _ = noisy(smooth, 64, 2, 4, 0.1)
-    noise = Process.fit(x, y, np.zeros(64), has_scatter=True).left_out.noise
+    noise = fit_process(x, y, np.zeros(64), has_scatter=True).left_out.noise
     assert 0.7 < noise.mean() / size < 1.4
 
 
 def test_equal_points_and_equal_values_are_no_obstacle():
     x = np.vstack([design(8, 2), design(8, 2)])
-    process = Process.fit(x, np.r_[smooth(x[:8]), smooth(x[8:]) + 0.01], np.full(16, 1e-4), False)
+    process = fit_process(x, np.r_[smooth(x[:8]), smooth(x[8:]) + 0.01], np.full(16, 1e-4), False)
     assert np.isfinite(process.predict(x)[0]).all()
-    flat = Process.fit(design(8, 2), np.full(8, 2.0), np.zeros(8), False)
+    flat = fit_process(design(8, 2), np.full(8, 2.0), np.zeros(8), False)
     assert flat.predict(np.full((1, 2), 0.3))[0] == pytest.approx(2)
 
 
 def test_errors_are_wider_the_fewer_points_lengths_are_fitted_to():
     few, many = (
-        Process.fit(x, smooth(x), np.full(len(x), 1e-4), False)
+        fit_process(x, smooth(x), np.full(len(x), 1e-4), False)
         for x in (design(8, 2), design(64, 2))
     )
     assert few.widening > 1.2 * many.widening and many.widening >= 1

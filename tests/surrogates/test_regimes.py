@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.surrogates.regimes import Regimes
+from sim.surrogates.fit import Regimes
 from tests.made.surrogates import design
 
 

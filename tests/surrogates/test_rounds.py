@@ -13,7 +13,7 @@ from sim.report.results import load
 from sim.report.status import as_text, survey
 from sim.study.load import load_study
 from sim.surrogates import inquiries
-from sim.surrogates.rounds import write_round
+from sim.surrogates.inquiries import write_round
 from tests.made.runs import write_run
 
 STUDY = """\

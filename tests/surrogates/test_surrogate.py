@@ -280,7 +280,7 @@ def test_points_that_do_not_tell_of_each_other_are_told():
     values = 5 + 0.2 * np.sin(40 * x[:, 0]) * np.cos(37 * x[:, 1])
     spec = asked()
     surrogate = Surrogate.fit(spec, made_sample(x, values))
-    assert surrogate.error < 0.1 and surrogate.unexplained > 0.5
+    assert surrogate.error < 0.1 and surrogate.process.unexplained_share > 0.5
     assert "of the variance of each other" in surrogate.caveats[0]
 
 
