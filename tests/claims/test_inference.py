@@ -1,4 +1,4 @@
-"""Tests without an interval: trends, ranks, shares of runs."""
+"""Trends, ranks and shares of runs; statements about many quantities at once; ratios."""
 
 from math import inf
 from types import SimpleNamespace
@@ -7,19 +7,19 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from sim.claims.checks import within
+from sim.claims.checks import at_least, conjunction_p, within
 from sim.claims.inference import (
-    at_least,
-    conjunction_p,
     mann_whitney_p,
+    mean_of_others,
     outranks,
     same_by_rank,
     share_above,
     single_rise,
+    smallest_mean,
     trend,
 )
-from sim.claims.place import with_interval
-from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Check
+from sim.claims.place import quotient, with_interval
+from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, SIGMAS, Check
 from tests.made.results import spread
 
 
@@ -214,3 +214,63 @@ def test_single_rises_are_counted_over_all_choices():
     draws = np.array([rng.choice(group, 20_000) for group in groups])
     share = (np.diff(draws, axis=0) > 0).all(axis=0).mean()
     assert single_rise(groups).nominal_value == pytest.approx(share, abs=0.015)
+
+
+def interval(rows) -> tuple[float, float]:
+    value = smallest_mean(np.asarray(rows, float))
+    half_width = 1.96 * value.std_dev
+    return value.nominal_value - half_width, value.nominal_value + half_width
+
+
+def rows_of(means, errors, replicates=8) -> np.ndarray:
+    return np.asarray(means) + np.outer(spread(replicates), errors)
+
+
+def test_least_of_many_is_positive_only_if_all_are():
+    assert interval(rows_of([1, 2, 0.5], [0.01, 0.01, 0.01]))[0] > 0
+    low, high = interval(rows_of([1, 2, 0.5], [0.01, 5, 0.01]))
+    assert low < 0 < high
+
+
+def test_least_of_many_is_negative_if_one_clearly_is():
+    assert interval(rows_of([1, -0.1, -2.0], [0.01, 0.01, 50]))[1] < 0
+
+
+def test_chance_alone_makes_none_of_many_negative():
+    """Each of 2000 sets of 20 positive means that noise hides: 2.5 % of them may fail."""
+    rng = np.random.default_rng(1)
+    negative = [interval(rng.normal(0, 1, (8, 20)))[1] < 0 for _ in range(2000)]
+    assert np.mean(negative) == pytest.approx(0.025, abs=0.01)
+
+
+def test_one_replicate_says_nothing():
+    assert interval([[1.0, 2.0]]) == (-np.inf, np.inf)
+
+
+def test_the_mean_of_others_knows_nothing_of_the_replicate_itself():
+    rows = np.array([[3.0, 0.0], [0.0, 6.0], [0.0, 0.0]])
+    assert np.array_equal(mean_of_others(rows), [[0, 3], [1.5, 0], [1.5, 3]])
+    assert np.array_equal(mean_of_others(rows.T, axis=1), mean_of_others(rows).T)
+    assert np.array_equal(mean_of_others(rows[:1]), rows[:1])
+
+
+def half_width(numerator, denominator) -> float:
+    return SIGMAS * quotient(numerator, denominator).std_dev
+
+
+def test_a_well_known_divisor_gives_the_propagated_error():
+    ratio = quotient(with_interval(3.0, 0.3), with_interval(2.0, 0.02))
+    assert ratio.nominal_value == 1.5
+    assert SIGMAS * ratio.std_dev == pytest.approx(1.5 * np.hypot(0.1, 0.01), rel=5e-3)
+
+
+def test_the_interval_holds_a_threshold_where_the_difference_is_not_sure():
+    """At its farther end ``over - t · under`` is just as far from zero as its own interval."""
+    numerator, denominator = with_interval(1.0, 0.2), with_interval(2.0, 1.0)
+    end = 0.5 + half_width(numerator, denominator)
+    assert abs(1.0 - end * 2.0) == pytest.approx(np.hypot(0.2, end * 1.0))
+
+
+def test_a_divisor_that_may_be_zero_leaves_the_ratio_open():
+    assert half_width(with_interval(1.16, 0.1), with_interval(3.98, 4.5)) == np.inf
+    assert half_width(with_interval(1.16, 0.1), with_interval(3.98, np.inf)) == np.inf

@@ -12,9 +12,9 @@ from scipy import stats
 from scipy.optimize import curve_fit
 from uncertainties import UFloat
 
-from sim.claims.checks import above, below, remove_votes, reported, within
+from sim.claims.checks import above, below, conjunction_p, remove_votes, reported, within
 from sim.claims.evidence import Evidence
-from sim.claims.inference import conjunction_p, reported_order, trend
+from sim.claims.inference import reported_order, trend
 from sim.claims.place import Place, replicate_mean
 from sim.claims.verdict import Check, Untestable
 from sim.papers.gallas.judges.bed import half_height, height_spread, layer_width, peak_density

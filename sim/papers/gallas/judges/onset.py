@@ -75,7 +75,7 @@ def _scan_onset(evidence: Evidence, threshold: float, **where: Any) -> Onset:
 
 
 def _boundary_onset(evidence: Evidence, **where: Any) -> Onset:
-    frequency = evidence.boundary("belt", "transport", "frequency", seeds=True, **where)
+    frequency = evidence.boundary("belt", "transport", "frequency", **where)
     return Onset(frequency)
 
 

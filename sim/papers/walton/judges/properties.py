@@ -8,9 +8,17 @@ from math import inf
 
 import numpy as np
 
-from sim.claims.checks import above, judge_parts, remove_votes, reported, withhold, within
+from sim.claims.checks import (
+    above,
+    correct_for,
+    judge_parts,
+    remove_votes,
+    reported,
+    withhold,
+    within,
+)
 from sim.claims.evidence import ANY, Evidence
-from sim.claims.inference import correct_for, outranks, reported_order, trend
+from sim.claims.inference import outranks, reported_order, trend
 from sim.claims.place import Place, quotient
 from sim.claims.verdict import Check, Untestable
 from sim.measures import layers

@@ -1,19 +1,27 @@
 """Judges of Walton's claims about regimes: flows that accelerate, are steady, come to rest."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from itertools import chain
 from math import inf, nan, radians, tan
 from string import ascii_lowercase
 
-from uncertainties import UFloat
-
 from sim.base.statistics import MANY, student
-from sim.claims.checks import above, below, judge_parts, remove_votes, reported, withhold, within
+from sim.claims.checks import (
+    above,
+    at_least,
+    below,
+    judge_parts,
+    remove_votes,
+    reported,
+    withhold,
+    within,
+)
 from sim.claims.claim import fill
 from sim.claims.evidence import ANY, Evidence
-from sim.claims.inference import at_least, reported_share, same_by_rank, share_above
+from sim.claims.inference import reported_share, same_by_rank, share_above
 from sim.claims.place import Place, quotient, replicate_mean, with_interval
 from sim.claims.verdict import LONGER_RUNS, NOT_REPRODUCED, REPRODUCED, Check, Unbounded, Untestable
 from sim.papers.walton.judges.chute import (
@@ -132,25 +140,14 @@ def w8(
         slower = below(f"V at n = {n:g} over that at n = {deep:g}", ratio, 1, pair)
         pair_checks = [waive_samples(steady, place), slower]
         checks += pair_checks if n in between else remove_votes(pair_checks)
-    least = _boundary(evidence, "acceleration", "depth", any_protocol=True)
-    if least is not None:
-        checks.append(reported("least depth of a steady flow", least))
-    return checks
-
-
-def _boundary(
-    evidence: Evidence, of: str, along: str, any_protocol: bool = False, **where: float
-) -> UFloat | None:
-    """Return a boundary; none if it was never searched.
-
-    The interval is infinite where a start has no boundary in the range.
-    """
+    # The interval is infinite where a start has no boundary in the range.
+    least = with_interval(nan, inf)
     try:
-        return evidence.boundary("chute", of, along, seeds=True, any_protocol=any_protocol, **where)
-    except Unbounded:
-        return with_interval(nan, inf)
+        with suppress(Unbounded):
+            least = evidence.boundary("chute", "acceleration", "depth", any_protocol=True)
     except Untestable:
-        return None
+        return checks
+    return [*checks, reported("least depth of a steady flow", least)]
 
 
 def w19(
