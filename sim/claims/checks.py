@@ -17,6 +17,10 @@ from sim.claims.verdict import (
     Untestable,
 )
 
+#: What a judge gets of bounds that are several numbers, or two.
+Numbers = Sequence[float]
+Pair = tuple[float, float]
+
 
 def within(
     what: str,

@@ -297,17 +297,15 @@ def _readings_with_runs(
     model = SYSTEMS[system]
     defaults = model()
     points = results.dataset.isel(point=np.flatnonzero(results.dataset["system"] == system))
-    columns = {name: points[name].values.tolist() for name in roles.reading_parameters(model)}
+    names = roles.reading_parameters(model)
     readings = {}
-    for values in zip(*columns.values(), strict=True):
-        pairs = zip(columns, values, strict=True)
+    for values in zip(*(points[name].values.tolist() for name in names), strict=True):
+        pairs = zip(names, values, strict=True)
         unusual = {name: value for name, value in pairs if value != getattr(defaults, name)}
-        if unusual:
-            readings[tuple(unusual.items())] = unusual
-    rows = [
-        {name: value}
-        for name, values in paper_readings.rows.items()
-        for value in values
-        if value in points[name].values
+        readings[tuple(unusual.items())] = unusual
+    readings.pop((), None)
+    rows = ((name, value) for name, values in paper_readings.rows.items() for value in values)
+    return [
+        *readings.values(),
+        *({name: value} for name, value in rows if value in points[name].values),
     ]
-    return [*readings.values(), *rows]

@@ -71,24 +71,20 @@ def test_a_monotone_trend_has_no_step_the_other_way():
 
 
 @pytest.mark.parametrize(
-    ("margin", "verdict"), [(None, REPRODUCED), (0.05, REPRODUCED), (0.001, INCONCLUSIVE)]
+    ("means", "options", "verdicts"),
+    [
+        # That no reversal is seen is no evidence of none.
+        ((1, 2, 2, 3), {"scatter": 0.02}, (REPRODUCED, REPRODUCED, INCONCLUSIVE)),
+        # A sure reversal of 3 %: smaller than the share it refutes nothing.
+        ((1, 2, 1.94, 3), {"scatter": 0.01}, (NOT_REPRODUCED, REPRODUCED, NOT_REPRODUCED)),
+    ],
 )
-def test_that_no_reversal_is_seen_is_no_evidence_of_none(margin, verdict):
-    flat = [groups(1, 2, 2, 3, replicates=8, scatter=0.02)]
-    assert trend("x", flat, monotone=True, margin=margin).verdict == verdict
-    falling = [[group for group in flat[0][::-1]]]
-    assert trend("x", falling, rising=False, monotone=True, margin=margin).verdict == verdict
-
-
-@pytest.mark.parametrize(
-    ("margin", "verdict"), [(None, NOT_REPRODUCED), (0.05, REPRODUCED), (0.001, NOT_REPRODUCED)]
-)
-def test_a_reversal_counts_on_either_side_from_one_share_on(margin, verdict):
-    """A sure reversal of 3 %: smaller than the share it refutes nothing."""
-    dip = groups(1, 2, 1.94, 3, replicates=12, scatter=0.01)
-    assert trend("x", [dip], monotone=True, margin=margin).verdict == verdict
-    fall = trend("x", [dip[::-1]], rising=False, monotone=True, margin=margin)
-    assert fall.verdict == verdict
+def test_a_reversal_counts_on_either_side_from_one_share_on(means, options, verdicts):
+    rising = groups(*means, replicates=12, **options)
+    for margin, verdict in zip((None, 0.05, 0.001), verdicts, strict=True):
+        for samples, is_rising in ((rising, True), (rising[::-1], False)):
+            check = trend("x", [samples], rising=is_rising, monotone=True, margin=margin)
+            assert check.verdict == verdict
 
 
 def test_samples_are_the_same_by_rank_within_a_margin():
@@ -137,8 +133,6 @@ def test_shares_of_runs_are_exact(count, number, verdict):
         ([0.01, 0.5, 0.02], 3, 0.5),
         ([0.01, 0.5, 0.02], 1, 0.03),
         ([0.01, 0.5, 0.02], 2, 0.04),
-        ([0.01, 0.9, 0.02, 0.03, 0.8], 3, 0.09),
-        ([0.6, 0.5], 1, 1.0),
         ([0.001, 0.001], 3, 1.0),
         ([], 1, 1.0),
     ],

@@ -150,6 +150,10 @@ def test_every_reading_has_the_words_that_leave_it_open_or_is_a_control():
         assert all(words.count('"') >= 2 for words in declared.open.values())
 
 
+#: A claim that says two things.
+TWO = claims()[0].model_copy(update={"parts": {"a": "one thing", "b": "another"}})
+
+
 def on_part(part: str, check: Check) -> Check:
     return replace(check, part=part)
 
@@ -174,14 +178,13 @@ def on_part(part: str, check: Check) -> Check:
     ],
 )
 def test_a_claim_that_says_two_things_may_hold_in_part(converged, published, verdict):
-    claim = claims()[0].model_copy(update={"parts": {"a": "one thing", "b": "another"}})
     variants = [
         Variant(protocol, DEFAULT, tuple(on_part(part, check) for part, check in checks))
         for protocol, checks in (("converged", converged), ("published", published))
         if checks
     ]
-    assert Judgement(claim, tuple(variants)).verdict == verdict
-    torn = claim.model_copy(update={"contradiction": "both cannot be"})
+    assert Judgement(TWO, tuple(variants)).verdict == verdict
+    torn = TWO.model_copy(update={"contradiction": "both cannot be"})
     assert Judgement(torn, tuple(variants)).verdict == PAPER_INCONSISTENT
     assert Judgement(torn, (NO_RUNS,)).verdict == UNTESTABLE
 
@@ -190,10 +193,9 @@ def test_a_claim_that_says_two_things_may_hold_in_part(converged, published, ver
     ("second", "verdict"), [(HOLDS, REPRODUCED_IN_PART), (OPEN, READING_DEPENDENT)]
 )
 def test_a_part_may_depend_on_the_reading(second, verdict):
-    claim = claims()[0].model_copy(update={"parts": {"a": "one thing", "b": "another"}})
     headline = Variant("published", DEFAULT, (on_part("a", FAILS), on_part("b", second)))
     other = Variant("published", "other", (on_part("a", HOLDS), on_part("b", HOLDS)))
-    judgement = Judgement(claim, (headline, other))
+    judgement = Judgement(TWO, (headline, other))
     assert judgement.verdict == verdict
     assert judgement.part_verdicts["a"] == READING_DEPENDENT
     assert judgement.verdict_under("other") == REPRODUCED
@@ -212,12 +214,11 @@ def test_a_part_may_depend_on_the_reading(second, verdict):
 def test_the_default_reading_heads_parts_that_the_headline_one_has_no_runs_for(
     headline, headings, verdict
 ):
-    claim = claims()[0].model_copy(update={"parts": {"a": "one thing", "b": "another"}})
     variants = [
         Variant("published", reading, tuple(on_part(part, check) for part, check in checks))
         for reading, checks in (("late", headline), (DEFAULT, [("a", OPEN), ("b", OPEN)]))
     ]
-    judgement = Judgement(claim, tuple(variants), "late")
+    judgement = Judgement(TWO, tuple(variants), "late")
     assert (judgement.headings, judgement.verdict) == (headings, verdict)
     assert as_mapping([judgement], "made")["claims"][0]["headings"] == headings
 
@@ -314,15 +315,12 @@ def test_the_table_has_the_first_verdict_those_on_parts_and_those_by_number():
     claim = claims()[0].model_copy(update={"number": number, "parts": parts})
     checks = on_part("a", HOLDS), on_part("b", OPEN)
     others = {0.1: (on_part("a", FAILS), on_part("b", FAILS)), 0.15: checks}
-    table = as_table(
-        [Judgement(claim, (Variant("published", DEFAULT, checks, checks_by_number=others),))]
-    )
-    assert set(table["first verdict"]) == {claim.first.verdict}
-    assert list(table["part"]) == ["a", "b"]
-    assert list(table["verdict on the part"]) == [REPRODUCED, INCONCLUSIVE]
+    variant = Variant("published", DEFAULT, checks, checks_by_number=others)
+    first, second = as_table([Judgement(claim, (variant,))]).to_dict("records")
     by_number = f"0.1: {NOT_REPRODUCED}; 0.15: {REPRODUCED_IN_PART}"
-    assert set(table["verdict by number"]) == {by_number}
-    assert list(as_table([judged(variant_of(HOLDS))])["verdict on the part"]) == [""]
+    told = {"first verdict": claim.first.verdict, "verdict by number": by_number}
+    assert first.items() >= (told | {"part": "a", "verdict on the part": REPRODUCED}).items()
+    assert second.items() >= (told | {"part": "b", "verdict on the part": INCONCLUSIVE}).items()
 
 
 def test_a_study_of_nothing_relevant_leaves_the_claims_on_flows_untestable():

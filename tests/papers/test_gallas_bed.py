@@ -166,6 +166,7 @@ def waves(early, later=2.0, **rest):
 #: A bed that has not relaxed, one at 20 Hz, and few beds that differ.
 YOUNG = paper_point(frequency=80, damping=10, shear_damping=10)
 HOT = paper_point(frequency=20)
+USUAL_HEAT = temperature_profile(HOT.parameters)(HOT.height)
 FEW = {"scatter": 3, "replicates": 2}
 
 #: Velocities that fall with the frequency.
@@ -244,14 +245,6 @@ WORLDS = [
     (g19, "-", lambda: dense_angles(0.0, values=(30, 45, 60))),
     (g20, "aR bR", lambda: friction()),
     (g20, "aN bN", lambda: friction({(10, 10): block})),
-    # A thin layer with as many beads at the belt.
-    (
-        g20,
-        "aN bR",
-        lambda: friction(
-            {(10, 10): density(paper_point(frequency=80, shear_damping=400).parameters)}
-        ),
-    ),
     (g20, "aR bI", lambda: friction(scatter=0.5)),
     (g21, "aR bR cR", lambda: [*row_of(), YOUNG]),
     (g21, "aN bR cN", lambda: [*row_of(profiles=profile(lambda z: 0.02 * z / BEAD)), YOUNG]),
@@ -277,15 +270,7 @@ WORLDS = [
     (
         g29,
         "I",
-        lambda: row_of(
-            (18, 20),
-            heat(
-                [
-                    *[temperature_profile(HOT.parameters)(HOT.height)] * 3,
-                    *[np.full_like(HOT.height, 0.02)] * 2,
-                ]
-            ),
-        ),
+        lambda: row_of((18, 20), heat([*[USUAL_HEAT] * 3, *[np.full_like(HOT.height, 0.02)] * 2])),
     ),
     (g30, "aR bR", lambda: waves(4.0, scatter=0.01)),
     (g30, "aN bN", lambda: waves(1.6, scatter=0.01)),

@@ -167,13 +167,6 @@ WORLDS = [
     (g12, "N", lambda: damped([0.25, 0.4], (50, 100), (80,))),
     (g12, "I", lambda: damped([0.25, 0.25], (50, 100), (80,), scatter=0.2)),
     (g36, "R", lambda: damped(values=(20, 50, 100), frequencies=(20, 80))),
-    (
-        g36,
-        "N",
-        lambda: (
-            damped([0.1] * 3, (20, 50, 100), (20,)) + damped([0.2, 0.25, 0.3], (20, 50, 100), (80,))
-        ),
-    ),
     # A fast flow that γ_s slows is changed as well.
     (
         g36,

@@ -7,8 +7,8 @@ import pytest
 
 from sim.dataset.replicates import CLOSED_SHARE
 from sim.papers.walton.judges.chute import CELLS
-from sim.papers.walton.judges.flows import w5, w9, w24, w26
-from sim.papers.walton.judges.regimes import w6, w7, w8, w19, w23, w25
+from sim.papers.walton.judges.flows import w5, w9, w23, w24, w26
+from sim.papers.walton.judges.regimes import w6, w7, w8, w19, w25
 from tests.made.chute_flows import PAPER, SLOPE, SPEEDS, WIDE, base_flows, flow
 from tests.made.judging import headline_bounds, letters
 from tests.made.results import made_boundary, made_point
