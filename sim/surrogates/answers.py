@@ -26,8 +26,7 @@ if TYPE_CHECKING:
 
     from sim.study.design import Axis
 
-#: Key of the caveats in the summary of a file, and heading of their column in a table; those of a
-#: refusal.
+#: Keys of caveats and of a refusal in the summary of a file, and headings of columns in a table.
 KEY, _REFUSAL = "caveats", "refusal"
 
 #: What stands between two caveats in a text.
@@ -257,8 +256,9 @@ def read_table(path: Path) -> bytes | None:
     One of an earlier version has no checksum.
     """
     content, note = read_regular(path), _note(path)
-    is_whole = not note.is_file() or _checksum(content) in note.read_text("ascii", "replace")
-    return content if is_whole else None
+    if note.is_file() and _checksum(content) not in note.read_text("ascii", "replace"):
+        return None
+    return content
 
 
 def _note(path: Path) -> Path:
@@ -275,10 +275,7 @@ def _table_text(path: Path) -> str:
 
 
 def table_line(path: Path) -> str:
-    """Return the parameters that matter most, with total index or mean effect and its interval.
-
-    Empty where the file is damaged.
-    """
+    """Return the parameters that matter most, with index and interval; empty for a damaged file."""
     rows = csv.DictReader(_table_text(path).splitlines())
     shown = [row for row in rows if row.get("index") in ("total", "mu_star") and row.get("value")]
     if not shown:
@@ -321,13 +318,9 @@ def sealed_file(path: Path, summary: Mapping[str, Any]) -> Iterator[Path]:
 def stored_answer(path: Path, kind: str) -> Iterator[None]:
     """Let the file of an answer be read.
 
-    Raises
-    ------
-    InputError
-        When there is no such file, or it is damaged. In the results of a study it is then set
-        aside, so that the study makes it again.
-    Refusal
-        When the runs do not give the answer.
+    Raises `InputError` when there is no such file, or it is damaged: in the results of a study it
+    is then set aside, so that the study makes it again. Raises `Refusal` when the runs do not give
+    the answer.
     """
     is_of_study = (path.parent.parent / "runs").is_dir()
     with checked_read(path, kind, replaceable=is_of_study, sealed=path.suffix != ".csv"):

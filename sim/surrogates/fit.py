@@ -178,20 +178,12 @@ class Regimes:
     The probability is Φ(a m / √(1 + a² s²)) with mean m and error s of the process. The sharpness
     a is the one that predicts each point best from all others (Rasmussen and Williams 2006,
     section 6.5). Of two regimes, one has a process; those of more are scaled to a sum of 1.
-
-    Attributes
-    ----------
-    x : numpy.ndarray
-        Points, (n, d).
-    regime : numpy.ndarray
-        The regime of each, (n,).
-    theta : numpy.ndarray
-        Logarithms of sharpness, amplitude, lengths and scatter of each process,
-        (processes, d + 3).
     """
 
+    #: Points, (n, d), and the regime of each, (n,).
     x: np.ndarray
     regime: np.ndarray
+    #: Logarithms of sharpness, amplitude, lengths and scatter of each process, (processes, d + 3).
     theta: np.ndarray
 
     @classmethod

@@ -53,8 +53,9 @@ _LEAST_SPREAD = 1e-12
 #: What a total index must be below, with its interval, to be without effect.
 NEGLIGIBLE = 0.01
 
-#: What is doubtful about a row.
+#: What may be doubtful about a row.
 _OUTSIDE = "outside 0 to 1 by more than its interval, by too few points"
+_NO_INTERVAL = "no interval, as effects at different places are equal or too few"
 
 #: Blocks of a sample of a surrogate, a power of two; and samples, with as many realisations each.
 BLOCKS, _SCRAMBLINGS, _REALISATIONS = 2**11, 8, 4
@@ -62,17 +63,12 @@ BLOCKS, _SCRAMBLINGS, _REALISATIONS = 2**11, 8, 4
 #: Waves of a realisation, and its longest correlation length, of the unit cube.
 _WAVES, _LONGEST = 128, 1.0
 
-#: Share of the ranges without such a flow beyond which there are no indices, and the number of
-#: points where this is looked at.
-_MOST_ABSENT, _PLACES = 0.5, 2**12
+#: Shares beyond which there are no indices: of the ranges without such a flow, of the variance that
+#: points do not tell of each other, and of that which comes from noise.
+_MOST_ABSENT, _MOST_UNEXPLAINED, _MOST_NOISE = 0.5, 0.5, 0.5
 
-#: Share of the variance that points do not tell of each other beyond which there are no indices.
-_MOST_UNEXPLAINED = 0.5
-
-_SEED = 1
-
-#: Share of the variance that may come from noise: beyond, nothing is left to share out.
-_MOST_NOISE = 0.5
+#: Points at which ranges are looked at, and the seed of all that is drawn.
+_PLACES, _SEED = 2**12, 1
 
 #: Blocks for a degree of freedom of an interval, and fewest degrees. A few blocks hold most of the
 #: variance of a ratio; with these, intervals of eight blocks hold the truth as often as they say.
@@ -80,7 +76,6 @@ _BLOCKS, _FREEDOM = 4, 3
 
 #: Fewest different effects that give an interval, and difference of equal ones, of their size.
 _FEWEST_EFFECTS, _EQUAL = 3, 1e-9
-_NO_INTERVAL = "no interval, as effects at different places are equal or too few"
 
 #: How much larger a mean size may be by noise, in its standard deviations, once it is taken off.
 _FOLDED = 0.6
@@ -95,8 +90,7 @@ def tabulate(
 ) -> pd.DataFrame:
     """Return values and ends of intervals as a table of `COLUMNS`.
 
-    ``names`` has index, parameter and other parameter of each; ``basis`` the columns that are the
-    same in all rows.
+    ``names`` has index, parameter and other of each; ``basis`` what is the same in all rows.
     """
     rows = [(*name, *numbers) for name, *numbers in zip(names, estimate, low, high, strict=True)]
     table = pd.DataFrame(rows, columns=list(COLUMNS[:6]))
@@ -108,10 +102,8 @@ def tabulate(
 def _require_spread(values: np.ndarray) -> None:
     """Raise `Refusal` where values do not vary by more than rounding."""
     if np.ptp(values) <= _LEAST_SPREAD * np.abs(values).max():
-        raise Refusal(
-            f"no indices, as the observable does not vary: it is {values.max():.6g} "
-            "everywhere, so nothing can matter"
-        )
+        value = f"{values.max():.6g} everywhere, so nothing can matter"
+        raise Refusal(f"no indices, as the observable does not vary: it is {value}")
 
 
 def shares_of(names: Sequence[str]) -> list[tuple[str, str, str]]:
@@ -123,8 +115,7 @@ def shares_of(names: Sequence[str]) -> list[tuple[str, str, str]]:
 def indices_of_surrogate(surrogate: Surrogate, blocks: int = BLOCKS) -> pd.DataFrame:
     """Return the indices of a surrogate as `sobol_indices`, with all that is weak about them.
 
-    Raises `Refusal` if a flow of another regime is likelier in most of the ranges, or if points do
-    not tell of each other or do not vary.
+    Raises `Refusal` if the mean means little in most of the ranges, or is rough or constant.
     """
     absent = _absent_share(surrogate)
     if absent > _MOST_ABSENT:
@@ -144,10 +135,7 @@ def indices_of_surrogate(surrogate: Surrogate, blocks: int = BLOCKS) -> pd.DataF
 
 
 def _absent_share(surrogate: Surrogate) -> float:
-    """Return the share of the ranges where the mean means little.
-
-    The regimes that it is of have less than half a chance there, or no run is near.
-    """
+    """Return the share of the ranges where a mean is of unlikely regimes, or no run is near."""
     from scipy.stats import qmc
 
     shares = qmc.Sobol(len(surrogate.parameters), rng=_SEED).random(_PLACES)
@@ -180,8 +168,8 @@ def sobol_indices(surrogate: Surrogate, blocks: int = BLOCKS) -> pd.DataFrame:
     sampling = student(_SCRAMBLINGS - 1) * np.std(estimates, axis=0, ddof=1) / np.sqrt(_SCRAMBLINGS)
     spread = np.sqrt(np.mean(np.square(deviations), axis=0)) if deviations else 0.0
     half = np.hypot(sampling, float(student(MANY)) * spread)
-    middle = np.mean(estimates, axis=0)
-    rows = [*shares_of(names), *(("interaction", *pair) for pair in combinations(names, 2))]
+    middle, pairs = np.mean(estimates, axis=0), combinations(names, 2)
+    rows = [*shares_of(names), *(("interaction", *pair) for pair in pairs)]
     return tabulate(rows, middle, middle - half, middle + half, blocks=_SCRAMBLINGS * blocks)
 
 
@@ -197,8 +185,7 @@ def _sobol(problem: dict[str, Any], values: np.ndarray) -> np.ndarray:
 def _smooth_field(shares: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """Return a smooth random field of variance 1 at points (n, k) of the unit cube.
 
-    It is a sum of waves of random direction and phase (Rahimi and Recht 2007), with a Gaussian
-    correlation.
+    It is a sum of random waves, with a Gaussian correlation (Rahimi and Recht 2007).
     """
     length = np.exp(rng.uniform(*np.log([LENGTHS[0], _LONGEST])))
     waves = rng.normal(size=(shares.shape[1], _WAVES)) / length
@@ -210,10 +197,9 @@ def _smooth_field(shares: np.ndarray, rng: np.random.Generator) -> np.ndarray:
 class DesignRuns:
     """The runs of a design over parameters ``names`` (k), in its order.
 
-    ``values`` are means of the runs (n,); not-a-number stands for a run that failed, or whose flow
-    has no value. ``variances`` (n,) of these means are from the scatter between replicates;
-    not-a-number where a point has one. ``points`` are numbers (n,), the same for rows that are one
-    point.
+    ``values`` are means of the runs (n,), not-a-number for a run that failed, or whose flow has no
+    value; ``variances`` (n,) of these are from the scatter between replicates, not-a-number where a
+    point has one; ``points`` are numbers (n,), the same for rows that are one point.
     """
 
     names: tuple[str, ...]
@@ -239,18 +225,16 @@ class DesignRuns:
         whole = rows[np.isfinite(self.values[rows]).all(axis=1)]
         if len(whole) < FEWEST_BLOCKS:
             raise Refusal(
-                f"no indices, as {len(whole)} of {len(rows)} blocks of {size} "
-                f"points have a value at each and {FEWEST_BLOCKS} are needed; more "
-                "blocks, other ranges or the key regimes may give others"
+                f"no indices, as {len(whole)} of {len(rows)} blocks of {size} points have a value "
+                f"at each and {FEWEST_BLOCKS} are needed; more blocks, other ranges or the key "
+                "regimes may give others"
             )
         _require_spread(self.values[whole])
         share = float(self.noise[whole].mean() / self.values[whole].var())
         if share > _MOST_NOISE:
-            raise Refusal(
-                f"no indices, as the noise of the runs is {percent(share)} of "
-                f"the variance between them, beyond {percent(_MOST_NOISE)}; more replicates or "
-                "longer runs make it smaller"
-            )
+            most = f"beyond {percent(_MOST_NOISE)}; more replicates or longer runs make it smaller"
+            variance = f"{percent(share)} of the variance between them, {most}"
+            raise Refusal(f"no indices, as the noise of the runs is {variance}")
         is_known = np.isfinite(self.variances[whole]).any()
         return whole, len(rows) - len(whole), share if is_known else np.nan
 
@@ -268,9 +252,8 @@ def sobol_indices_of_runs(runs: DesignRuns) -> pd.DataFrame:
     """
     rows, left_out, noise = runs.blocks(len(runs.names) + 2)
     first, between, last = rows[:, :1], rows[:, 1:-1], rows[:, -1:]
-    unlike = [_unlike(runs, one, between) for one in (last, first)]
+    count, unlike = len(rows), [_unlike(runs, one, between) for one in (last, first)]
     means = [one.mean(axis=0) for one in unlike]
-    count = len(rows)
     others = [(count * mean - one) / (count - 1) for mean, one in zip(means, unlike, strict=True)]
     estimate, half = _with_sum(*means), _half_width(_with_sum(*others))
     basis = {"blocks": count, "left_out": left_out, "noise": noise}
@@ -278,7 +261,7 @@ def sobol_indices_of_runs(runs: DesignRuns) -> pd.DataFrame:
 
 
 def _unlike(runs: DesignRuns, one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Return what `_share_unlike` needs the means of, for pairs of rows in blocks, (b, k, 4)."""
+    """Return what `_with_sum` needs the means of, for pairs of rows in blocks, (b, k, 4)."""
     centred = runs.values - np.nanmean(runs.values)
     x, y = np.broadcast_arrays(centred[one], centred[other])
     square = (x**2 + y**2 - runs.noise[one] - runs.noise[other]) / 2
@@ -286,16 +269,14 @@ def _unlike(runs: DesignRuns, one: np.ndarray, other: np.ndarray) -> np.ndarray:
     return np.stack([x, y, square, apart], axis=-1)
 
 
-def _share_unlike(means: np.ndarray) -> np.ndarray:
-    """Return the share of the variance in which two runs differ, from means (..., 4)."""
-    x, y, square, apart = np.moveaxis(means, -1, 0)
-    return apart / (square - ((x + y) / 2) ** 2)
+def _with_sum(*means: np.ndarray) -> np.ndarray:
+    """Return first-order and total indices and the sum of the first, along the last axis.
 
-
-def _with_sum(last: np.ndarray, first: np.ndarray) -> np.ndarray:
-    """Return first-order and total indices and the sum of the first, along the last axis."""
-    alone, total = 1 - _share_unlike(last), _share_unlike(first)
-    return np.concatenate([alone, total, alone.sum(axis=-1, keepdims=True)], axis=-1)
+    They follow from the shares of the variance in which two runs differ, from means (..., 4).
+    """
+    x, y, square, apart = np.moveaxis(np.stack(means), -1, 0)
+    last, total = apart / (square - ((x + y) / 2) ** 2)
+    return np.concatenate([1 - last, total, (1 - last).sum(axis=-1, keepdims=True)], axis=-1)
 
 
 def _half_width(jackknifed: np.ndarray) -> np.ndarray:

@@ -62,38 +62,25 @@ class Process:
     """A Gaussian process over the unit cube (Rasmussen and Williams 2006, chapters 2 and 5).
 
     Its covariance is that of Matérn with a length for each dimension.
-
-    Attributes
-    ----------
-    x : numpy.ndarray
-        Points, (n, d).
-    y, variance : numpy.ndarray
-        Values (n,), and the known variance of each.
-    is_log : bool
-        Whether it goes through the logarithms of the values.
-    has_scatter : bool
-        Whether a scatter besides the known variances is fitted, the same for all points.
-    theta : numpy.ndarray
-        Logarithms of amplitude, lengths and scatter.
-    widening : float
-        Factor of the errors of means, see `sim.surrogates.fit.fit_process`.
-    exponent : float
-        Exponent of the covariance: 5/2 for smooth functions, 3/2 for those with kinks.
-    frame : Frame, optional
-        Groups of parameters in which it lives, and the scale of the values.
-    is_local : bool
-        Whether errors are wider near points that lie outside of what the others expect.
     """
 
+    #: Points (n, d), values (n,), and the known variance of each.
     x: np.ndarray
     y: np.ndarray
     variance: np.ndarray
+    #: Whether it goes through the logarithms of the values.
     is_log: bool
+    #: Whether a scatter besides the known variances is fitted, the same for all points.
     has_scatter: bool
+    #: Logarithms of amplitude, lengths and scatter.
     theta: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    #: Factor of the errors of means, see `sim.surrogates.fit.fit_process`.
     widening: float = 1.0
+    #: Exponent of the covariance: 5/2 for smooth functions, 3/2 for those with kinks.
     exponent: float = 2.5
+    #: Groups of parameters in which it lives, and the scale of the values.
     frame: Frame | None = None
+    #: Whether errors are wider near points that lie outside of what the others expect.
     is_local: bool = False
 
     @on_one_thread

@@ -35,13 +35,6 @@ _SIZES = (1e-100, 1e100)
 def sample_points(results: Results, spec: SurrogateFile) -> xr.Dataset:
     """Return what the runs of a surrogate's series say, over ``point``.
 
-    Parameters
-    ----------
-    results : Results
-        The runs.
-    spec : SurrogateFile
-        The surrogate.
-
     Returns
     -------
     xarray.Dataset
@@ -138,14 +131,9 @@ def standard_errors(
     have in common there. If too few points have two, the scatter between initial states is not
     known, and the errors within the runs are all there is.
 
-    Parameters
-    ----------
-    values : sequence of numpy.ndarray
-        Values of the replicates of each point, (R,).
-    own : numpy.ndarray
-        Standard error of each mean as known from within the runs, (n,); 0 where it is not known.
-    places : numpy.ndarray
-        The points in the unit cube, (n, d).
+    ``values`` are those of the replicates of each point, (R,); ``own`` is the standard error of
+    each mean as known from within the runs, (n,), 0 where it is not known; ``places`` are the
+    points in the unit cube, (n, d).
     """
     counts = np.array([row.size for row in values])
     variances = np.array([row.var(ddof=1) if row.size > 1 else np.nan for row in values])
@@ -229,19 +217,11 @@ def unscaled(x: np.ndarray, bounds: ArrayLike, scales: Sequence[str]) -> np.ndar
 
 @dataclass(frozen=True)
 class Frame:
-    """A form of an observable over the unit cube of some axes.
+    """A form of an observable over the unit cube of some axes."""
 
-    Attributes
-    ----------
-    form : Form
-        Its scale and its groups of parameters.
-    axes : tuple of Axis
-        Parameters that points vary.
-    fixed : mapping
-        Parameters that are the same at all points.
-    """
-
+    #: Its scale and its groups of parameters.
     form: Form
+    #: Parameters that points vary, and those that are the same at all points.
     axes: tuple[Axis, ...]
     fixed: Mapping[str, Any]
 

@@ -47,12 +47,10 @@ class Surrogate:
         Regimes whose points the mean is of.
     sample : xarray.Dataset
         Its points, see `sim.surrogates.sample.sample_points`.
-    process : Process
-        The mean.
-    regimes : Regimes
-        The probability of each regime.
+    process, regimes : Process, Regimes
+        The mean, and the probability of each regime.
     setting : mapping
-        Values of parameters that are words or switches, where they are chosen.
+        Values of words and switches, where they are chosen.
     """
 
     name: str
@@ -72,10 +70,7 @@ class Surrogate:
     def fit(cls, spec: SurrogateFile, sample: xr.Dataset) -> "Surrogate":
         """Return the surrogate that a study asks for, through points as of `sample_points`.
 
-        Raises
-        ------
-        Refusal
-            When fewer than `fewest_points` have a mean and a regime that counts.
+        Raises `Refusal` when fewer than `fewest_points` have a mean and a regime that counts.
         """
         chosen, fewest = points_of_mean(sample, spec.mean_regimes), fewest_points(len(spec.axes))
         if chosen.sum() < fewest:
@@ -147,7 +142,7 @@ class Surrogate:
     def predict(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return mean and standard deviation of the mean (n,), in the unit of the observable.
 
-        ``x`` has values of `parameters`, (n, k), in the units of study files. They are not checked.
+        ``x`` has values of `parameters`, (n, k), in the units of study files, not checked.
         """
         return self.process.predict(self._cube(x))
 
@@ -187,8 +182,8 @@ class Surrogate:
             For a parameter that is missing or unknown, and for a value that is outside the range of
             the points.
         """
-        chosen = {name: values.pop(name) for name in list(values) if name in self.choices}
-        surrogate = self.at(**chosen)
+        chosen = [name for name in values if name in self.choices]
+        surrogate = self.at(**{name: values.pop(name) for name in chosen})
         names = [axis.name for axis in self.axes]
         for name in [name for name in values if name not in names]:
             self._require_fixed(name, values.pop(name))
@@ -246,9 +241,9 @@ class Surrogate:
         if name not in self.fixed:
             names = one_of(name, [axis.name for axis in self.axes])
             raise InputError.of_value(self.name, "parameter", name, names)
-        if np.ndim(value) or value != self.fixed[name]:
-            allowed = f"{self.fixed[name]}, as all its points have"
-            raise InputError.of_value(self.name, name, value, allowed)
+        fixed = self.fixed[name]
+        if np.ndim(value) or value != fixed:
+            raise InputError.of_value(self.name, name, value, f"{fixed}, as all its points have")
 
     def _array(self, axis: Axis, value: Any) -> xr.DataArray:
         """Return values of a parameter as a labelled array."""
@@ -335,8 +330,8 @@ class Surrogate:
     @property
     def basis(self) -> str:
         """Of how many points the mean is, and its error, in words."""
-        used, total = len(self.process.y), self.sample.sizes["point"]
-        text = f"mean of {used} of {total} points, error {percent(self.error)}"
+        points = f"{len(self.process.y)} of {self.sample.sizes['point']} points"
+        text = f"mean of {points}, error {percent(self.error)}"
         return f"{text}, {self.process.frame.form.meaning}" if self.process.frame else text
 
     @cached_property
