@@ -46,16 +46,11 @@ _MOST_DRAWS = 200
 
 
 def build(study_path: str | Path, results: str | Path = "results") -> list[str]:
-    """Write the file of each question of a study, in ``results/<study>/``.
+    """Write the file of each question of a study, in ``results/<study>/``; return a line of each.
 
     ``surrogates/<name>.nc``, ``sensitivity/<name>.csv``, ``calibration/<name>.nc``. Where the runs
     cannot answer a question, its file says why. Surrogates come first, as the other questions are
     asked of them.
-
-    Returns
-    -------
-    list of str
-        Lines with the answers in short.
 
     Raises
     ------
@@ -194,22 +189,10 @@ def _far_share(
 
 
 def write_round(study_path: str | Path, number: int, results: str | Path = "results") -> Path:
-    """Write the points that a round adds to ``results/<study>/rounds/<number>.json``.
+    """Write the points that a round, from 1, adds to ``results/<study>/rounds/<number>.json``.
 
-    Parameters
-    ----------
-    study_path : str or Path
-        The study file.
-    number : int
-        Number of the round, from 1; the runs and the files of all rounds before it must be there.
-    results : str or Path
-        Folder of all results.
-
-    Returns
-    -------
-    Path
-        The file written: parameters by id of the point, none where the rounds have ended, and a
-        checksum. It appears complete or not at all.
+    The runs and the files of all rounds before it must be there. The file has parameters by id of
+    the point, none where the rounds have ended, and a checksum. It appears complete or not at all.
 
     Raises
     ------

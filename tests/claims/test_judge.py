@@ -18,7 +18,7 @@ from sim.claims.evidence import (
     readings_of,
 )
 from sim.claims.judge import _variants
-from sim.claims.judgement import MODEL, Judgement, Variant
+from sim.claims.judgement import Judgement, Variant
 from sim.claims.verdict import (
     INCONCLUSIVE,
     NOT_REPRODUCED,
@@ -34,7 +34,7 @@ from sim.claims.verdict_files import as_mapping, as_table
 from sim.dataset.grids import GRIDS
 from sim.parameters import SYSTEMS, roles
 from sim.study.catalogue import FIGURES
-from sim.study.papers import Readings, papers
+from sim.study.papers import papers
 from tests.made.paper_belt import paper_point
 from tests.made.results import made_point, made_results
 
@@ -277,21 +277,6 @@ def test_the_model_is_judged_under_its_readings_where_the_study_has_runs_of_any(
     assert model_readings(other, "chute", readings) == readings.model
 
 
-def test_readings_without_the_runs_of_a_claim_are_left_out(monkeypatch):
-    monkeypatch.setitem(vars(readings_of("chute")), "model", [{}])
-    results = made_results(
-        made_point("chute", {"velocity": 0.1}, friction_cap="after"),
-        made_point("belt", {"velocity": 0.1}, integrator="verlet"),
-    )
-    for judgement in judge.judge(results):
-        assert (
-            judgement.claim.paper == {"chute": "walton", "belt": "gallas"}[judgement.claim.system]
-        )
-        flows = [variant for variant in judgement.variants if variant.protocol != MODEL]
-        heading = (DEFAULT, judgement.headline)
-        assert all(variant.reading in heading or variant.checks for variant in flows)
-
-
 def test_what_is_written_is_plain_json_and_one_row_per_check():
     judgements = [judged(variant_of(HOLDS, "converged"), variant_of(FAILS)), judged(NO_RUNS)]
     text = json.dumps(as_mapping(judgements, "made"), allow_nan=False)
@@ -331,24 +316,3 @@ def test_a_study_of_nothing_relevant_leaves_the_claims_on_flows_untestable():
     for judgement in judgements:
         assert judgement.verdict == UNTESTABLE, judgement.claim.id
         assert all(variant.reason for variant in judgement.variants), judgement.claim.id
-
-
-def test_the_contact_law_is_judged_under_its_readings_too(monkeypatch):
-    """Forgetting the overlap when the force is zero raises the restitution (docs/physics.md).
-
-    These readings are those of loops that other tests compile too.
-    """
-    readings = [
-        {"tangential_exponent": exponent, "overlap_memory": memory, "friction_cap": cap}
-        for exponent, memory, cap in ((0.0, "shrink", "after"), (1.0, "reset", "before"))
-    ]
-    chute = Readings(model=[{}, *readings])
-    (first,) = [claim for claim in claims() if claim.id == "W1"]
-    results = made_results(made_point("chute", {"velocity": 0.1}, friction_cap="after"))
-    variants = judge._experiments(results, first, chute)
-    verdicts = {variant.reading: variant.verdict(()) for variant in variants}
-    assert verdicts == {
-        DEFAULT: REPRODUCED,
-        "γ = 0; overlap_memory shrink; friction_cap after": REPRODUCED,
-        "γ = 1; overlap_memory reset; friction_cap before": NOT_REPRODUCED,
-    }
