@@ -12,7 +12,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from sim.base.statistics import MANY, student
-from sim.surrogates.process import Process
+from sim.surrogates.fit import fit_process
 from tests.coverage.surrogates import Function, eight, ishigami, product
 
 #: Scrambles of each design, points of each, and places where it is compared.
@@ -39,7 +39,7 @@ Asked = Callable[[np.ndarray, np.ndarray, float, np.ndarray], tuple[np.ndarray, 
 def by_talus(
     x: np.ndarray, y: np.ndarray, variance: float, places: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    return Process.fit(x, y, np.full(len(y), variance), False).predict(places)
+    return fit_process(x, y, np.full(len(y), variance), False).predict(places)
 
 
 def by_scikit_learn(exponent: float) -> Asked:

@@ -23,7 +23,7 @@ from scipy.stats import chisquare
 from sim.report.results import load
 from sim.surrogates.posterior import calibrate, summarize
 from sim.surrogates.storage import load_posterior
-from tests.surrogates.made_calibration import RANGES, made_measurements
+from tests.surrogates.predictors import RANGES, made_measurements
 
 #: Materials, seed of the first, and bins of the ranks.
 MATERIALS, SEED, BINS = 40, 1000, 4

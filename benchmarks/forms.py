@@ -12,9 +12,8 @@ import pandas as pd
 from sim.base.statistics import MANY, student
 from sim.parameters.forms import forms
 from sim.study.design import Axis
-from sim.surrogates.predictor import Frame
-from sim.surrogates.process import Process
-from sim.surrogates.sample import unit_cube
+from sim.surrogates.fit import fit_process
+from sim.surrogates.sample import Frame, unit_cube
 
 AXES = (Axis("frequency", 15, 100), Axis("amplitude", 0.5, 1.5), Axis("vibration_angle", 30, 60))
 NAMES = [axis.name for axis in AXES]
@@ -43,7 +42,7 @@ def main() -> None:
             for frames in ([], suggested)
         ):
             variance = runs["velocity_error"].to_numpy() ** 2
-            process = Process.fit(
+            process = fit_process(
                 _places(runs), runs["velocity"].to_numpy(), variance, True, frames
             )
             mean, error = process.predict(places)

@@ -231,7 +231,7 @@ JOBS: dict[str, tuple[str, Sequence[Parameter]]] = {
     ),
     "batch": ("sim.engine.command:batch", [_argument("results", "FOLDER")]),
     "refine": (
-        "sim.surrogates.rounds:write_round",
+        "sim.surrogates.inquiries:write_round",
         [STUDY, RESULTS, _argument("number", "ROUND", int)],
     ),
     "adopt": (

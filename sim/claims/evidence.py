@@ -19,19 +19,10 @@ from sim.study.papers import Readings, papers
 
 
 class Evidence:
-    """All places of one protocol and one reading.
+    """All places of a study of one protocol, ``published`` or ``converged``, and one reading.
 
-    Parameters
-    ----------
-    results : Results
-        The study.
-    protocol : str
-        ``published`` or ``converged``.
-    reading : mapping, optional
-        Parameters of the reading (`sim.parameters.roles.reading_parameters`) that differ from their
-        defaults.
-    points : Points, optional
-        Points of the study, if they have been read already.
+    ``reading`` has the parameters of the reading (`sim.parameters.roles.reading_parameters`) that
+    differ from their defaults; ``points`` are those of the study, if they have been read already.
     """
 
     def __init__(
@@ -93,12 +84,9 @@ class Evidence:
         rows = self._rows(system, where, free=along)
         column = self._points.columns[along][rows]
         values = sorted(set(column.tolist()))
-        places = self._alike(
-            system, [rows[column == value] for value in values], {**where, along: None}
-        )
-        return {
-            value: place for value, found in zip(values, places, strict=True) for place in found
-        }
+        rows_at = [rows[column == value] for value in values]
+        found = zip(values, self._alike(system, rows_at, {**where, along: None}), strict=True)
+        return {value: place for value, places in found for place in places}
 
     def has_runs(self, system: str) -> bool:
         """True where the study has any point of the system under the protocol."""
@@ -122,67 +110,53 @@ class Evidence:
         return f"{count} of {regimes.total()} points {verb} not steady: {', '.join(others)}"
 
     def boundary(
-        self,
-        system: str,
-        of: str,
-        along: str,
-        *,
-        seeds: bool = False,
-        any_protocol: bool = False,
-        **where: Any,
+        self, system: str, of: str, along: str, *, any_protocol: bool = False, **where: Any
     ) -> UFloat:
         """Return a boundary found by refinement; its interval is the bracket.
 
-        Boundaries that differ in the seed alone are pooled, see `_pool_seeds`. With ``seeds``
-        the interval is infinite unless some boundary of this kind was searched from two seeds. With
+        Boundaries that differ in the seed alone are pooled, see `_pool_seeds`. The interval is
+        infinite unless some boundary of this kind was searched from two seeds. With
         ``any_protocol`` the boundary may be of the other protocol.
 
         Raises `Untestable` when the study searches no such boundary. Raises `Unbounded` when a seed
         has none within the range: without that seed the others would agree too well.
         """
-        rows = self._boundaries(system, of, along, any_protocol)
-        selection = self._select(rows, system, of, along, where)
+        rows, selection = self._boundaries(system, of, along, any_protocol, where)
         settings = [name for name in SYSTEMS[system].model_fields if name not in ("seed", along)]
         is_bracketed = rows[["low", "high"]].notna().all(axis=1)
-        all_bracketed = is_bracketed.groupby(
-            [rows[name] for name in settings], dropna=False
-        ).transform("all")
-        candidates = selection[all_bracketed[selection.index]]
+        groups = is_bracketed.groupby([rows[name] for name in settings], dropna=False)
+        candidates = selection[groups.transform("all")[selection.index]]
         if candidates.empty:
             missing_seeds = sorted(set(selection.loc[~is_bracketed[selection.index], "seed"]))
             seed_list = ", ".join(f"{seed:g}" for seed in missing_seeds)
             boundary = f"boundary of {of} along {along} at {_describe(where)}"
             raise Unbounded(f"no {boundary} found from seed {seed_list}")
-        value, half_width, freedom = _pool_seeds(rows[is_bracketed], candidates, settings)
-        return with_interval(value, inf if seeds and not freedom else half_width)
+        return _pool_seeds(rows[is_bracketed], candidates, settings)
 
     def brackets(self, system: str, of: str, along: str, **where: Any) -> pd.DataFrame:
         """Return ``low`` and ``high`` of a boundary, a row per ``seed``, unknown ends as NaN.
 
         Raises `Untestable` when the study searches no such boundary.
         """
-        rows = self._boundaries(system, of, along, any_protocol=False)
-        selection = self._select(rows, system, of, along, where)
+        _, selection = self._boundaries(system, of, along, False, where)
         return selection.set_index("seed")[["low", "high"]].astype(float)
 
-    def _boundaries(self, system: str, of: str, along: str, any_protocol: bool) -> pd.DataFrame:
-        rows = self._results.boundaries
-        if not len(rows):
-            return rows
-        matches = (rows["system"] == system) & (rows["of"] == of) & (rows["along"] == along)
-        return rows[matches & (any_protocol | (rows["protocol"] == self.protocol))]
-
-    def _select(
-        self, rows: pd.DataFrame, system: str, of: str, along: str, where: Mapping[str, Any]
-    ) -> pd.DataFrame:
+    def _boundaries(
+        self, system: str, of: str, along: str, any_protocol: bool, where: Mapping[str, Any]
+    ) -> tuple[pd.DataFrame, pd.DataFrame]:
+        """Return the boundaries of a kind, and those with the parameters."""
+        rows = selection = self._results.boundaries
+        if len(rows):
+            is_of = (rows["system"] == system) & (rows["of"] == of) & (rows["along"] == along)
+            rows = selection = rows[is_of & (any_protocol | (rows["protocol"] == self.protocol))]
         if len(rows):
             # A boundary of the other protocol is selected under its own protocol.
             conditions = self._conditions({"protocol": rows["protocol"].iloc[0]} | dict(where))
             columns = {name: values.to_numpy() for name, values in rows.items()}
-            rows = rows.iloc[Rows(columns).matching(system, conditions, along)]
-        if rows.empty:
+            selection = rows.iloc[Rows(columns).matching(system, conditions, along)]
+        if selection.empty:
             raise Untestable(f"no boundary of {of} along {along} at {_describe(where)}")
-        return rows
+        return rows, selection
 
     def _rows(self, system: str, where: Mapping[str, Any], free: str = "") -> np.ndarray:
         return self._points.matching(system, self._conditions(where), free)
@@ -242,32 +216,20 @@ def _describe(where: Mapping[str, Any]) -> str:
     return ", ".join(named) or "the paper's values"
 
 
-def _pool_seeds(
-    rows: pd.DataFrame, candidates: pd.DataFrame, settings: Sequence[str]
-) -> tuple[float, float, int]:
-    """Return the boundary with the narrowest bracket: value, half width, further seeds.
+def _pool_seeds(rows: pd.DataFrame, candidates: pd.DataFrame, settings: Sequence[str]) -> UFloat:
+    """Return the boundary with the narrowest bracket of some candidates, and its interval.
 
-    The half width is that of the 95 % interval; the last number is that of the seeds less one. The
-    seeds show how much starts differ. With a single seed the bracket is the interval, each of its
-    ends a bound of one side. The interval is never narrower than that.
-
-    Parameters
-    ----------
-    rows : pandas.DataFrame
-        All boundaries of the kind, with ``low`` and ``high`` finite.
-    candidates : pandas.DataFrame
-        The rows to choose from, at least one.
-    settings : sequence of str
-        Columns in which pooled boundaries agree: all parameters but the seed.
+    It is pooled with those of all ``rows``, which have finite ends, that agree in the settings. The
+    seeds show how much starts differ; with a single seed the interval is infinite. It is never
+    narrower than the bracket, each of its ends a bound of one side.
     """
     bracket = 0.5 * (rows["high"] - rows["low"]).astype(float)
     narrowest = rows.loc[bracket[candidates.index].idxmin()]
     starts = rows[(rows[settings] == narrowest[settings]).all(axis=1)]
     middle = 0.5 * (starts["low"] + starts["high"]).to_numpy(float)
     half_width = float(bracket[starts.index].mean() * student(np.inf) / student(np.inf, sides=1))
-    if middle.size > 1:
-        half_width = max(half_width, float(student_half_width(middle)))
-    return float(middle.mean()), half_width, middle.size - 1
+    scatter = float(student_half_width(middle)) if middle.size > 1 else inf
+    return with_interval(float(middle.mean()), max(half_width, scatter))
 
 
 #: Label of the defaults of all readings.
@@ -335,17 +297,15 @@ def _readings_with_runs(
     model = SYSTEMS[system]
     defaults = model()
     points = results.dataset.isel(point=np.flatnonzero(results.dataset["system"] == system))
-    columns = {name: points[name].values.tolist() for name in roles.reading_parameters(model)}
+    names = roles.reading_parameters(model)
     readings = {}
-    for values in zip(*columns.values(), strict=True):
-        pairs = zip(columns, values, strict=True)
+    for values in zip(*(points[name].values.tolist() for name in names), strict=True):
+        pairs = zip(names, values, strict=True)
         unusual = {name: value for name, value in pairs if value != getattr(defaults, name)}
-        if unusual:
-            readings[tuple(unusual.items())] = unusual
-    rows = [
-        {name: value}
-        for name, values in paper_readings.rows.items()
-        for value in values
-        if value in points[name].values
+        readings[tuple(unusual.items())] = unusual
+    readings.pop((), None)
+    rows = ((name, value) for name, values in paper_readings.rows.items() for value in values)
+    return [
+        *readings.values(),
+        *({name: value} for name, value in rows if value in points[name].values),
     ]
-    return [*readings.values(), *rows]

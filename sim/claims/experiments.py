@@ -8,9 +8,9 @@ import hashlib
 import json
 import logging
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import asdict
 from math import sqrt
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -37,8 +37,8 @@ SOURCES = ("parameters", "engine", "claims", "papers")
 def run_experiment(claim: Claim, reading: Mapping[str, Any]) -> tuple[Check, ...]:
     """Return the checks of a claim on the model under a reading, computed or cached.
 
-    A cached result is used only if it is undamaged and its identity matches this code, claim and
-    reading. Otherwise the experiment is run.
+    A cached result is used only if it is undamaged and that of this code, claim and reading, whose
+    hash its name has. Otherwise the experiment is run.
     """
     plugin = additions(JUDGE).get(claim.id)
     identity = {
@@ -51,34 +51,20 @@ def run_experiment(claim: Claim, reading: Mapping[str, Any]) -> tuple[Check, ...
     }
     name = hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()[:12]
     path = cache_directory(with_plugins=False) / f"{claim.id}-{name}.json"
-    checks = _read(path, identity)
-    if checks is None:
-        checks = claim.checks_on(reading)
-        _write(path, identity, checks)
-    return checks
-
-
-def _read(path: Path, identity: Mapping[str, Any]) -> tuple[Check, ...] | None:
-    try:
-        if is_damaged(path):
-            return None
-        with path.open(encoding="utf-8") as file:
-            document = json.loads(file.readline())
-        if document["identity"] != identity:
-            return None
-        return _CHECKS.validate_python(document["checks"])
-    except (OSError, ValueError, LookupError, TypeError):
-        return None
-
-
-def _write(path: Path, identity: Mapping[str, Any], checks: tuple[Check, ...]) -> None:
-    document = {"identity": identity, "checks": [asdict(check) for check in checks]}
+    # It may not be there, or be of another form.
+    with suppress(OSError, ValueError):
+        if not is_damaged(path):
+            with path.open(encoding="utf-8") as file:
+                return _CHECKS.validate_python(json.loads(file.readline()))
+    checks = claim.checks_on(reading)
     try:
         with atomic_write(path) as temporary:
-            temporary.write_text(json.dumps(document), encoding="utf-8")
+            text = json.dumps([asdict(check) for check in checks])
+            temporary.write_text(text, encoding="utf-8")
             seal(temporary)
     except OSError as error:
         log.warning("%s: not kept: %s", path, error.strerror or error)
+    return checks
 
 
 @kernel

@@ -12,9 +12,9 @@ from scipy import stats
 from uncertainties import UFloat, ufloat
 
 from sim.base.statistics import share_of_rises, student
-from sim.claims.checks import remove_votes, reported, within
+from sim.claims.checks import reported, within
 from sim.claims.place import Place, replicate_mean, with_interval
-from sim.claims.verdict import INCONCLUSIVE, REPRODUCED, RISK, SIGMAS, Check, holm_p
+from sim.claims.verdict import RISK, SIGMAS, Check, holm_p
 
 Groups = Sequence[np.ndarray]
 
@@ -45,16 +45,10 @@ def trend(
 
     Parameters
     ----------
-    quantity : str
-        The quantity and the parameter.
     strata : sequence of sequence of (R,) arrays
         For each stratum the groups of replicates in the order of the parameter: one stratum, or one
         per cell or frequency within which groups can be compared. Their p-values are combined
         (Stouffer, weighted with the root of their sizes).
-    places : iterable of Place
-        Measured places.
-    rising : bool
-        Direction of the claim.
     monotone : bool
         Whether the claim is about any two groups and every stratum. Then it also fails where one
         of them clearly goes the other way, with Holm's correction. All pairs are tested, not
@@ -65,9 +59,8 @@ def trend(
         is no evidence that there is none. It fails only where two surely do.
     labels : sequence of str
         Names of the groups, ``"20 Hz"`` for instance. With ``monotone`` the text of the check then
-        names the surest reversal, if that refutes the claim, with the interval of the difference.
-    unit : str
-        Unit of the values, for that text.
+        names the surest reversal, if that refutes the claim, with the interval of the difference,
+        whose ``unit`` is that of the values.
     """
     sign = 1 if rising else -1
     sizes = [sum(map(len, groups)) for groups in strata]
@@ -89,9 +82,8 @@ def trend(
     # A clear fall somewhere refutes a rise, however clear the overall trend.
     p_holds = max(_stouffer_p(p_rising, sizes), *p_apart) if p_fails > RISK else 1.0
     # The threshold applies to τ, whose sign is the direction of the trend.
-    check = _p_value_check(
-        f"Kendall's τ of {quantity}", sign * tau, rising, (p_holds, p_fails), places
-    )
+    bounds, name = ((0.0, inf) if rising else (-inf, 0.0)), f"Kendall's τ of {quantity}"
+    check = _p_value_check(name, sign * tau, bounds, (p_holds, p_fails), places)
     if not (labels and pairs and p_fails <= RISK):
         return check
     numbers = [pair for groups in strata for pair in combinations(range(len(groups)), 2)]
@@ -183,7 +175,7 @@ def outranks(
     """
     p_values = mann_whitney_p(first, second), mann_whitney_p(second, first)
     share = stats.mannwhitneyu(first, second).statistic / (len(first) * len(second))
-    return _p_value_check(quantity, float(share), True, p_values, places, 0.5)
+    return _p_value_check(quantity, float(share), (0.5, inf), p_values, places)
 
 
 def mann_whitney_p(above: np.ndarray, below: np.ndarray) -> float:
@@ -227,8 +219,7 @@ def same_by_rank(
     )
     ratio = float(np.median(first) / np.median(second))
     p_values = p_holds, min(1.0, p_fails)
-    check = _p_value_check(quantity, ratio, True, p_values, places, 1 - margin)
-    return replace(check, high=raised)
+    return _p_value_check(quantity, ratio, (1 - margin, raised), p_values, places)
 
 
 def share_above(
@@ -239,7 +230,8 @@ def share_above(
         stats.binomtest(count, number, threshold, alternative=alternative).pvalue
         for alternative in ("greater", "less")
     )
-    check = _p_value_check(quantity, count / number, True, (p_holds, p_fails), places, threshold)
+    bounds = threshold, inf
+    check = _p_value_check(quantity, count / number, bounds, (p_holds, p_fails), places)
     return replace(check, text=share_text(count, number))
 
 
@@ -255,67 +247,8 @@ def share_text(count: int, number: int) -> str:
     >>> share_text(5, 5), share_text(13, 18)
     ('5 of 5 (0.57 to 1)', '13 of 18 (0.49 to 0.88)')
     """
-    low, high = share_interval(count, number)
-    return f"{count} of {number} ({low:.2g} to {high:.2g})"
-
-
-def at_least(quantity: str, number: int, checks: Sequence[Check]) -> Check:
-    """Return the check that at least so many of several checks hold, whichever these are.
-
-    The value shown is how many hold by themselves. That fewer can hold means that all but
-    ``number - 1`` of them fail. Checks that decide nothing count as open.
-    """
-    p_holds, p_fails = (
-        [
-            p_value if check.can_decide else 1.0
-            for check, p_value in zip(checks, p_values, strict=True)
-        ]
-        for p_values in ([check.p_holds for check in checks], [check.p_fails for check in checks])
-    )
-    return Check(
-        what=quantity,
-        value=sum(check.verdict == REPRODUCED for check in checks),
-        half_width=nan,
-        low=number - 0.5,
-        high=inf,
-        points=tuple(dict.fromkeys(point for check in checks for point in check.points)),
-        open_points=tuple(
-            dict.fromkeys(
-                point for check in checks if check.verdict == INCONCLUSIVE for point in check.points
-            )
-        ),
-        # Looks are in the p-values of the checks already.
-        tested=(
-            conjunction_p(p_holds, number),
-            conjunction_p(p_fails, len(checks) - number + 1) if len(checks) >= number else 1.0,
-        ),
-        short=tuple(dict.fromkeys(point for check in checks for point in check.short)),
-    )
-
-
-def conjunction_p(p_values: Sequence[float], least: int) -> float:
-    """Return the p-value that at least so many of several statements are true.
-
-    It is K - u + 1 times the u-th smallest of K p-values (Benjamini and Heller 2008).
-
-    >>> conjunction_p([0.01, 0.5, 0.02], 2)
-    0.04
-    """
-    if least > len(p_values):
-        return 1.0
-    return min(1.0, (len(p_values) - least + 1) * sorted(p_values)[least - 1])
-
-
-def correct_for(number: int, check: Check) -> Check:
-    """Return a test without an interval as one of several, with Bonferroni's correction."""
-    holds, fails = (min(1.0, number * p) for p in check.tested or (1.0, 1.0))
-    return replace(check, tested=(holds, fails))
-
-
-def share_interval(count: int, number: int) -> tuple[float, float]:
-    """Return the 95 % interval of a share of runs (Wilson)."""
     interval = stats.binomtest(count, number).proportion_ci(method="wilson")
-    return float(interval.low), float(interval.high)
+    return f"{count} of {number} ({interval.low:.2g} to {interval.high:.2g})"
 
 
 def _finite_p(p: float) -> float:
@@ -335,23 +268,13 @@ def _stouffer_p(p_values: Sequence[float], sizes: Sequence[int]) -> float:
 def _p_value_check(
     quantity: str,
     value: float,
-    is_lower_bound: bool,
+    bounds: tuple[float, float],
     p_values: tuple[float, float],
     places: Iterable[Place],
-    threshold: float = 0.0,
 ) -> Check:
     # Replicates are ranked or counted, however many independent samples each of them has.
-    places = tuple(places)
-    return Check(
-        what=quantity,
-        value=value,
-        half_width=nan,
-        low=threshold if is_lower_bound else -inf,
-        high=inf if is_lower_bound else threshold,
-        points=tuple(dict.fromkeys(place.id for place in places)),
-        tested=p_values,
-        looks=max((place.looks for place in places), default=0),
-    )
+    check = within(quantity, value, *bounds, places)
+    return replace(check, half_width=nan, tested=p_values, samples=inf, freedom=inf)
 
 
 def pooled_checks(
@@ -363,20 +286,12 @@ def pooled_checks(
     would favour flows that seem certain by chance. A single flow has a vote only where it is
     clearly beyond the bounds, with Bonferroni's correction. Otherwise it is shown without a vote.
     """
-    mean = sum(values) / len(values)
-    flow_checks = [
-        within(f"{quantity}, n = {n:g}", value, -largest, largest, [place])
-        for (n, place), value in zip(flows.items(), values, strict=True)
-    ]
-    mean_check = within(f"{quantity}, {len(flows)} depths", mean, -largest, largest, flows.values())
-    risk_each = RISK / (len(flow_checks) + 1)
-    return [
-        mean_check,
-        *(
-            check if check.p_fails < risk_each else remove_votes([check])[0]
-            for check in flow_checks
-        ),
-    ]
+    mean, name = sum(values) / len(values), f"{quantity}, {len(flows)} depths"
+    checks = [within(name, mean, -largest, largest, flows.values())]
+    for (n, place), value in zip(flows.items(), values, strict=True):
+        check = within(f"{quantity}, n = {n:g}", value, -largest, largest, [place])
+        checks.append(replace(check, votes=check.p_fails < RISK / (len(flows) + 1)))
+    return checks
 
 
 def mean_of_others(rows: np.ndarray, axis: int = 0) -> np.ndarray:
@@ -390,15 +305,8 @@ def mean_of_others(rows: np.ndarray, axis: int = 0) -> np.ndarray:
 
 
 def smallest_mean(rows: np.ndarray) -> UFloat:
-    """Return the smallest of the means of many quantities, with an interval that holds for all.
+    """Return the smallest of the means of B quantities (R, B), with an interval that holds for all.
 
-    Parameters
-    ----------
-    rows : (R, B) array
-        B quantities of R replicates.
-
-    Notes
-    -----
     The intervals are Student's at a level divided by B (Bonferroni), so that all B hold together
     at 95 %. A clearly negative quantity is returned first; otherwise the one with the lowest end
     of its interval. So all are positive only if this one is, and some quantity is negative if this

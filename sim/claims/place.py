@@ -2,7 +2,7 @@
 
 import warnings
 from collections import Counter, defaultdict
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import cached_property
 from itertools import product
 from math import inf, isfinite, nan, sqrt
@@ -137,22 +137,19 @@ class Place:
             raise Untestable(f"{self.id} has no {name}")
         return self._variables[name].values[self._index][self._is_completed]
 
-    def value(self, name: str, error: str = "", half_width: str = "") -> UFloat:
+    def value(self, name: str, error: str = "") -> UFloat:
         """Return a scalar with its interval over replicates.
 
-        ``error`` names the scalar that holds the standard error within a replicate; ``half_width``
-        names the one that holds half of its 95 % interval. The error within replicates is the error
+        ``error`` names the scalar that holds the standard error within a replicate. It is the error
         of a single replicate. With several replicates it is a lower bound for the error from their
         scatter.
         """
         values = self.values(name)
         mean = replicate_mean(values)
-        if not (error or half_width):
+        if not error:
             return mean
-        own_errors = self.values(error) if error else self.values(half_width) / SIGMAS
-        smallest_error = float(np.sqrt((own_errors**2).sum())) / max(1, values.size)
-        scatter = mean.std_dev if values.size > 1 else 0.0
-        return ufloat(mean.nominal_value, max(smallest_error, scatter))
+        smallest = float(np.sqrt((self.values(error) ** 2).sum())) / max(1, values.size)
+        return ufloat(mean.nominal_value, max(smallest, mean.std_dev if values.size > 1 else 0.0))
 
     def profile(self, name: str, grid: str = "") -> tuple[np.ndarray, np.ndarray]:
         """Return a profile (R, H) of all completed replicates and its heights (H,) in m.
@@ -199,12 +196,8 @@ Start = tuple[object, ...]
 class Rows:
     """Rows of parameters: of the points of a study, or of its boundaries.
 
-    A judge looks up places a thousand times, so comparisons with the defaults are cached.
-
-    Parameters
-    ----------
-    columns : mapping
-        Arrays over the rows: ``system``, and every parameter.
+    ``columns`` are arrays over the rows: ``system``, and every parameter. A judge looks up places a
+    thousand times, so comparisons with the defaults are cached.
     """
 
     def __init__(self, columns: Mapping[str, np.ndarray]):
@@ -217,14 +210,10 @@ class Rows:
         Numerical settings (`sim.parameters.roles.numerical_parameters`) without a given value may
         have any value, and so may the parameter ``free``.
         """
-        names = (
-            set(SYSTEMS[system].model_fields)
-            - numerical_parameters(SYSTEMS[system])
-            - {"system", free}
-        )
+        names = SYSTEMS[system].model_fields.keys() - numerical_parameters(SYSTEMS[system])
+        optional = {name for name, value in conditions.items() if value is ANY} | {free, "system"}
         is_match = self.columns["system"] == system
-        free_names = {free} | {name for name, value in conditions.items() if value is ANY}
-        for name in (names | conditions.keys()) - free_names:
+        for name in (names | conditions.keys()) - optional:
             if name in conditions:
                 is_match = is_match & self._has_value(name, conditions[name])
             else:
@@ -241,16 +230,12 @@ class Rows:
     def _has_default(self, system: str, name: str) -> np.ndarray:
         """True per row with the paper's value, which may follow from other parameters."""
         if (system, name) not in self._default_masks:
-            mask = np.zeros(len(self.columns["system"]), bool)
-            for number, row in self._rows_of(system):
-                mask[number] = row[name] == default_of(SYSTEMS[system], name, row)
+            model, mask = SYSTEMS[system], np.zeros(len(self.columns["system"]), bool)
+            for number in np.flatnonzero(self.columns["system"] == system):
+                row = {one: self.columns[one][number] for one in model.model_fields}
+                mask[number] = row[name] == default_of(model, name, row)
             self._default_masks[system, name] = mask
         return self._default_masks[system, name]
-
-    def _rows_of(self, system: str) -> Iterator[tuple[int, dict[str, Any]]]:
-        names = SYSTEMS[system].model_fields
-        for number in np.flatnonzero(self.columns["system"] == system):
-            yield int(number), {name: self.columns[name][number] for name in names}
 
 
 class Points(Rows):
@@ -262,17 +247,14 @@ class Points(Rows):
 
     def __init__(self, results: Results):
         variables = results.dataset.variables
-        self._completed = (variables["status"].values == "completed").sum(axis=1)
-        self._indices = np.flatnonzero(self._completed)
+        completed = (variables["status"].values == "completed").sum(axis=1)
+        indices = np.flatnonzero(completed)
+        coordinates = results.dataset.coords.variables.items()
         super().__init__(
-            {
-                str(name): values.values[self._indices]
-                for name, values in results.dataset.coords.variables.items()
-                if values.dims == ("point",)
-            }
+            {str(name): one.values[indices] for name, one in coordinates if one.dims == ("point",)}
         )
-        self._steps = np.nansum(variables["steps"].values, axis=1)[self._indices]
-        self._completed = self._completed[self._indices]
+        self._steps = np.nansum(variables["steps"].values, axis=1)[indices]
+        self._completed = completed[indices]
         self.places: dict[tuple[str, str], Place] = {}
         self.measures: defaultdict[str, dict[Any, np.ndarray]] = defaultdict(dict)
 
@@ -295,11 +277,8 @@ class Points(Rows):
                 riches.update(dict.fromkeys(fitting, int(self._completed[row])))
         equal = {start for start, count in counts.items() if count == max(counts.values())}
         best = max(equal, key=lambda one: (one.count(USUAL), riches[one]), default=())
-        free = [
-            self._has_default(system, name)
-            for name in start_parameters(SYSTEMS[system])
-            if where.get(name) is ANY
-        ]
+        names = start_parameters(SYSTEMS[system])
+        free = [self._has_default(system, name) for name in names if where.get(name) is ANY]
 
         def rank(row: int) -> tuple[float, ...]:
             unusual = sum(not mask[row] for mask in free)
@@ -317,22 +296,15 @@ class Points(Rows):
         The paper's cell is another above a depth: a line along the depth may have the paper's
         throughout, or one value.
         """
-        names = [name for name in start_parameters(SYSTEMS[system]) if name not in named]
-        return set(
-            product(
-                *(
-                    (self.columns[name][row], *[USUAL] * bool(self._has_default(system, name)[row]))
-                    for name in names
-                )
-            )
+        values = (
+            (self.columns[name][row], *[USUAL] * bool(self._has_default(system, name)[row]))
+            for name in start_parameters(SYSTEMS[system])
+            if name not in named
         )
+        return set(product(*values))
 
     def differences(self, system: str, first: int, second: int) -> list[str]:
         """Return the parameters, other than amounts, in which two rows differ."""
-        model = SYSTEMS[system]
-        return [
-            name
-            for name in model.model_fields
-            if name not in amount_parameters(model)
-            and self.columns[name][first] != self.columns[name][second]
-        ]
+        amounts = amount_parameters(SYSTEMS[system])
+        names = (name for name in SYSTEMS[system].model_fields if name not in amounts)
+        return [name for name in names if self.columns[name][first] != self.columns[name][second]]

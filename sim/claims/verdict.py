@@ -82,64 +82,44 @@ HalfWidth = Annotated[
 
 @dataclass(frozen=True)
 class Check:
-    """One measured quantity against its threshold.
+    """One measured quantity against its threshold."""
 
-    Attributes
-    ----------
-    what : str
-        The quantity in words or symbols, its conditions included.
-    value, half_width : float
-        Measured value and half width of its 95 % interval, in ``unit``. A statistic that has no
-        interval, that of a rank test, has ``tested`` instead.
-    low, high : float
-        The claim holds strictly between them; one of them may be infinite. Both are infinite for a
-        quantity that is only reported.
-    unit : str
-        Unit of all four, empty for pure numbers.
-    points : tuple of str
-        Points measured.
-    samples : float
-        Independent samples of the point with the fewest; infinite for exact experiments.
-    freedom : float
-        Least degrees of freedom of these points, as used for the interval.
-    part : str
-        Part of the claim that it tests, where the claim has several parts.
-    votes : bool
-        Whether it has a vote. A check without one is shown with its thresholds.
-    withheld : str
-        Why it decides nothing although it is measured: an unsettled flow, for example.
-    tested : (float, float), optional
-        p-values that the claim holds and that it fails, from a test without an interval.
-    short : tuple of str
-        The points among them whose runs are too short.
-    coarse : bool
-        Whether its interval is the step of a scan, which more replicates do not narrow.
-    looks : int
-        How often it has been judged, this time included, with the option of buying more runs where
-        it is open; 0 in a study that buys none. See `spent`.
-    text : str
-        The measured value in words, where ± does not say it: counts of runs, lopsided intervals.
-    open_points : tuple of str
-        The points among them that more replicates would decide; all of them if it is empty.
-    """
-
+    #: The quantity in words or symbols, its conditions included.
     what: Line
+    #: Measured value and half width of its 95 % interval. A statistic that has no interval, that of
+    #: a rank test, has ``tested`` instead.
     value: float
     half_width: HalfWidth
+    #: The claim holds strictly between them; one of them may be infinite. Both are infinite for a
+    #: quantity that is only reported.
     low: float
     high: float
+    #: Unit of all four, empty for pure numbers.
     unit: Line = ""
+    #: Points measured.
     points: tuple[str, ...] = ()
+    #: Independent samples of the point with the fewest; infinite for exact experiments.
     samples: Annotated[float, Field(ge=0)] = inf
+    #: Least degrees of freedom of these points, as used for the interval.
     freedom: Annotated[float, Field(gt=0)] = inf
+    #: Part of the claim that it tests, where the claim has several parts.
     part: str = ""
+    #: Whether it has a vote. A check without one is shown with its thresholds.
     votes: bool = True
+    #: Why it decides nothing although it is measured: an unsettled flow, for example.
     withheld: Line = ""
+    #: p-values that the claim holds and that it fails, from a test without an interval.
     tested: tuple[Chance, Chance] | None = None
+    #: The points among them whose runs are too short.
     short: tuple[str, ...] = ()
+    #: Whether its interval is the step of a scan, which more replicates do not narrow.
     coarse: bool = False
+    #: How often it has been judged, this time included, with the option of buying more runs where
+    #: it is open; 0 in a study that buys none. See `spent`.
     looks: Annotated[int, Field(ge=0)] = 0
+    #: The measured value in words, where ± does not say it: counts of runs, lopsided intervals.
     text: Line = ""
+    #: The points among them that more replicates would decide; all of them if it is empty.
     open_points: tuple[str, ...] = ()
 
     @property
@@ -159,18 +139,15 @@ class Check:
 
         With two thresholds it is the p-value at the nearer one (two one-sided tests).
         """
-        if self.tested is not None:
-            return spent(self.tested[0], self.looks)
         p = max(self._p_beyond(self.value - self.low), self._p_beyond(self.high - self.value))
-        return spent(p, self.looks)
+        return spent(self.tested[0] if self.tested else p, self.looks)
 
     @cached_property
     def p_fails(self) -> float:
         """p-value of "fails": how often chance alone would be as clear of the allowed range."""
-        if self.tested is not None:
-            return spent(self.tested[1], self.looks)
         below, above = self.low - self.value, self.value - self.high
-        return spent(min(self._p_beyond(below, True), self._p_beyond(above, True)), self.looks)
+        p = min(self._p_beyond(below, True), self._p_beyond(above, True))
+        return spent(self.tested[1] if self.tested else p, self.looks)
 
     def _p_beyond(self, distance: float, inclusive: bool = False) -> float:
         """Return the p-value of a distance from a threshold.

@@ -25,12 +25,8 @@ _INTERNAL_FIELDS = {"tested", "short", "coarse", "open_points"}
 def build(study_path: str | Path, results: str | Path = "results") -> Path:
     """Write ``claims.json``, ``claims.csv`` and ``verdicts.csv`` into ``results/<study>``.
 
-    They are made from the dataset of the study.
-
-    Returns
-    -------
-    Path
-        The JSON file. Each file appears complete or not at all, the JSON file last.
+    They are made from the dataset of the study. Returns the path of the JSON file. Each file
+    appears complete or not at all, the JSON file last.
 
     Raises
     ------
@@ -130,15 +126,13 @@ def _check(check: Check) -> dict[str, Any]:
         "verdict": check.verdict,
         "plan": plan(check),
     }
-    left_out = () if check.text else ("text",)
-    return {name: _plain(value) for name, value in (_fields(check, *left_out) | derived).items()}
+    told = _fields(check, *(() if check.text else ("text",))) | derived
+    return {name: _plain(value) for name, value in told.items()}
 
 
 def _fields(check: Check, *left_out: str) -> dict[str, Any]:
-    names = [one.name for one in fields(check)]
-    return {
-        name: getattr(check, name) for name in names if name not in {*left_out} | _INTERNAL_FIELDS
-    }
+    names = [one.name for one in fields(check) if one.name not in {*left_out, *_INTERNAL_FIELDS}]
+    return {name: getattr(check, name) for name in names}
 
 
 def _plain(value: Any) -> Any:
@@ -162,25 +156,24 @@ def as_table(judgements: list[Judgement]) -> pd.DataFrame:
     """
     rows: list[dict[str, Any]] = []
     for judgement in judgements:
-        claim = judgement.claim
+        claim, parts = judgement.claim, judgement.part_verdicts
+        by_number = (f"{value:g}: {verdict}" for value, verdict in judgement.by_number.items())
+        about = {
+            "claim": claim.id,
+            "title": claim.title,
+            "first verdict": claim.first.verdict if claim.first else "",
+            "verdict on the claim": judgement.verdict,
+            "verdict by number": "; ".join(by_number),
+        }
         for variant in judgement.variants:
-            shared = {
-                "claim": claim.id,
-                "title": claim.title,
-                "first verdict": claim.first.verdict if claim.first else "",
-                "verdict on the claim": judgement.verdict,
-                "verdict by number": "; ".join(
-                    f"{value:g}: {verdict}" for value, verdict in judgement.by_number.items()
-                ),
+            shared = about | {
                 "protocol": variant.protocol,
                 "reading": variant.reading,
                 "verdict": variant.verdict(claim.parts),
                 **({"steadiness": variant.unsteady} if claim.paper == OWN else {}),
             }
-            parts = judgement.part_verdicts
-            rows += [shared | _row(check, parts) for check in variant.checks] or [
-                shared | {"reason": variant.reason}
-            ]
+            checks = [shared | _row(check, parts) for check in variant.checks]
+            rows += checks or [shared | {"reason": variant.reason}]
     return pd.DataFrame(rows)
 
 
@@ -215,8 +208,7 @@ def by_variant(judgements: list[Judgement]) -> pd.DataFrame:
                 "condition": claim.condition,
             }
             for variant in judgement.variants:
-                parts = (part,) if part else claim.parts
-                verdict = variant.verdict(parts)
+                verdict = variant.verdict((part,) if part else claim.parts)
                 if verdict != UNTESTABLE:
                     row[f"{variant.protocol}, {variant.reading}"] = verdict
             rows.append(row)

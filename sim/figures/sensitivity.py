@@ -12,8 +12,9 @@ from sim.figures.data import Drawing, FigureData, label_with_unit, unit_of
 from sim.figures.plot import SINGLE_SIZE, wrap_label
 from sim.figures.style import COLOURS, LEVEL, cycle_style, escape_label, legend_above
 from sim.study.plot_contents import parameter_phrase
-from sim.surrogates.answers import MANY_BLOCKS, load_table
+from sim.surrogates.answers import MANY_BLOCKS
 from sim.surrogates.indices import NEGLIGIBLE
+from sim.surrogates.storage import load_table
 
 #: Height of the room of a parameter, and of a picture without any, inches.
 _ROW, _FRAME = 0.42, 1.3

@@ -14,7 +14,7 @@ from sim.base.statistics import MANY, student
 from sim.figures.data import FigureData, parameter_heading
 from sim.parameters.words import setting
 from sim.study.design import Axis
-from sim.surrogates.predictor import counted_probability
+from sim.surrogates.fit import counted_probability
 from sim.surrogates.sample import unit_cube
 from sim.surrogates.storage import load_surrogate
 from sim.surrogates.surrogate import Surrogate

@@ -7,7 +7,6 @@ line of the terminal, a picture with caption and data, the head of a report, the
 
 import csv
 import hashlib
-import io
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -27,14 +26,15 @@ if TYPE_CHECKING:
 
     from sim.study.design import Axis
 
-#: Key of the caveats in the summary of a file, and heading of their column in a table.
-KEY = "caveats"
+#: Keys of caveats and of a refusal in the summary of a file, and headings of columns in a table.
+KEY, _REFUSAL = "caveats", "refusal"
 
 #: What stands between two caveats in a text.
 _SEPARATOR = "; "
 
-#: Share of the variance that points do not tell of each other from which on it is told.
-_MUCH_UNEXPLAINED = 0.1
+#: Shares from which on they are told: of the variance that points do not tell of each other, of the
+#: points that a mean leaves out, of ranges or posterior without such a flow, and of noise.
+_MUCH_UNEXPLAINED, _MUCH_LEFT_OUT, _MUCH_ABSENT, _MUCH_NOISE = 0.1, 0.5, 0.01, 0.05
 
 #: Fewest values of a number, and points of a word for each number, that are not told.
 _FEWEST_VALUES, _FEWEST_OF_A_WORD = 4, 3
@@ -42,15 +42,20 @@ _FEWEST_VALUES, _FEWEST_OF_A_WORD = 4, 3
 #: Blocks of runs below which an effect in a small part of the ranges is easily missed.
 MANY_BLOCKS = 64
 
-#: Share of the points that a mean leaves out from which on it is told.
-_MUCH_LEFT_OUT = 0.5
-
 #: Probability of the regimes of a mean below which another is likelier.
 EVEN = 0.5
 
-#: Shares of ranges or posterior without such a flow, and of the variance of runs that is noise,
-#: from which on they are told.
-_MUCH_ABSENT, _MUCH_NOISE = 0.01, 0.05
+#: Most parameters that a line names.
+_MOST_NAMED = 3
+
+
+class Refusal(InputError):
+    """The runs cannot answer a question; the message says why, and what may help."""
+
+
+def _told(doubts: Mapping[str, bool]) -> tuple[str, ...]:
+    """Return the doubts that there is a reason for."""
+    return tuple(text for text, is_true in doubts.items() if is_true)
 
 
 def caveats_of_mean(
@@ -58,48 +63,35 @@ def caveats_of_mean(
 ) -> tuple[str, ...]:
     """Return what is doubtful about the mean of a surrogate, the worst first.
 
-    Parameters
-    ----------
-    sample : xarray.Dataset
-        Its points, see `sim.surrogates.sample.sample_points`.
-    is_used : numpy.ndarray
-        Which of them the mean is of, (n,).
-    error : float
-        Error of the mean, relative to the mean size of the observable.
-    unexplained : float
-        Share of the variance between the points that the others do not tell.
-    omissions : str
-        How many points of which regime it leaves out.
+    It is of the points of a sample (`sim.surrogates.sample.sample_points`) that are used, (n,), and
+    leaves out ``omissions``. Its error is relative to the mean size of the observable;
+    ``unexplained`` is the share of the variance between points that the others do not tell.
     """
     used, total = int(is_used.sum()), len(is_used)
-    texts = [
-        f"its error of {percent(error)} is too large to rely on" if error > LARGE_ERROR else "",
-        f"its points do not tell {percent(min(1.0, unexplained))} of the variance of each other"
-        if unexplained > _MUCH_UNEXPLAINED
-        else "",
-        f"it is of {used} of {total} points ({omissions} left out)"
-        if total - used > _MUCH_LEFT_OUT * total
-        else "",
-        *caveats_of_points(sample.isel(point=is_used)),
-    ]
-    return tuple(filter(None, texts))
+    share, is_rough = percent(min(1.0, unexplained)), unexplained > _MUCH_UNEXPLAINED
+    few = f"it is of {used} of {total} points ({omissions} left out)"
+    doubts = {
+        f"its error of {percent(error)} is too large to rely on": error > LARGE_ERROR,
+        f"its points do not tell {share} of the variance of each other": is_rough,
+        few: total - used > _MUCH_LEFT_OUT * total,
+    }
+    return _told(doubts) + caveats_of_points(sample.isel(point=is_used))
 
 
 def caveats_of_axes(sample: "xr.Dataset", axes: Sequence["Axis"]) -> tuple[str, ...]:
     """Return which parameters the points of a mean vary too little, numbers and words."""
-    texts, numbers = [], sum(axis.is_number for axis in axes)
+    doubts, numbers = {}, sum(axis.is_number for axis in axes)
     for axis in axes:
         values = sample[axis.name].values.tolist()
-        counts = {one: values.count(one) for one in (axis.choices or dict.fromkeys(values))}
         if axis.is_number:
-            if len(counts) < _FEWEST_VALUES:
-                texts.append(
-                    f"{axis.name} has {len(counts)} values, between which nothing is known"
-                )
-            continue
-        few = [one for one, count in counts.items() if count < _FEWEST_OF_A_WORD * numbers]
-        texts += [f"{axis.name} = {one} has {count_text(counts[one], 'point')}" for one in few]
-    return tuple(texts)
+            count = len(set(values))
+            text = f"{axis.name} has {count} values, between which nothing is known"
+            doubts[text] = count < _FEWEST_VALUES
+        for one in axis.choices:
+            count = values.count(one)
+            text = f"{axis.name} = {one} has {count_text(count, 'point')}"
+            doubts[text] = count < _FEWEST_OF_A_WORD * numbers
+    return _told(doubts)
 
 
 def caveats_of_points(sample: "xr.Dataset") -> tuple[str, ...]:
@@ -118,9 +110,7 @@ def caveats_of_points(sample: "xr.Dataset") -> tuple[str, ...]:
         "surely slow down, so that the mean depends on when one looks": regimes.count(SLOWING),
         "are too short to tell a steady flow": regimes.count("undetermined"),
     }
-    return tuple(
-        f"runs of {count} of its {points} {text}" for text, count in counts.items() if count
-    )
+    return _told({f"runs of {n} of its {points} {text}": n > 0 for text, n in counts.items()})
 
 
 def caveats_of_indices(table: "pd.DataFrame") -> tuple[str, ...]:
@@ -129,25 +119,22 @@ def caveats_of_indices(table: "pd.DataFrame") -> tuple[str, ...]:
     See `sim.surrogates.indices.COLUMNS`.
     """
     first, alone = table.iloc[0], table[table["other"] == ""]
+    absent, blocks, noise = first["absent"], first["blocks"], first["noise"]
     names = alone["index"] + " " + alone["parameter"]
-    rows = {text: names[alone["doubt"] == text] for text in dict.fromkeys(alone["doubt"])}
-    texts = [
-        f"in {percent(first['absent'])} of the ranges no flow of a regime that counts is likely, "
-        "or no run is near"
-        if first["absent"] >= _MUCH_ABSENT
-        else "",
-        *(f"{', '.join(which)}: {text}" for text, which in rows.items() if text),
-        f"{first['blocks']} blocks may miss an effect in a small part of the ranges"
-        if np.isnan(first["error"]) and first["blocks"] < MANY_BLOCKS
-        else "",
-        "the noise of the runs is not known, as points have one replicate, and counts as an effect"
-        if np.isnan(first["noise"])
-        else "",
-        f"the noise of the runs is {percent(first['noise'])} of their variance"
-        if first["noise"] > _MUCH_NOISE
-        else "",
-    ]
-    return tuple(filter(None, texts))
+    nowhere = "no flow of a regime that counts is likely, or no run is near"
+    missed = f"{blocks} blocks may miss an effect in a small part of the ranges"
+    unknown = "is not known, as points have one replicate, and counts as an effect"
+    doubts = {f"in {percent(absent)} of the ranges {nowhere}": absent >= _MUCH_ABSENT}
+    for doubt in dict.fromkeys(alone["doubt"]):
+        doubts[f"{', '.join(names[alone['doubt'] == doubt])}: {doubt}"] = doubt != ""
+    return _told(
+        doubts
+        | {
+            missed: np.isnan(first["error"]) and blocks < MANY_BLOCKS,
+            f"the noise of the runs {unknown}": np.isnan(noise),
+            f"the noise of the runs is {percent(noise)} of their variance": noise > _MUCH_NOISE,
+        }
+    )
 
 
 def caveats_of_posterior(about: Mapping[str, Any], at_ends: Sequence[str] = ()) -> tuple[str, ...]:
@@ -158,21 +145,18 @@ def caveats_of_posterior(about: Mapping[str, Any], at_ends: Sequence[str] = ()) 
     """
     if about["outcome"] == "no fit":
         return ()
-    lengths = about["steps"] / about["autocorrelation"]
-    texts = [
-        f"its chains are {lengths:.0f} autocorrelation times long, too short for its intervals"
-        if about["outcome"] == "not converged"
-        else "",
-        f"{percent(about['uncounted'])} of the posterior lies where the flow is "
-        f"{about['uncounted_regime']}"
-        if about["uncounted"] >= _MUCH_ABSENT
-        else "",
-        f"{percent(about.get('far', 0.0))} of the posterior lies where no run is near"
-        if about.get("far", 0.0) >= _MUCH_ABSENT
-        else "",
-        *(f"{name} lies at the end of its range, which may be too narrow" for name in at_ends),
-    ]
-    return tuple(filter(None, texts))
+    length = f"{about['steps'] / about['autocorrelation']:.0f} autocorrelation times"
+    short = f"its chains are {length} long, too short for its intervals"
+    shares = {
+        f"the flow is {about['uncounted_regime']}": about["uncounted"],
+        "no run is near": about.get("far", 0.0),
+    }
+    doubts = {short: about["outcome"] == "not converged"} | {
+        f"{percent(share)} of the posterior lies where {text}": share >= _MUCH_ABSENT
+        for text, share in shares.items()
+    }
+    ends = (f"{name} lies at the end of its range, which may be too narrow" for name in at_ends)
+    return (*_told(doubts), *ends)
 
 
 def caveats_of_places(
@@ -183,15 +167,13 @@ def caveats_of_places(
     ``counted`` is the probability of these regimes at each place, (n,); ``is_far`` says which
     places have no run near them, (n,).
     """
+    size = counted.size
     counts = {
         f"another regime is likelier than {' or '.join(regimes)}": int((counted < EVEN).sum()),
         "no run is near": int(is_far.sum()),
     }
-    return tuple(
-        f"{'there' if counted.size == 1 else f'at {count} of {counted.size} places'} {text}"
-        for text, count in counts.items()
-        if count
-    )
+    where = "there" if size == 1 else "at {} of {} places"
+    return _told({f"{where.format(n, size)} {text}": n > 0 for text, n in counts.items()})
 
 
 def joined(caveats: Sequence[str]) -> str:
@@ -213,11 +195,6 @@ def sentence(caveats: Sequence[str]) -> str:
     return f"Caveat: {joined(caveats)}." if caveats else ""
 
 
-def answer_name(path: Path) -> str:
-    """Return the name of an answer from the path of its file: ``surrogate speed``."""
-    return f"{path.parent.name.removesuffix('s')} {path.stem}"
-
-
 def with_caveats(table: "pd.DataFrame", caveats: Sequence[str]) -> "pd.DataFrame":
     """Return a table whose rows end with the caveats, if there are any."""
     return table.assign(**{KEY: joined(caveats)}) if caveats else table
@@ -234,6 +211,11 @@ def caveats_in(path: Path) -> tuple[str, ...]:
         return tuple((read_summary(path) or {}).get(KEY, ()))
     with path.open(encoding="utf-8", errors="replace", newline="") as file:
         return parted(next(csv.DictReader(file), {}).get(KEY) or "")
+
+
+def answer_name(path: Path) -> str:
+    """Return the name of an answer from the path of its file: ``surrogate speed``."""
+    return f"{path.parent.name.removesuffix('s')} {path.stem}"
 
 
 def summary_lines(study: Study, folder: Path) -> list[str]:
@@ -253,10 +235,6 @@ def _summary_line(path: Path) -> str:
     return f"{line.removesuffix('.')}. {sentence(caveats)}" if caveats else line
 
 
-#: Most parameters that a line names.
-_MOST_NAMED = 3
-
-
 def save_table(table: "pd.DataFrame", path: Path) -> None:
     """Write a table; the file appears complete or not at all.
 
@@ -273,36 +251,32 @@ def save_table(table: "pd.DataFrame", path: Path) -> None:
 
 
 def read_table(path: Path) -> bytes | None:
-    """Return the bytes of a table, None where they are not those of its checksum."""
-    content = read_regular(path)
-    note = _note(path)
-    is_whole = not note.is_file() or _checksum(content) in note.read_text("ascii", "replace")
-    return content if is_whole else None
+    """Return the bytes of a table, None where they are not those of its checksum.
+
+    One of an earlier version has no checksum.
+    """
+    content, note = read_regular(path), _note(path)
+    if note.is_file() and _checksum(content) not in note.read_text("ascii", "replace"):
+        return None
+    return content
 
 
-def load_table(path: Path) -> "pd.DataFrame":
-    """Read a table; see `stored_answer`. One of an earlier version has no checksum."""
-    # Imported here, as most commands need none of it.
-    import pandas as pd
+def _note(path: Path) -> Path:
+    return path.with_name(f".{path.name}.sha256")
 
-    with stored_answer(path, "sensitivity"):
-        content = read_table(path)
-        if content is None:
-            raise ValueError("its checksum is wrong")
-        words = {"other": object, "doubt": object}
-        texts = {"keep_default_na": False, "na_values": [""], "dtype": words}
-        table = pd.read_csv(io.BytesIO(content), **texts)
-        if "doubt" not in table:
-            raise ValueError("it is of an earlier version")
-        return table.fillna({"other": "", "doubt": ""})
+
+def _checksum(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
+
+
+def _table_text(path: Path) -> str:
+    """Return the text of a table, empty where it is damaged."""
+    return (read_table(path) or b"").decode("utf-8", "replace")
 
 
 def table_line(path: Path) -> str:
-    """Return the parameters that matter most, with total index or mean effect and its interval.
-
-    Empty where the file is damaged.
-    """
-    rows = csv.DictReader((read_table(path) or b"").decode("utf-8", "replace").splitlines())
+    """Return the parameters that matter most, with index and interval; empty for a damaged file."""
+    rows = csv.DictReader(_table_text(path).splitlines())
     shown = [row for row in rows if row.get("index") in ("total", "mu_star") and row.get("value")]
     if not shown:
         return ""
@@ -316,22 +290,6 @@ def table_line(path: Path) -> str:
     return f"{index} of {', '.join(texts)}"
 
 
-def _note(path: Path) -> Path:
-    return path.with_name(f".{path.name}.sha256")
-
-
-def _checksum(content: bytes) -> str:
-    return hashlib.sha256(content).hexdigest()
-
-
-#: Key of the reason, and heading of its column in a table.
-_KEY = "refusal"
-
-
-class Refusal(InputError):
-    """The runs cannot answer a question; the message says why, and what may help."""
-
-
 def save_refusal(refusal: Refusal, path: Path) -> None:
     """Write a refusal where the answer would stand; the file appears complete or not at all."""
     # Imported here: reading refusals needs none of it.
@@ -340,10 +298,10 @@ def save_refusal(refusal: Refusal, path: Path) -> None:
 
     text = str(refusal)
     if path.suffix == ".csv":
-        save_table(pd.DataFrame({_KEY: [text]}), path)
+        save_table(pd.DataFrame({_REFUSAL: [text]}), path)
         return
-    with sealed_file(path, {"line": text, _KEY: text}) as temporary:
-        xr.Dataset(attrs={_KEY: text}).to_netcdf(temporary, engine="netcdf4")
+    with sealed_file(path, {"line": text, _REFUSAL: text}) as temporary:
+        xr.Dataset(attrs={_REFUSAL: text}).to_netcdf(temporary, engine="netcdf4")
 
 
 @contextmanager
@@ -360,13 +318,9 @@ def sealed_file(path: Path, summary: Mapping[str, Any]) -> Iterator[Path]:
 def stored_answer(path: Path, kind: str) -> Iterator[None]:
     """Let the file of an answer be read.
 
-    Raises
-    ------
-    InputError
-        When there is no such file, or it is damaged. In the results of a study it is then set
-        aside, so that the study makes it again.
-    Refusal
-        When the runs do not give the answer.
+    Raises `InputError` when there is no such file, or it is damaged: in the results of a study it
+    is then set aside, so that the study makes it again. Raises `Refusal` when the runs do not give
+    the answer.
     """
     is_of_study = (path.parent.parent / "runs").is_dir()
     with checked_read(path, kind, replaceable=is_of_study, sealed=path.suffix != ".csv"):
@@ -382,10 +336,10 @@ def refusal_in(path: Path) -> str:
     if not path.is_file():
         return ""
     if path.suffix != ".csv":
-        text = (read_summary(path) or {}).get(_KEY, "")
+        text = (read_summary(path) or {}).get(_REFUSAL, "")
         return "" if text and is_damaged(path) else text
-    rows = list(csv.reader((read_table(path) or b"").decode("utf-8", "replace").splitlines()))
-    return rows[1][0] if rows[:1] == [[_KEY]] else ""
+    rows = list(csv.reader(_table_text(path).splitlines()))
+    return rows[1][0] if rows[:1] == [[_REFUSAL]] else ""
 
 
 def require_answer(path: Path) -> None:

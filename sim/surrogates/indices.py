@@ -24,8 +24,8 @@ from sim.base.errors import percent
 from sim.base.statistics import MANY, student
 from sim.study.surrogate import FEWEST_BLOCKS
 from sim.surrogates.answers import EVEN, Refusal
-from sim.surrogates.predictor import counted_probability, scaled
-from sim.surrogates.process import LENGTHS
+from sim.surrogates.fit import LENGTHS, counted_probability
+from sim.surrogates.sample import scaled
 from sim.surrogates.surrogate import Surrogate
 
 #: Columns of a table.
@@ -33,13 +33,12 @@ from sim.surrogates.surrogate import Surrogate
 #: ``index`` is ``first``, ``total``, ``interaction`` or ``sum`` (of the first-order indices; its
 #: ``parameter`` is ``all``), or Morris' ``mu``, ``mu_star`` or ``sigma``. ``other`` names the
 #: second parameter of an interaction. ``low`` and ``high`` are the ends of the 95 % interval,
-#: not-a-number where there is none. Those that follow are the same in all rows, but for the last.
-#: ``blocks`` are those of the sample that count, ``left_out`` those with a run that failed or has
-#: no value. ``noise`` is the share of the variance that comes from the scatter between replicates:
-#: 0 for a surrogate, not-a-number where it is not known. ``error`` is that of the surrogate,
-#: relative to the mean size, not-a-number for runs. ``absent`` is the share of the ranges in which
-#: a flow of another regime is likelier; 0 for runs. ``doubt`` says in words what is doubtful about
-#: the row alone, see `with_doubts`; `sim.surrogates.answers` has what is about all rows.
+#: not-a-number where there is none. ``doubt`` says what is doubtful about the row alone. The others
+#: are the same in all rows: ``blocks`` of the sample that count, ``left_out`` those with a run that
+#: failed or has no value; ``noise``, the share of the variance that comes from the scatter between
+#: replicates, 0 for a surrogate, not-a-number where it is not known; ``error`` of the surrogate,
+#: relative to the mean size, not-a-number for runs; ``absent``, the share of the ranges in which a
+#: flow of another regime is likelier, 0 for runs.
 COLUMNS = (
     *("index", "parameter", "other", "value", "low", "high"),
     *("blocks", "left_out", "noise", "error", "absent", "doubt"),
@@ -54,8 +53,32 @@ _LEAST_SPREAD = 1e-12
 #: What a total index must be below, with its interval, to be without effect.
 NEGLIGIBLE = 0.01
 
-#: What is doubtful about a row.
+#: What may be doubtful about a row.
 _OUTSIDE = "outside 0 to 1 by more than its interval, by too few points"
+_NO_INTERVAL = "no interval, as effects at different places are equal or too few"
+
+#: Blocks of a sample of a surrogate, a power of two; and samples, with as many realisations each.
+BLOCKS, _SCRAMBLINGS, _REALISATIONS = 2**11, 8, 4
+
+#: Waves of a realisation, and its longest correlation length, of the unit cube.
+_WAVES, _LONGEST = 128, 1.0
+
+#: Shares beyond which there are no indices: of the ranges without such a flow, of the variance that
+#: points do not tell of each other, and of that which comes from noise.
+_MOST_ABSENT, _MOST_UNEXPLAINED, _MOST_NOISE = 0.5, 0.5, 0.5
+
+#: Points at which ranges are looked at, and the seed of all that is drawn.
+_PLACES, _SEED = 2**12, 1
+
+#: Blocks for a degree of freedom of an interval, and fewest degrees. A few blocks hold most of the
+#: variance of a ratio; with these, intervals of eight blocks hold the truth as often as they say.
+_BLOCKS, _FREEDOM = 4, 3
+
+#: Fewest different effects that give an interval, and difference of equal ones, of their size.
+_FEWEST_EFFECTS, _EQUAL = 3, 1e-9
+
+#: How much larger a mean size may be by noise, in its standard deviations, once it is taken off.
+_FOLDED = 0.6
 
 
 def tabulate(
@@ -67,28 +90,20 @@ def tabulate(
 ) -> pd.DataFrame:
     """Return values and ends of intervals as a table of `COLUMNS`.
 
-    ``names`` has index, parameter and other parameter of each; ``basis`` the columns that are the
-    same in all rows, see `COLUMNS`.
+    ``names`` has index, parameter and other of each; ``basis`` what is the same in all rows.
     """
     rows = [(*name, *numbers) for name, *numbers in zip(names, estimate, low, high, strict=True)]
     table = pd.DataFrame(rows, columns=list(COLUMNS[:6]))
-    known = {"left_out": 0, "noise": 0.0, "error": np.nan, "absent": 0.0, "doubt": ""} | basis
-    return table.assign(**known)[list(COLUMNS)]
-
-
-def with_doubts(table: pd.DataFrame) -> pd.DataFrame:
-    """Return a table with what is doubtful about each row alone, beside what it has."""
     is_outside = table["index"].isin(_SHARES) & ((table["high"] < 0) | (table["low"] > 1))
-    return table.assign(doubt=table["doubt"].mask(is_outside, _OUTSIDE))
+    known = {"left_out": 0, "noise": 0.0, "error": np.nan, "absent": 0.0} | basis
+    return table.assign(**known, doubt=np.where(is_outside, _OUTSIDE, ""))[list(COLUMNS)]
 
 
-def require_spread(values: np.ndarray) -> None:
+def _require_spread(values: np.ndarray) -> None:
     """Raise `Refusal` where values do not vary by more than rounding."""
     if np.ptp(values) <= _LEAST_SPREAD * np.abs(values).max():
-        raise Refusal(
-            f"no indices, as the observable does not vary: it is {values.max():.6g} "
-            "everywhere, so nothing can matter"
-        )
+        value = f"{values.max():.6g} everywhere, so nothing can matter"
+        raise Refusal(f"no indices, as the observable does not vary: it is {value}")
 
 
 def shares_of(names: Sequence[str]) -> list[tuple[str, str, str]]:
@@ -97,36 +112,10 @@ def shares_of(names: Sequence[str]) -> list[tuple[str, str, str]]:
     return [*alone, ("sum", "all", "")]
 
 
-#: Blocks of a sample of a surrogate, a power of two; and samples, with as many realisations each.
-BLOCKS, _SCRAMBLINGS, _REALISATIONS = 2**11, 8, 4
-
-#: Waves of a realisation, and its longest correlation length, of the unit cube.
-_WAVES, _LONGEST = 128, 1.0
-
-#: Share of the ranges without such a flow beyond which there are no indices, and the number of
-#: points where this is looked at.
-_MOST_ABSENT, _PLACES = 0.5, 2**12
-
-#: Share of the variance that points do not tell of each other beyond which there are no indices.
-_MOST_UNEXPLAINED = 0.5
-
-_SEED = 1
-
-
 def indices_of_surrogate(surrogate: Surrogate, blocks: int = BLOCKS) -> pd.DataFrame:
     """Return the indices of a surrogate as `sobol_indices`, with all that is weak about them.
 
-    Parameters
-    ----------
-    surrogate : Surrogate
-        The surrogate.
-    blocks : int
-        See `sobol_indices`.
-
-    Raises
-    ------
-    Refusal
-        If a flow of another regime is likelier in most of the ranges, or if it does not vary.
+    Raises `Refusal` if the mean means little in most of the ranges, or is rough or constant.
     """
     absent = _absent_share(surrogate)
     if absent > _MOST_ABSENT:
@@ -136,22 +125,17 @@ def indices_of_surrogate(surrogate: Surrogate, blocks: int = BLOCKS) -> pd.DataF
             "such flow is likely, or no run is near; ask narrower ranges, or name other regimes "
             "with the surrogate"
         )
-    if surrogate.unexplained > _MOST_UNEXPLAINED:
+    if (share := surrogate.process.unexplained_share) > _MOST_UNEXPLAINED:
         raise Refusal(
             f"no indices, as the points of surrogate {surrogate.name} do not tell "
-            f"{percent(min(1.0, surrogate.unexplained))} of the variance of each other; more "
-            "points lessen it"
+            f"{percent(min(1.0, share))} of the variance of each other; more points lessen it"
         )
-    require_spread(surrogate.sample["mean"].values[surrogate.in_mean])
-    table = sobol_indices(surrogate, blocks).assign(error=surrogate.error, absent=absent)
-    return with_doubts(table)
+    _require_spread(surrogate.sample["mean"].values[surrogate.in_mean])
+    return sobol_indices(surrogate, blocks).assign(error=surrogate.error, absent=absent)
 
 
 def _absent_share(surrogate: Surrogate) -> float:
-    """Return the share of the ranges where the mean means little.
-
-    The regimes that it is of have less than half a chance there, or no run is near.
-    """
+    """Return the share of the ranges where a mean is of unlikely regimes, or no run is near."""
     from scipy.stats import qmc
 
     shares = qmc.Sobol(len(surrogate.parameters), rng=_SEED).random(_PLACES)
@@ -184,8 +168,8 @@ def sobol_indices(surrogate: Surrogate, blocks: int = BLOCKS) -> pd.DataFrame:
     sampling = student(_SCRAMBLINGS - 1) * np.std(estimates, axis=0, ddof=1) / np.sqrt(_SCRAMBLINGS)
     spread = np.sqrt(np.mean(np.square(deviations), axis=0)) if deviations else 0.0
     half = np.hypot(sampling, float(student(MANY)) * spread)
-    middle = np.mean(estimates, axis=0)
-    rows = [*shares_of(names), *(("interaction", *pair) for pair in combinations(names, 2))]
+    middle, pairs = np.mean(estimates, axis=0), combinations(names, 2)
+    rows = [*shares_of(names), *(("interaction", *pair) for pair in pairs)]
     return tabulate(rows, middle, middle - half, middle + half, blocks=_SCRAMBLINGS * blocks)
 
 
@@ -201,8 +185,7 @@ def _sobol(problem: dict[str, Any], values: np.ndarray) -> np.ndarray:
 def _smooth_field(shares: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """Return a smooth random field of variance 1 at points (n, k) of the unit cube.
 
-    It is a sum of waves of random direction and phase (Rahimi and Recht 2007), with a Gaussian
-    correlation.
+    It is a sum of random waves, with a Gaussian correlation (Rahimi and Recht 2007).
     """
     length = np.exp(rng.uniform(*np.log([LENGTHS[0], _LONGEST])))
     waves = rng.normal(size=(shares.shape[1], _WAVES)) / length
@@ -210,37 +193,13 @@ def _smooth_field(shares: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     return np.sqrt(2 / _WAVES) * np.cos(shares @ waves + phases).sum(axis=1)
 
 
-#: Share of the variance that may come from noise: beyond, nothing is left to share out.
-_MOST_NOISE = 0.5
-
-#: Blocks for a degree of freedom of an interval, and fewest degrees. A few blocks hold most of the
-#: variance of a ratio; with these, intervals of eight blocks hold the truth as often as they say.
-_BLOCKS, _FREEDOM = 4, 3
-
-#: Fewest different effects that give an interval, and difference of equal ones, of their size.
-_FEWEST_EFFECTS, _EQUAL = 3, 1e-9
-_NO_INTERVAL = "no interval, as effects at different places are equal or too few"
-
-#: How much larger a mean size may be by noise, in its standard deviations, once it is taken off.
-_FOLDED = 0.6
-
-
 @dataclass(frozen=True)
 class DesignRuns:
-    """The runs of a design, in its order.
+    """The runs of a design over parameters ``names`` (k), in its order.
 
-    Attributes
-    ----------
-    names : tuple of str
-        The k parameters.
-    values : numpy.ndarray
-        Means of the runs (n,). Not-a-number stands for a run that failed, or whose flow has no
-        value.
-    variances : numpy.ndarray
-        Variances (n,) of these means, from the scatter between replicates; not-a-number where a
-        point has one.
-    points : numpy.ndarray
-        Numbers (n,), the same for rows that are one point.
+    ``values`` are means of the runs (n,), not-a-number for a run that failed, or whose flow has no
+    value; ``variances`` (n,) of these are from the scatter between replicates, not-a-number where a
+    point has one; ``points`` are numbers (n,), the same for rows that are one point.
     """
 
     names: tuple[str, ...]
@@ -259,29 +218,23 @@ class DesignRuns:
         """Return the rows of each whole block (b, size), how many are not, and the share of noise.
 
         An estimator needs all of a block. The noise is not-a-number where no point has replicates.
-
-        Raises
-        ------
-        Refusal
-            If fewer than `FEWEST_BLOCKS` blocks are whole, if the values do not vary, or if most of
-            their variance is noise.
+        Raises `Refusal` if fewer than `FEWEST_BLOCKS` blocks are whole, if the values do not vary,
+        or if most of their variance is noise.
         """
         rows = np.arange(len(self.values) // size * size).reshape(-1, size)
         whole = rows[np.isfinite(self.values[rows]).all(axis=1)]
         if len(whole) < FEWEST_BLOCKS:
             raise Refusal(
-                f"no indices, as {len(whole)} of {len(rows)} blocks of {size} "
-                f"points have a value at each and {FEWEST_BLOCKS} are needed; more "
-                "blocks, other ranges or the key regimes may give others"
+                f"no indices, as {len(whole)} of {len(rows)} blocks of {size} points have a value "
+                f"at each and {FEWEST_BLOCKS} are needed; more blocks, other ranges or the key "
+                "regimes may give others"
             )
-        require_spread(self.values[whole])
+        _require_spread(self.values[whole])
         share = float(self.noise[whole].mean() / self.values[whole].var())
         if share > _MOST_NOISE:
-            raise Refusal(
-                f"no indices, as the noise of the runs is {percent(share)} of "
-                f"the variance between them, beyond {percent(_MOST_NOISE)}; more replicates or "
-                "longer runs make it smaller"
-            )
+            most = f"beyond {percent(_MOST_NOISE)}; more replicates or longer runs make it smaller"
+            variance = f"{percent(share)} of the variance between them, {most}"
+            raise Refusal(f"no indices, as the noise of the runs is {variance}")
         is_known = np.isfinite(self.variances[whole]).any()
         return whole, len(rows) - len(whole), share if is_known else np.nan
 
@@ -294,30 +247,21 @@ class DesignRuns:
 def sobol_indices_of_runs(runs: DesignRuns) -> pd.DataFrame:
     """Return first-order and total indices from the runs of a Saltelli design, as a table.
 
-    Intervals are from the scatter between blocks (jackknife), which noise adds to.
-
-    Raises
-    ------
-    Refusal
-        See `DesignRuns.blocks`.
+    Intervals are from the scatter between blocks (jackknife), which noise adds to. Raises
+    `Refusal`, see `DesignRuns.blocks`.
     """
     rows, left_out, noise = runs.blocks(len(runs.names) + 2)
     first, between, last = rows[:, :1], rows[:, 1:-1], rows[:, -1:]
-    unlike = [_unlike(runs, one, between) for one in (last, first)]
+    count, unlike = len(rows), [_unlike(runs, one, between) for one in (last, first)]
     means = [one.mean(axis=0) for one in unlike]
-    count = len(rows)
     others = [(count * mean - one) / (count - 1) for mean, one in zip(means, unlike, strict=True)]
-    estimate, jackknifed = _with_sum(*means), _with_sum(*others)
-    half = _half_width(jackknifed, count)
-    ends = estimate - half, estimate + half
-    table = tabulate(
-        shares_of(runs.names), estimate, *ends, blocks=count, left_out=left_out, noise=noise
-    )
-    return with_doubts(table)
+    estimate, half = _with_sum(*means), _half_width(_with_sum(*others))
+    basis = {"blocks": count, "left_out": left_out, "noise": noise}
+    return tabulate(shares_of(runs.names), estimate, estimate - half, estimate + half, **basis)
 
 
 def _unlike(runs: DesignRuns, one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Return what `_share_unlike` needs the means of, for pairs of rows in blocks, (b, k, 4)."""
+    """Return what `_with_sum` needs the means of, for pairs of rows in blocks, (b, k, 4)."""
     centred = runs.values - np.nanmean(runs.values)
     x, y = np.broadcast_arrays(centred[one], centred[other])
     square = (x**2 + y**2 - runs.noise[one] - runs.noise[other]) / 2
@@ -325,22 +269,20 @@ def _unlike(runs: DesignRuns, one: np.ndarray, other: np.ndarray) -> np.ndarray:
     return np.stack([x, y, square, apart], axis=-1)
 
 
-def _share_unlike(means: np.ndarray) -> np.ndarray:
-    """Return the share of the variance in which two runs differ, from means (..., 4)."""
-    x, y, square, apart = np.moveaxis(means, -1, 0)
-    return apart / (square - ((x + y) / 2) ** 2)
+def _with_sum(*means: np.ndarray) -> np.ndarray:
+    """Return first-order and total indices and the sum of the first, along the last axis.
+
+    They follow from the shares of the variance in which two runs differ, from means (..., 4).
+    """
+    x, y, square, apart = np.moveaxis(np.stack(means), -1, 0)
+    last, total = apart / (square - ((x + y) / 2) ** 2)
+    return np.concatenate([1 - last, total, (1 - last).sum(axis=-1, keepdims=True)], axis=-1)
 
 
-def _with_sum(last: np.ndarray, first: np.ndarray) -> np.ndarray:
-    """Return first-order and total indices and the sum of the first, along the last axis."""
-    alone, total = 1 - _share_unlike(last), _share_unlike(first)
-    return np.concatenate([alone, total, alone.sum(axis=-1, keepdims=True)], axis=-1)
-
-
-def _half_width(jackknifed: np.ndarray, count: int) -> np.ndarray:
-    """Return half widths of intervals, from the estimates without each block in turn."""
-    error = np.sqrt((count - 1) * jackknifed.var(axis=0))
-    return student(max(_FREEDOM, count / _BLOCKS)) * error
+def _half_width(jackknifed: np.ndarray) -> np.ndarray:
+    """Return half widths of intervals, from the estimates (b, ...) without each block in turn."""
+    count = len(jackknifed)
+    return student(max(_FREEDOM, count / _BLOCKS)) * np.sqrt((count - 1) * jackknifed.var(axis=0))
 
 
 def morris_indices_of_runs(
@@ -349,23 +291,10 @@ def morris_indices_of_runs(
     """Return Morris' ``mu``, ``mu_star`` and ``sigma`` from the runs of a design, as a table.
 
     They are in the unit of the observable: its change where a parameter goes from the one end of
-    its range to the other; of words, to another one.
-
-    Parameters
-    ----------
-    runs : DesignRuns
-        The runs; blocks are trajectories of k + 1.
-    shares : numpy.ndarray
-        The points in the unit cube as the design asked for them, (n, k).
-    places : numpy.ndarray
-        The values that were run, which may be rounded, as shares of the ranges, (n, k).
-    is_number : sequence of bool
-        Which parameters are numbers; others are words or switches, without an order.
-
-    Raises
-    ------
-    Refusal
-        See `DesignRuns.blocks`; if a parameter has the same value in all runs.
+    its range to the other; of words, which are not numbers and have no order, to another one.
+    Blocks are trajectories of k + 1. ``shares`` are the points in the unit cube as the design asked
+    for them, ``places`` those that were run, which may be rounded, (n, k). Raises `Refusal`, see
+    `DesignRuns.blocks`, and if a parameter has the same value in all runs.
     """
     rows, left_out, noise = runs.blocks(len(runs.names) + 1)
     one, other = rows[:, :-1], rows[:, 1:]
@@ -385,13 +314,12 @@ def morris_indices_of_runs(
                 "step; a wider range has more values"
             )
         effects = (runs.values[end] - runs.values[start]) / step
-        noise_of_effect = np.mean(runs.noise_of_difference(start, end) / step**2)
-        parts.append(_effects(effects, float(noise_of_effect)))
+        noises = runs.noise_of_difference(start, end) / step**2
+        parts.append(_effects(effects, float(np.mean(noises))))
     estimate, low, high = np.stack(parts, axis=-1).reshape(3, -1)
     labels = [(index, name, "") for index in ("mu", "mu_star", "sigma") for name in runs.names]
     table = tabulate(labels, estimate, low, high, blocks=len(rows), left_out=left_out, noise=noise)
-    table["doubt"] = np.where(table["low"].isna(), _NO_INTERVAL, "")
-    return with_doubts(table)
+    return table.assign(doubt=np.where(table["low"].isna(), _NO_INTERVAL, ""))
 
 
 def _effects(effects: np.ndarray, noise: float) -> np.ndarray:
@@ -406,7 +334,7 @@ def _effects(effects: np.ndarray, noise: float) -> np.ndarray:
     largest = np.abs(effects).max()
     if count >= _FEWEST_EFFECTS and (np.ptp(effects) > _EQUAL * largest or not largest):
         others = np.array([np.delete(effects, left_out) for left_out in range(count)])
-        half = _half_width(_moments(others, noise), count)
+        half = _half_width(_moments(others, noise))
         half[1] = np.hypot(half[1], _FOLDED * np.sqrt(noise))
         ends = np.array([moments - half, moments + half])
     rows = np.vstack([moments, ends])

@@ -1,31 +1,33 @@
-"""Answer the questions of a study from its dataset, and write the answers."""
+"""Answer the questions of a study from its dataset, and ask for the further points they need.
+
+Rounds of further points are those that boundaries and surrogates ask for, given all runs so far.
+"""
 
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from sim.base.errors import percent
+from sim.base.errors import InputError, percent
+from sim.base.files import atomic_write
+from sim.base.seals import to_sealed_json
+from sim.dataset.boundaries import added_points
+from sim.dataset.build import gather_results
 from sim.dataset.replicates import replicate_values
 from sim.dataset.results import Results, load_results
-from sim.parameters import point_id
+from sim.dataset.rounds import read_round
+from sim.parameters import Parameters, canonical_values, point_id
 from sim.study.calibration import CalibrateFile
 from sim.study.design_file import DesignFile
-from sim.study.load import load_study
+from sim.study.load import Study, load_study
 from sim.study.plottable import numbers
+from sim.study.points import estimate
 from sim.study.surrogate import LARGE_ERROR, Question, SensitivityFile, SurrogateFile
-from sim.surrogates import answers, storage
-from sim.surrogates.answers import (
-    Refusal,
-    answer_name,
-    caveats_of_indices,
-    caveats_of_points,
-    save_refusal,
-    summary_lines,
-    with_caveats,
-)
+from sim.surrogates import answers
+from sim.surrogates.answers import Refusal, answer_name, save_refusal
 from sim.surrogates.indices import (
     DesignRuns,
     indices_of_surrogate,
@@ -34,9 +36,8 @@ from sim.surrogates.indices import (
 )
 from sim.surrogates.likelihood import Calibration
 from sim.surrogates.posterior import calibrate
-from sim.surrogates.predictor import unscaled
-from sim.surrogates.sample import points_of_mean, sample_points
-from sim.surrogates.storage import load_surrogate, save_surrogate
+from sim.surrogates.sample import points_of_mean, sample_points, unscaled
+from sim.surrogates.storage import load_surrogate, save_posterior, save_surrogate
 from sim.surrogates.surrogate import Surrogate
 
 #: Most draws of a posterior that are compared with the places of runs.
@@ -44,15 +45,11 @@ _MOST_DRAWS = 200
 
 
 def build(study_path: str | Path, results: str | Path = "results") -> list[str]:
-    """Write the file of each question of a study, in ``results/<study>/``.
+    """Write the file of each question of a study, in ``results/<study>/``; return a line of each.
 
     ``surrogates/<name>.nc``, ``sensitivity/<name>.csv``, ``calibration/<name>.nc``. Where the runs
-    cannot answer a question, its file says why.
-
-    Returns
-    -------
-    list of str
-        Lines with the answers in short.
+    cannot answer a question, its file says why. Surrogates come first, as the other questions are
+    asked of them.
 
     Raises
     ------
@@ -65,33 +62,34 @@ def build(study_path: str | Path, results: str | Path = "results") -> list[str]:
     for question in study.questions:
         path = folder / question.file
         try:
-            answer(question, dataset, folder)
+            _answer(question, dataset, folder)
         except Refusal as refusal:
             save_refusal(Refusal(f"{answer_name(path)}: {refusal}"), path)
         except (ValueError, ArithmeticError) as error:
             # A fit that fails takes no other answer with it.
             reason = f"{question.file}: no answer, as its values cannot be fitted: {error}"
             save_refusal(Refusal(reason), path)
-    return summary_lines(study, folder)
+    return answers.summary_lines(study, folder)
 
 
-def answer(spec: Question, dataset: Results, folder: Path) -> None:
-    """Write the answer to a question into a folder of results.
-
-    Surrogates come first, as the other questions are asked of them.
-
-    Raises
-    ------
-    Refusal
-        When the runs cannot answer it.
-    """
+def _answer(spec: Question, dataset: Results, folder: Path) -> None:
+    """Write the answer to a question; raise `Refusal` when the runs cannot answer it."""
     match spec:
         case SurrogateFile():
-            save_surrogate(Surrogate.fit(spec, sample_points(dataset, spec)), folder / spec.file)
+            surrogate = Surrogate.fit(spec, sample_points(dataset, spec))
+            save_surrogate(surrogate, folder / spec.file)
         case SensitivityFile():
-            _answer_sensitivity(spec, dataset, folder)
+            if spec.design is None:
+                surrogate = _surrogate_of(spec, "no indices", folder)
+                table, caveats = indices_of_surrogate(surrogate), surrogate.caveats
+            else:
+                table, caveats = _indices_of_runs(spec, dataset)
+            caveats = *caveats, *answers.caveats_of_indices(table)
+            answers.save_table(answers.with_caveats(table, caveats), folder / spec.file)
         case CalibrateFile():
-            _answer_calibration(spec, folder)
+            surrogate = _surrogate_of(spec, "no posterior", folder)
+            groups = _posterior(spec, surrogate)
+            save_posterior(spec.name, groups, surrogate.caveats, folder / spec.file)
 
 
 def _surrogate_of(spec: SensitivityFile | CalibrateFile, lack: str, folder: Path) -> Surrogate:
@@ -104,27 +102,24 @@ def _surrogate_of(spec: SensitivityFile | CalibrateFile, lack: str, folder: Path
     return surrogate
 
 
-def _answer_sensitivity(spec: SensitivityFile, dataset: Results, folder: Path) -> None:
-    if spec.design is None:
-        surrogate = _surrogate_of(spec, "no indices", folder)
-        table, caveats = indices_of_surrogate(surrogate), surrogate.caveats
-    else:
-        sample = sample_points(dataset, spec.of)
-        is_used = points_of_mean(sample, spec.of.mean_regimes)
-        table, caveats = (
-            _indices_of_runs(spec, dataset, sample, is_used),
-            caveats_of_points(sample.isel(point=is_used)),
+def require_small_error(surrogate: Surrogate, most: float | None, lack: str) -> None:
+    """Refuse a question to a surrogate whose error is too large; ``lack`` is what is missing."""
+    most = most or LARGE_ERROR
+    if surrogate.error > most:
+        raise Refusal(
+            f"{lack}, as the error of surrogate {surrogate.name} is above {percent(most)} "
+            f"({surrogate.basis}); more points or longer runs lessen it, or a larger "
+            "surrogate_error accepts it"
         )
-    caveats = *caveats, *caveats_of_indices(table)
-    answers.save_table(with_caveats(table, caveats), folder / spec.file)
 
 
 def _indices_of_runs(
-    spec: SensitivityFile, dataset: Results, sample: xr.Dataset, is_used: np.ndarray
-) -> pd.DataFrame:
-    """Return the indices of the runs of a design, taken in the order of the design."""
+    spec: SensitivityFile, dataset: Results
+) -> tuple[pd.DataFrame, tuple[str, ...]]:
+    """Return the indices of the runs of a design, taken in its order, and caveats of these."""
     assert spec.design, "a surrogate has none"
-    design = spec.design
+    design, sample = spec.design, sample_points(dataset, spec.of)
+    is_used = points_of_mean(sample, spec.of.mean_regimes)
     means = pd.Series(np.where(is_used, sample["mean"].values, np.nan), sample["point"].values)
     # Points of a design that are equal are one point of the study.
     ids = [point_id(point) for point in design.sequence(design.size)]
@@ -138,11 +133,11 @@ def _indices_of_runs(
         points=pd.factorize(np.array(ids))[0],
     )
     if spec.is_screening:
-        is_number = [axis.is_number for axis in design.axes]
-        return morris_indices_of_runs(
-            runs, design.shares(design.size), places_of(design), is_number
-        )
-    return sobol_indices_of_runs(runs)
+        shares, is_number = design.shares(design.size), [axis.is_number for axis in design.axes]
+        table = morris_indices_of_runs(runs, shares, places_of(design), is_number)
+    else:
+        table = sobol_indices_of_runs(runs)
+    return table, answers.caveats_of_points(sample.isel(point=is_used))
 
 
 def places_of(design: DesignFile) -> np.ndarray:
@@ -159,8 +154,7 @@ def places_of(design: DesignFile) -> np.ndarray:
     return unscaled(np.column_stack(columns), bounds, [axis.scale for axis in design.axes])
 
 
-def _answer_calibration(spec: CalibrateFile, folder: Path) -> None:
-    surrogate = _surrogate_of(spec, "no posterior", folder)
+def _posterior(spec: CalibrateFile, surrogate: Surrogate) -> dict[str, xr.Dataset]:
     question = Calibration(
         predictor=surrogate,
         ranges=spec.ranges,
@@ -177,7 +171,7 @@ def _answer_calibration(spec: CalibrateFile, folder: Path) -> None:
         "surrogate_points": len(surrogate.process.y),
         "points": surrogate.sample.sizes["point"],
     }
-    storage.save_posterior(spec.name, groups, surrogate.caveats, folder / spec.file)
+    return groups
 
 
 def _far_share(
@@ -193,12 +187,79 @@ def _far_share(
     return float(surrogate.is_far(x.reshape(-1, x.shape[2])).mean())
 
 
-def require_small_error(surrogate: Surrogate, most: float | None, lack: str) -> None:
-    """Refuse a question to a surrogate whose error is too large; ``lack`` is what is missing."""
-    most = most or LARGE_ERROR
-    if surrogate.error > most:
-        raise Refusal(
-            f"{lack}, as the error of surrogate {surrogate.name} is above {percent(most)} "
-            f"({surrogate.basis}); more points or longer runs lessen it, or a larger "
-            "surrogate_error accepts it"
-        )
+def write_round(study_path: str | Path, number: int, results: str | Path = "results") -> Path:
+    """Write the points that a round, from 1, adds to ``results/<study>/rounds/<number>.json``.
+
+    The runs and the files of all rounds before it must be there. The file has parameters by id of
+    the point, none where the rounds have ended, and a checksum. It appears complete or not at all.
+
+    Raises
+    ------
+    InputError
+        When the study has no such round, or a run file is missing or is not one.
+    """
+    study = load_study(study_path, results)
+    if not 1 <= number <= study.rounds:
+        allowed = f"a round of the study, 1 to {study.rounds}" if study.rounds else "none"
+        raise InputError.of_value("ROUND", "", number, allowed)
+    folder = Path(results) / study.name
+    points = _round_points(study, number, folder)
+    output = folder / "rounds" / f"{number}.json"
+    output.parent.mkdir(parents=True, exist_ok=True)
+    with atomic_write(output) as temporary:
+        values = {key: canonical_values(point) for key, point in points.items()}
+        temporary.write_text(to_sealed_json(values), encoding="utf-8")
+    return output
+
+
+def _round_points(study: Study, number: int, folder: Path) -> dict[str, Parameters]:
+    """Return the points by id that a round adds to all before it.
+
+    They depend only on the runs of the points before it, so every call gives the same points.
+    """
+    searched = max((boundary.rounds for boundary in study.boundaries), default=0)
+    points = added_points(study, number, folder / "runs") if number <= searched else {}
+    if not any(one.has_rounds for one in study.surrogates):
+        return points
+    so_far = {key: point.parameters for key, point in study.points.items()}
+    for earlier in range(1, number):
+        so_far |= read_round(folder / "rounds" / f"{earlier}.json")
+    for one in study.surrogates:
+        points |= _further_points(study, one, so_far, folder) if one.has_rounds else {}
+    return {key: point for key, point in points.items() if key not in so_far}
+
+
+def _further_points(
+    study: Study, spec: SurrogateFile, so_far: Mapping[str, Parameters], folder: Path
+) -> dict[str, Parameters]:
+    """Return the next points of a surrogate's design, none where its error or budget is reached.
+
+    ``so_far`` are all points by id; their runs must be in the results of the study.
+    """
+    first = {key: so_far[key] for key in study.series[spec.series]}
+    added = spec.added_points(so_far)
+    members = first | added
+    try:
+        sample = sample_points(gather_results(study, folder, spec.series, members), spec)
+    except Refusal:
+        return {}
+    # Further points may be those that a mean lacks.
+    with suppress(Refusal):
+        if Surrogate.fit(spec, sample).error <= spec.error:
+            return {}
+    hours = sample["core_hours"].to_series()
+    # The median, as the first run of all may have compiled the engine.
+    ratios = [hours[key] / _hours(point) for key, point in members.items()]
+    factor = float(np.median(ratios)) or 1.0
+    hours_left = spec.budget - float(hours[list(added)].sum())
+    batch = {}
+    for key, point in spec.next_batch(so_far).items():
+        hours_left -= factor * _hours(point)
+        if hours_left < 0:
+            break
+        batch[key] = point
+    return batch
+
+
+def _hours(point: Parameters) -> float:
+    return estimate(point).core_seconds / 3600

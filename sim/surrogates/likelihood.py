@@ -22,7 +22,8 @@ from typing import Any
 import numpy as np
 
 from sim.base.statistics import MANY, student
-from sim.surrogates.predictor import counted_probability, scaled, unscaled
+from sim.surrogates.fit import counted_probability
+from sim.surrogates.sample import scaled, unscaled
 from sim.surrogates.surrogate import Surrogate
 
 #: The regime of a bed at rest.
@@ -43,16 +44,9 @@ _MOST_NUMBERS = 4_000_000
 class Predicted:
     """What a surrogate says of m measurements, at n points of θ.
 
-    Attributes
-    ----------
-    mean : numpy.ndarray
-        Means, (n, m).
-    shared : numpy.ndarray
-        Errors of the means by r independent causes, (n, m, r).
-    own : numpy.ndarray
-        Variances of the rest of these errors, which is independent, (n, m).
-    regimes : numpy.ndarray
-        Probability of each regime, (regimes, n, m).
+    ``shared`` are errors of the means (n, m) by r independent causes, (n, m, r); ``own`` are
+    variances of the rest of these errors, which is independent, (n, m); ``regimes`` has the
+    probability of each regime, (regimes, n, m).
     """
 
     mean: np.ndarray
@@ -65,22 +59,10 @@ class Predicted:
 class Calibration:
     """Measurements, and the surrogate whose parameters they are to tell.
 
-    Attributes
-    ----------
-    predictor : Surrogate
-        The surrogate.
-    ranges : mapping
-        Lowest and highest value of each parameter looked for.
-    conditions : mapping
-        Values of all other parameters of the surrogate at each measurement, (m,).
-    values, errors : numpy.ndarray
-        The measurements and their standard errors (m,), in the unit of the surrogate.
-    observable : str
-        What was measured.
-    has_discrepancy : bool
-        Whether the model may lack something.
-    seed : int
-        Seed of the walkers.
+    ``ranges`` are lowest and highest value of each parameter looked for; ``conditions`` the values
+    of all other parameters of the surrogate at each measurement, (m,). Measurements of
+    ``observable`` have ``values`` and standard ``errors`` (m,) in the unit of the surrogate.
+    ``has_discrepancy`` is whether the model may lack something; the seed is that of the walkers.
     """
 
     predictor: Surrogate
@@ -105,8 +87,8 @@ class Calibration:
     @property
     def scales(self) -> tuple[Any, ...]:
         """Scales of these parameters."""
-        by_name = dict(zip(self.predictor.parameters, self.predictor.scales, strict=True))
-        return tuple(by_name[name] for name in self.names)
+        pairs = zip(self.predictor.parameters, self.predictor.scales, strict=True)
+        return tuple(scale for name, scale in pairs if name in self.ranges)
 
     @property
     def usual_error(self) -> float:
@@ -119,6 +101,10 @@ class Calibration:
         is_asked = ARRESTED in set(self.predictor.regimes.names) - set(self.predictor.mean_regimes)
         return is_asked & (np.abs(self.values) <= student(MANY) * self.errors)
 
+    def of_theta(self, draws: np.ndarray) -> np.ndarray:
+        """Return the points (n, p) of the unit cube of θ of draws as of `log_probability`."""
+        return draws[:, : len(self.names)]
+
     def discrepancy(self, draws: np.ndarray) -> np.ndarray:
         """Return the discrepancy (n, 1) of draws as of `log_probability`."""
         return self.usual_error * draws[:, len(self.names) :].sum(axis=1, keepdims=True)
@@ -130,15 +116,11 @@ class Calibration:
 
     def points(self, shares: np.ndarray, conditions: Mapping[str, np.ndarray]) -> np.ndarray:
         """Return what a predictor takes, (n, m, k), at n points of the unit cube of θ."""
-        theta = dict(zip(self.names, scaled(shares, self.bounds, self.scales).T, strict=True))
-        count = len(next(iter(conditions.values()))) if conditions else 1
-        columns = [
-            np.broadcast_to(
-                theta[name][:, None] if name in theta else conditions[name], (len(shares), count)
-            )
-            for name in self.predictor.parameters
-        ]
-        return np.stack(columns, axis=-1)
+        theta = scaled(shares, self.bounds, self.scales).T[..., None]
+        columns = dict(zip(self.names, theta, strict=True)) | dict(conditions)
+        return np.stack(
+            np.broadcast_arrays(*(columns[name] for name in self.predictor.parameters)), axis=-1
+        )
 
     def predict(self, shares: np.ndarray) -> Predicted:
         """Return what the surrogate says of the measurements at n points of the unit cube of θ."""
@@ -193,9 +175,8 @@ class Calibration:
         densities = np.full(len(draws), -np.inf)
         if inside.any():
             parts = self.parts(draws[inside])
-            densities[inside] = np.concatenate(
-                [self.log_density(self.predict(part[:, : len(self.names)]), part) for part in parts]
-            )
+            found = [self.log_density(self.predict(self.of_theta(part)), part) for part in parts]
+            densities[inside] = np.concatenate(found)
         return densities
 
     def log_density(self, predicted: Predicted, draws: np.ndarray) -> np.ndarray:

@@ -10,7 +10,8 @@ import xarray as xr
 
 from sim.surrogates.answers import EVEN
 from sim.surrogates.likelihood import Calibration, Predicted, distances
-from sim.surrogates.predictor import on_one_thread, scaled, unscaled
+from sim.surrogates.process import on_one_thread
+from sim.surrogates.sample import scaled, unscaled
 
 #: Name of the size of the discrepancy among the parameters of a posterior.
 DISCREPANCY = "discrepancy"
@@ -88,23 +89,18 @@ def calibrate(calibration: Calibration) -> dict[str, xr.Dataset]:
     chain, length, autocorrelation = _sample(calibration)
     check = check_draws(calibration, chain.reshape(-1, chain.shape[-1]))
     about = attributes(calibration, check, length, autocorrelation)
-    over = ("chain", "draw")
-    fits = about["outcome"] != "no fit"
-    groups = {"posterior": _posterior(calibration, chain)} if fits else {}
+    over, name = ("chain", "draw", "measurement"), calibration.observable
     repeated = check.repeated.reshape(*chain.shape[:-1], -1)
-    groups["posterior_predictive"] = xr.Dataset(
-        {calibration.observable: ((*over, "measurement"), repeated)}
-    )
-    groups["observed_data"] = xr.Dataset(
-        {calibration.observable: ("measurement", calibration.values)}, attrs=about
-    )
-    conditions = {name: ("measurement", one) for name, one in calibration.conditions.items()}
-    groups["constant_data"] = xr.Dataset(
-        {**conditions, "error": ("measurement", calibration.errors)}
-    )
-    if fits:
-        groups["predictions_constant_data"] = _next_experiment(calibration, chain)
-    return groups
+    constant = {**calibration.conditions, "error": calibration.errors}
+    groups = {
+        "posterior_predictive": xr.Dataset({name: (over, repeated)}),
+        "observed_data": xr.Dataset({name: (over[2:], calibration.values)}, attrs=about),
+        "constant_data": xr.Dataset({key: (over[2:], one) for key, one in constant.items()}),
+    }
+    if about["outcome"] == "no fit":
+        return groups
+    further = {"predictions_constant_data": _next_experiment(calibration, chain)}
+    return {"posterior": _posterior(calibration, chain)} | groups | further
 
 
 def attributes(
@@ -120,23 +116,18 @@ def attributes(
     ``surrogate_error``, relative to the mean size of the observable, ``surrogate_points``, of which
     its mean is, and ``points``, all that it has.
     """
-    others = {
-        name: share
-        for name, share in check.regimes.items()
-        if name not in calibration.predictor.mean_regimes
-    }
+    regimes, counted = check.regimes, calibration.predictor.mean_regimes
+    others = [name for name in regimes if name not in counted]
+    outcome = "converged" if length >= LONG_ENOUGH * autocorrelation else "not converged"
     if check.probability < LEAST_PROBABILITY or check.uncounted > MOST_UNCOUNTED:
         outcome = "no fit"
-    else:
-        enough = length >= LONG_ENOUGH * autocorrelation
-        outcome = "converged" if enough else "not converged"
     return {
         "outcome": outcome,
         "probability": check.probability,
         "uncounted": check.uncounted,
-        "uncounted_regime": max(others, key=others.__getitem__) if others else "",
-        "regimes": list(check.regimes),
-        "regime_shares": list(check.regimes.values()),
+        "uncounted_regime": max(others, key=regimes.__getitem__, default=""),
+        "regimes": list(regimes),
+        "regime_shares": list(regimes.values()),
         "steps": length,
         "autocorrelation": autocorrelation,
         "discrepancy_scale": calibration.usual_error if calibration.has_discrepancy else 0.0,
@@ -204,28 +195,23 @@ def check_draws(calibration: Calibration, draws: np.ndarray) -> Check:
     rng = np.random.default_rng(calibration.seed)
     repeated, farther, regimes, uncounted = [], [], [], []
     for part in calibration.parts(draws):
-        predicted = calibration.predict(part[:, : len(calibration.names)])
+        predicted = calibration.predict(calibration.of_theta(part))
         variance = calibration.errors**2 + calibration.discrepancy(part) ** 2
         allowed = calibration.allowed(predicted.regimes)
         least, rows = allowed.argmin(axis=1), np.arange(len(part))
         regimes.append(predicted.regimes[:, rows, least])
         uncounted.append(allowed[rows, least] < EVEN)
         predicted = _settled(calibration, predicted, variance, rng)
-        cause = rng.normal(size=(*predicted.shared.shape[::2], 1))
-        shift = (predicted.shared @ cause)[..., 0]
-        normal = rng.normal(size=shift.shape)
+        shared = predicted.shared
+        shift = (shared @ rng.normal(size=(*shared.shape[::2], 1)))[..., 0]
         spread = np.sqrt(predicted.own + variance)
-        repeated.append(predicted.mean + shift + spread * normal)
+        repeated.append(predicted.mean + shift + spread * rng.normal(size=shift.shape))
         before = calibration.usual_error * np.abs(rng.normal(size=(len(part), 1)))
-        before = before * calibration.has_discrepancy
         own = calibration.errors**2 + predicted.own
-        spread = np.sqrt(own + before**2)
+        spread = np.sqrt(own + (before * calibration.has_discrepancy) ** 2)
         again = shift + spread * rng.normal(size=shift.shape)
-        apart = (
-            distances(one, predicted.shared, own)[0]
-            for one in (again, calibration.values - predicted.mean)
-        )
-        farther.append(np.greater_equal(*apart))
+        made = calibration.values - predicted.mean
+        farther.append(distances(again, shared, own)[0] >= distances(made, shared, own)[0])
     shares = np.concatenate(regimes, axis=1).mean(axis=1).tolist()
     return Check(
         np.concatenate(repeated),
@@ -272,20 +258,18 @@ def _next_experiment(calibration: Calibration, chain: np.ndarray) -> xr.Dataset:
     """
     draws = chain.reshape(-1, chain.shape[-1])
     draws = draws[:: max(1, len(draws) // 1000)]
-    axes = [np.unique([one.min(), one.max()]) for one in calibration.conditions.values()]
-    varied = sum(len(one) > 1 for one in axes)
+    ends = [(one.min(), one.max()) for one in calibration.conditions.values()]
+    varied = sum(low < high for low, high in ends)
     count = max(3, round(_CANDIDATES ** (1 / max(1, varied))))
-    lines = [np.linspace(one[0], one[-1], count if len(one) > 1 else 1) for one in axes]
+    lines = [np.linspace(low, high, count if low < high else 1) for low, high in ends]
     grid = [one.ravel() for one in np.meshgrid(*lines, indexing="ij")]
     candidates = dict(zip(calibration.conditions, grid, strict=True))
-    x = calibration.points(draws[:, : len(calibration.names)], candidates)
-    mean, error = (
-        one.reshape(x.shape[:2]) for one in calibration.predictor.predict(x.reshape(-1, x.shape[2]))
-    )
-    variance = calibration.usual_error**2 + (error**2 + calibration.discrepancy(draws) ** 2).mean(
-        axis=0
-    )
-    shares = draws[:, : len(calibration.names)]
+    shares = calibration.of_theta(draws)
+    x = calibration.points(shares, candidates)
+    mean, error = calibration.predictor.predict(x.reshape(-1, x.shape[2]))
+    mean, error = mean.reshape(x.shape[:2]), error.reshape(x.shape[:2])
+    unknown = error**2 + calibration.discrepancy(draws) ** 2
+    variance = calibration.usual_error**2 + unknown.mean(axis=0)
     shares = shares - shares.mean(axis=0)
     covariance = shares.T @ (mean - mean.mean(axis=0)) / len(draws)
     taken = (covariance**2 / (mean.var(axis=0) + variance)).sum(axis=0)
@@ -338,7 +322,7 @@ def ridges(groups: Mapping[str, xr.Dataset]) -> list[tuple[str, str, float]]:
     from scipy.stats import rankdata
 
     names = list(ranges(groups))
-    ranks = [rankdata(groups["posterior"][name].to_numpy().ravel()) for name in names]
-    pairs = ((names[i], names[k], i, k) for i in range(len(names)) for k in range(i))
-    found = [(b, a, float(np.corrcoef(ranks[i], ranks[k])[0, 1])) for a, b, i, k in pairs]
+    ranks = {name: rankdata(groups["posterior"][name].to_numpy().ravel()) for name in names}
+    pairs = ((a, b) for number, b in enumerate(names) for a in names[:number])
+    found = [(a, b, float(np.corrcoef(ranks[b], ranks[a])[0, 1])) for a, b in pairs]
     return [pair for pair in found if abs(pair[2]) >= RIDGE]

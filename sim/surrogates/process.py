@@ -1,15 +1,14 @@
 """A Gaussian process through numbers with known errors, and what it says of its own errors."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property
-from itertools import product
-from typing import Any
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cache, cached_property, wraps
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from sim.base.statistics import CONFIDENCE, MANY, student
-from sim.surrogates.predictor import Frame, on_one_thread
+from sim.base.statistics import MANY, student
+from sim.surrogates.sample import Frame
 
 #: Points at which a prediction is worked out at a time.
 _CHUNK = 2000
@@ -20,13 +19,37 @@ _LEAST_VARIANCE = 1e-9
 #: Weight of the mean of all points, in points, where errors are widened by those nearby.
 _PRIOR_WEIGHT = 2.0
 
+Function = TypeVar("Function", bound=Callable[..., Any])
 
-@dataclass(frozen=True)
-class LeftOut:
-    """Each point as the others predict it.
 
-    ``mean``, ``error`` of that mean and ``noise`` of the point are arrays (n,); errors and noise
-    are standard deviations.
+def on_one_thread(function: Function) -> Function:
+    """Return a function during which BLAS computes on one thread.
+
+    The matrices of surrogates are small: threads wait for each other longer than they compute
+    (twelve times the processor time with two threads on two busy cores).
+    """
+
+    @wraps(function)
+    def call(*args: Any, **options: Any) -> Any:
+        with _controller().limit(limits=1, user_api="blas"):
+            return function(*args, **options)
+
+    return call  # type: ignore[return-value]
+
+
+@cache
+def _controller() -> Any:
+    """Return the controller of the threads of BLAS, once scikit-learn has loaded it."""
+    import sklearn.gaussian_process  # noqa: F401  # it loads them
+    from threadpoolctl import ThreadpoolController
+
+    return ThreadpoolController()
+
+
+class LeftOut(NamedTuple):
+    """Each point as the others predict it, arrays (n,).
+
+    ``error`` of the ``mean`` and ``noise`` of the point are standard deviations.
     """
 
     mean: np.ndarray
@@ -39,73 +62,32 @@ class Process:
     """A Gaussian process over the unit cube (Rasmussen and Williams 2006, chapters 2 and 5).
 
     Its covariance is that of Matérn with a length for each dimension.
-
-    Attributes
-    ----------
-    x : numpy.ndarray
-        Points, (n, d).
-    y, variance : numpy.ndarray
-        Values (n,), and the known variance of each.
-    is_log : bool
-        Whether it goes through the logarithms of the values.
-    has_scatter : bool
-        Whether a scatter besides the known variances is fitted, the same for all points.
-    theta : numpy.ndarray
-        Logarithms of amplitude, lengths and scatter.
-    widening : float
-        Factor of the errors of means, see `fit`.
-    exponent : float
-        Exponent of the covariance: 5/2 for smooth functions, 3/2 for those with kinks.
-    frame : Frame, optional
-        Groups of parameters in which it lives, and the scale of the values.
-    is_local : bool
-        Whether errors are wider near points that lie outside of what the others expect.
     """
 
+    #: Points (n, d), values (n,), and the known variance of each.
     x: np.ndarray
     y: np.ndarray
     variance: np.ndarray
+    #: Whether it goes through the logarithms of the values.
     is_log: bool
+    #: Whether a scatter besides the known variances is fitted, the same for all points.
     has_scatter: bool
+    #: Logarithms of amplitude, lengths and scatter.
     theta: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    #: Factor of the errors of means, see `sim.surrogates.fit.fit_process`.
     widening: float = 1.0
+    #: Exponent of the covariance: 5/2 for smooth functions, 3/2 for those with kinks.
     exponent: float = 2.5
+    #: Groups of parameters in which it lives, and the scale of the values.
     frame: Frame | None = None
+    #: Whether errors are wider near points that lie outside of what the others expect.
     is_local: bool = False
-
-    @classmethod
-    def fit(
-        cls,
-        x: np.ndarray,
-        y: np.ndarray,
-        variance: np.ndarray,
-        has_scatter: bool,
-        frames: Sequence[Frame] = (),
-    ) -> "Process":
-        """Return the process through values (n,) at points (n, d) of the unit cube.
-
-        It goes through them or their logarithms, with an exponent of 5/2 or 3/2, as such or in one
-        of some ``frames``: the most probable of all (evidence, with the prior of lengths). Of
-        several maxima of a form, the one whose left-out points are most probable is taken. Its
-        errors are widened by what points that are left out say of them.
-        """
-        usable = [None, *(frame for frame in frames if frame.is_usable(x))]
-        forms = (False, True) if (y > 0).all() else (False,)
-        fitted = [
-            _fitted(cls(x, y, variance, is_log, has_scatter, exponent=exponent, frame=frame))
-            for frame, is_log, exponent in product(usable, forms, _EXPONENTS)
-        ]
-        return _widened(max(fitted, key=lambda one: one[1])[0])
-
-    def fit_lengths(self) -> "Process":
-        """Return the process with the most probable amplitude, lengths and scatter."""
-        return _fitted(self)[0]
 
     @on_one_thread
     def predict(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return means and their standard deviations (m,) at points (m, d)."""
-        parts = [self._predict(x[start : start + _CHUNK]) for start in range(0, len(x), _CHUNK)]
-        mean, error = (np.concatenate(part) for part in zip(*parts, strict=True))
+        parts = [self._predict(part) for part in np.split(x, range(_CHUNK, len(x), _CHUNK))]
+        mean, error = map(np.concatenate, zip(*parts, strict=True))
         return mean, error
 
     def _predict(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -114,8 +96,7 @@ class Process:
         spread = self.widening * np.sqrt(np.maximum(0.0, error**2 - self._scatter))
         if self.is_local:
             spread *= self._local_widening(self._prior_correlation(places))
-        values = self._offset + self._scale * mean, self._scale * spread
-        return self._in_unit(*values, self._scale_at(x))
+        return self._in_unit(mean, spread, self._scale_at(x))
 
     def places_of(self, x: np.ndarray) -> np.ndarray:
         """Return where points of the unit cube lie for its covariance, (n, k)."""
@@ -156,9 +137,9 @@ class Process:
 
         It is the root of a mean of squared `deviations`, weighted by the correlation (m, n).
         """
-        squares = deviations(self.left_out, self.y) ** 2
         weights = correlation.sum(axis=1) + _PRIOR_WEIGHT
-        return np.sqrt(np.maximum(1.0, (_PRIOR_WEIGHT + correlation @ squares) / weights))
+        squares = correlation @ self.deviations**2
+        return np.sqrt(np.maximum(1.0, (_PRIOR_WEIGHT + squares) / weights))
 
     def own_widening(self) -> np.ndarray:
         """Return the local widening at each point that the others give, (n,)."""
@@ -207,17 +188,9 @@ class Process:
         mean, spread = self.left_out_values()
         noise = np.sqrt(self._known / self._scale**2 + self._scatter)
         error = np.sqrt(np.maximum(0.0, spread**2 - noise**2))
-        values = self._offset + self._scale * mean, self._scale * error
-        middle, error = self._in_unit(*values, self.scales)
+        middle, error = self._in_unit(mean, error, self.scales)
         unit = np.abs(middle) if self.is_log else self.scales
         return LeftOut(middle, error, self._scale * noise * unit)
-
-    @cached_property
-    def unexplained(self) -> float:
-        """Variance of the points that the others do not tell, less their own noise; at least 0."""
-        left_out = self.left_out
-        apart = np.mean((left_out.mean - self.y) ** 2) - np.mean(left_out.noise**2)
-        return max(0.0, float(apart))
 
     @on_one_thread
     def left_out_values(self) -> tuple[np.ndarray, np.ndarray]:
@@ -227,6 +200,24 @@ class Process:
         regressor = self._regressor
         inverse = cho_solve((regressor.L_, True), np.eye(len(self.y))).diagonal()
         return regressor.y_train_ - regressor.alpha_ / inverse, np.sqrt(1 / inverse)
+
+    @cached_property
+    def deviations(self) -> np.ndarray:
+        """How far each value is from what the others predict, in standard deviations, (n,)."""
+        spread = np.hypot(self.left_out.error, self.left_out.noise)
+        return np.abs(self.left_out.mean - self.y) / np.maximum(spread, np.finfo(float).tiny)
+
+    @cached_property
+    def unexplained(self) -> float:
+        """Variance of the points that the others do not tell, less their own noise; at least 0."""
+        left_out = self.left_out
+        apart = np.mean((left_out.mean - self.y) ** 2) - np.mean(left_out.noise**2)
+        return max(0.0, float(apart))
+
+    @property
+    def unexplained_share(self) -> float:
+        """Share of the variance between its points that the others do not tell."""
+        return self.unexplained / (float(np.var(self.y)) or 1.0)
 
     @cached_property
     def values(self) -> np.ndarray:
@@ -284,20 +275,15 @@ class Process:
     def _in_unit(
         self, mean: np.ndarray, error: np.ndarray, scale: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Return mean and error in the unit of the values.
+        """Return mean and error of `values` in the unit of y, where the frame has a scale.
 
         With logarithms, the error gives the half width of the interval, which is not symmetric.
         """
+        mean, error = self._offset + self._scale * mean, self._scale * error
         if not self.is_log:
             return scale * mean, scale * error
         normal, mean = float(student(MANY)), scale * np.exp(mean)
         return mean, mean * np.sinh(np.minimum(normal * error, 50.0)) / normal
-
-
-def deviations(left_out: LeftOut, y: np.ndarray) -> np.ndarray:
-    """Return how far values (n,) are from what the others predict, in standard deviations."""
-    spread = np.hypot(left_out.error, left_out.noise)
-    return np.abs(left_out.mean - y) / np.maximum(spread, np.finfo(float).tiny)
 
 
 def matern(distance: np.ndarray, exponent: float) -> tuple[np.ndarray, np.ndarray]:
@@ -307,131 +293,3 @@ def matern(distance: np.ndarray, exponent: float) -> tuple[np.ndarray, np.ndarra
     if exponent == 1.5:
         return (1 + root) * decay, 3 * decay
     return (1 + root + root**2 / 3) * decay, 5 / 3 * (1 + root) * decay
-
-
-#: Most points from which lengths are fitted; the process goes through all of them.
-_MOST_FITTED = 500
-
-#: Ranges of amplitude (variance of the values is 1), lengths (of the unit cube) and scatter.
-_AMPLITUDES, LENGTHS, _SCATTERS = (1e-2, 1e3), (0.05, 20.0), (1e-6, 1.0)
-
-#: Mean and deviation of the logarithm of a length before any point is known: a parameter without
-#: effect has a length of a few ranges, not of any number of them.
-_PRIOR = (0.5, 1.5)
-
-#: Starts of a fit besides the first, for fewer points than these; drawn about a length of 0.6.
-_RESTARTS, _FEW, _START = 3, 150, -0.5
-
-#: Exponents of the covariance that are tried.
-_EXPONENTS = (2.5, 1.5)
-
-#: Share of the variance that points do not tell of each other above which a process has not learned
-#: its function; and places where its errors are then looked at.
-_UNLEARNED, _PLACES = 0.03, 500
-
-Objective = Callable[[np.ndarray], tuple[float, np.ndarray]]
-
-
-@on_one_thread
-def _fitted(process: Process) -> tuple[Process, float]:
-    """Return a process with its most probable lengths, and the logarithm of its evidence."""
-    # Imported here: reading a surrogate's file needs none of it.
-    from scipy.optimize import minimize
-
-    dimensions, rng = process.places.shape[1], np.random.default_rng(0)
-    first = np.log([1.0, *np.ones(dimensions), *([1e-2] if process.has_scatter else [])])
-    bounds = np.log([_AMPLITUDES, *[LENGTHS] * dimensions, *[_SCATTERS] * process.has_scatter])
-    starts = [first]
-    for _ in range(_RESTARTS if len(process.y) < _FEW else 1):
-        start = first.copy()
-        start[1 : 1 + dimensions] = rng.normal(_START, 1.0, dimensions)
-        starts.append(np.clip(start, *bounds.T))
-    objective = _objective(process)
-    ends = [minimize(objective, one, jac=True, method="L-BFGS-B", bounds=bounds) for one in starts]
-    found = [(replace(process, theta=end.x), process.log_unit - float(end.fun)) for end in ends]
-    return max(found, key=lambda one: _left_out_density(one[0]))
-
-
-def _left_out_density(process: Process) -> float:
-    """Return the logarithm of the density of all points, each as the others predict it.
-
-    Of several maxima, that of greatest evidence may take a function that it misses for noise.
-    Rasmussen and Williams (2006), equations 5.10 and 5.11.
-    """
-    mean, spread = process.left_out_values()
-    return -float(np.sum(((mean - process.values) / spread) ** 2 / 2 + np.log(spread)))
-
-
-def _objective(process: Process) -> Objective:
-    """Return the negative logarithm of evidence and prior, with its gradient, of theta.
-
-    Rasmussen and Williams (2006), equations 5.8 and 5.9.
-    """
-    from scipy.linalg import lapack
-
-    order = np.random.default_rng(0).permutation(len(process.y))[:_MOST_FITTED]
-    places, values, noise = process.places[order], process.values[order], process.noise[order]
-    count, dimensions = places.shape
-    squares = ((places.T[:, :, None] - places.T[:, None, :]) ** 2).reshape(dimensions, -1)
-    mean, deviation = _PRIOR
-
-    def objective(theta: np.ndarray) -> tuple[float, np.ndarray]:
-        amplitude, lengths = np.exp(theta[0]), theta[1 : 1 + dimensions]
-        scatter = np.exp(theta[-1]) if process.has_scatter else 0.0
-        inverse = np.exp(-2 * lengths)
-        distance = np.sqrt(inverse @ squares).reshape(count, count)
-        correlation, slope = matern(distance, process.exponent)
-        covariance = amplitude * correlation
-        covariance.flat[:: count + 1] += noise + scatter
-        factor, failed = lapack.dpotrf(covariance, lower=1, clean=1)
-        if failed:
-            return np.inf, np.zeros_like(theta)
-        lower, _ = lapack.dpotri(factor, lower=1)
-        precision = np.tril(lower) + np.tril(lower, -1).T
-        weights = precision @ values
-        apart = (lengths - mean) / deviation
-        surprise = 0.5 * (values @ weights + count * np.log(2 * np.pi) + apart @ apart)
-        shares = 0.5 * (precision - np.outer(weights, weights))
-        gradient = np.zeros_like(theta)
-        gradient[0] = amplitude * np.sum(shares * correlation)
-        gradient[1 : 1 + dimensions] = inverse * (squares @ (amplitude * shares * slope).ravel())
-        gradient[1 : 1 + dimensions] += apart / deviation
-        if process.has_scatter:
-            gradient[-1] = scatter * np.trace(shares)
-        return float(surprise + np.log(factor.diagonal()).sum()), gradient
-
-    return objective
-
-
-def _widened(process: Process) -> Process:
-    """Return a process whose errors hold what points that are left out say of them.
-
-    Lengths are fitted to few points, so Student's distribution takes the place of the normal one,
-    with a degree of freedom less for each. A process whose lengths are the same everywhere is too
-    sure next to a kink: errors widen near points that the others do not expect, and 95 % of the
-    points, left out one by one, must lie within their intervals. Where the points leave much of
-    each other unexplained, errors between them are as large as theirs.
-    """
-    freedom, number = max(2, len(process.y) - len(process.theta)), len(process.y)
-    normal = float(student(MANY))
-    local = replace(process, is_local=True)
-    ratios = np.sort(deviations(local.left_out, local.y) / local.own_widening())
-    outer = ratios[min(number, int(np.ceil(CONFIDENCE * (number + 1)))) - 1]
-    widening = student(freedom) / normal * max(1.0, outer / normal)
-    widened = replace(local, widening=float(widening))
-    return replace(widened, widening=float(widening * _lack(widened)))
-
-
-def _lack(process: Process) -> float:
-    """Return by what factor errors between the points are below those at points left out."""
-    apart = process.unexplained
-    lack = apart / (np.var(process.y) or 1.0)
-    if lack == 0:
-        return 1.0
-    rng = np.random.default_rng(0)
-    places = rng.random((_PLACES, process.x.shape[1]))
-    # Between the values of a word there is nothing.
-    words = np.isin(process.x, (0, 1)).all(axis=0)
-    places[:, words] = process.x[rng.integers(len(process.x), size=_PLACES)][:, words]
-    between = np.mean(process.predict(places)[1] ** 2)
-    return max(1.0, min(1.0, lack / _UNLEARNED) * np.sqrt(apart / between))

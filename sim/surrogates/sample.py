@@ -1,16 +1,22 @@
-"""What a surrogate learns from: mean, error and regime of each point of a series."""
+"""What a surrogate learns from: mean, error and regime of each point, and where it lies.
+
+Points lie in the unit cube of the ranges of their parameters, or in groups of these (`Frame`).
+"""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import ArrayLike
 
 from sim.base.errors import InputError
 from sim.dataset.replicates import SCALARS, answering_regime, outcomes, replicate_values
 from sim.dataset.results import Results
 from sim.parameters import NUMERICAL, SYSTEMS
+from sim.parameters.forms import Form
 from sim.study.design import Axis
 from sim.study.plottable import numbers
 from sim.study.surrogate import SurrogateFile
@@ -28,13 +34,6 @@ _SIZES = (1e-100, 1e100)
 
 def sample_points(results: Results, spec: SurrogateFile) -> xr.Dataset:
     """Return what the runs of a surrogate's series say, over ``point``.
-
-    Parameters
-    ----------
-    results : Results
-        The runs.
-    spec : SurrogateFile
-        The surrogate.
 
     Returns
     -------
@@ -72,8 +71,7 @@ def sample_points(results: Results, spec: SurrogateFile) -> xr.Dataset:
         within = rows["velocity_error"].where(rows["status"] == "completed").values
         counts = np.maximum(1, np.isfinite(within).sum(axis=1))
         own = np.sqrt(np.nansum(within**2, axis=1)) / counts
-    places = unit_cube(spec.axes, {axis.name: rows[axis.name].values for axis in spec.axes})
-    errors, is_unknown = standard_errors(values, own, places)
+    errors, is_unknown = standard_errors(values, own, unit_cube(spec.axes, rows))
     columns = {axis.name: rows[axis.name].values for axis in spec.axes} | {
         "mean": np.array([row.mean() if row.size else np.nan for row in values]),
         "standard_error": errors,
@@ -114,35 +112,12 @@ def points_of_mean(sample: xr.Dataset, regimes: tuple[str, ...]) -> np.ndarray:
     return is_used & np.isfinite(sample["mean"].values)
 
 
-def left_out(sample: xr.Dataset, regimes: tuple[str, ...]) -> dict[str, int]:
-    """Return how many points a mean of some ``regimes`` leaves out: by regime, or no value."""
-    names = [
-        name if name == "failed" or np.isfinite(mean) else "without a value"
-        for name, mean in zip(
-            sample["regime"].values.astype(str), sample["mean"].values, strict=True
-        )
-    ]
-    counts = Counter(np.array(names)[~points_of_mean(sample, regimes)].tolist())
-    return dict(sorted(counts.items()))
-
-
-def unit_cube(axes: tuple[Axis, ...], columns: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Return values (n,) of parameters in the unit cube, (n, d).
-
-    Words and switches have a dimension for each value, or one where there are two.
-    """
-    parts = []
-    for axis in axes:
-        values = columns[axis.name]
-        if not axis.is_number:
-            shown = axis.choices[1:] if len(axis.choices) == 2 else axis.choices
-            parts += [np.asarray(values == choice, dtype=float) for choice in shown]
-            continue
-        low, high, numbers = axis.low, axis.high, np.asarray(values, dtype=float)
-        if axis.scale == "log":
-            low, high, numbers = np.log(low), np.log(high), np.log(numbers)
-        parts.append((numbers - low) / (high - low))
-    return np.column_stack(parts)
+def omissions(sample: xr.Dataset, regimes: tuple[str, ...]) -> str:
+    """Return how many points a mean of some ``regimes`` leaves out, by regime or without value."""
+    is_known = (sample["regime"] == "failed") | np.isfinite(sample["mean"])
+    names = np.where(is_known, sample["regime"].values.astype(str), "without a value")
+    counts = Counter(names[~points_of_mean(sample, regimes)].tolist())
+    return ", ".join(f"{count} {name}" for name, count in sorted(counts.items()))
 
 
 def standard_errors(
@@ -156,23 +131,18 @@ def standard_errors(
     have in common there. If too few points have two, the scatter between initial states is not
     known, and the errors within the runs are all there is.
 
-    Parameters
-    ----------
-    values : sequence of numpy.ndarray
-        Values of the replicates of each point, (R,).
-    own : numpy.ndarray
-        Standard error of each mean as known from within the runs, (n,); 0 where it is not known.
-    places : numpy.ndarray
-        The points in the unit cube, (n, d).
+    ``values`` are those of the replicates of each point, (R,); ``own`` is the standard error of
+    each mean as known from within the runs, (n,), 0 where it is not known; ``places`` are the
+    points in the unit cube, (n, d).
     """
     counts = np.array([row.size for row in values])
     variances = np.array([row.var(ddof=1) if row.size > 1 else np.nan for row in values])
     freedom = np.maximum(counts - 1, 0)
-    if freedom[variances > 0].sum() < _ENOUGH_FREEDOM:
-        scattered = np.sqrt(np.nan_to_num(variances) / np.maximum(counts, 1))
-        return np.maximum(own, scattered), not (freedom.sum() >= _ENOUGH_FREEDOM)
-    moderated = _moderate(variances, freedom, places)
-    return np.maximum(own, np.sqrt(moderated / np.maximum(counts, 1))), False
+    scattered = np.nan_to_num(variances)
+    if freedom[variances > 0].sum() >= _ENOUGH_FREEDOM:
+        scattered = _moderate(variances, freedom, places)
+    errors = np.maximum(own, np.sqrt(scattered / np.maximum(counts, 1)))
+    return errors, bool(freedom.sum() < _ENOUGH_FREEDOM)
 
 
 def _moderate(variances: np.ndarray, freedom: np.ndarray, places: np.ndarray) -> np.ndarray:
@@ -205,3 +175,94 @@ def _trend(
     weighted = basis[scattered].T / noise
     before = np.diag([0.0, *np.full(places.shape[1], _SLOPE**-2)])
     return basis @ np.linalg.solve(weighted @ basis[scattered] + before, weighted @ logs)
+
+
+def unit_cube(axes: tuple[Axis, ...], columns: Mapping[Any, Any]) -> np.ndarray:
+    """Return values (n,) of parameters, by name, in the unit cube, (n, d).
+
+    Words and switches have a dimension for each value, or one where there are two.
+    """
+    parts = []
+    for axis in axes:
+        values = columns[axis.name]
+        if not axis.is_number:
+            shown = axis.choices[1:] if len(axis.choices) == 2 else axis.choices
+            parts += [np.asarray(values == choice, dtype=float) for choice in shown]
+            continue
+        low, high, numbers = axis.low, axis.high, np.asarray(values, dtype=float)
+        if axis.scale == "log":
+            low, high, numbers = np.log(low), np.log(high), np.log(numbers)
+        parts.append((numbers - low) / (high - low))
+    return np.column_stack(parts)
+
+
+def scaled(shares: np.ndarray, bounds: ArrayLike, scales: Sequence[str]) -> np.ndarray:
+    """Return the values of parameters at points (n, k) of the unit cube."""
+    low, high = np.asarray(bounds, float).T
+    is_log = np.array([scale == "log" for scale in scales])
+    linear = low + (high - low) * shares
+    # The ratio of a range that includes 0 is not used.
+    ratio = np.where(is_log, high / np.where(is_log, low, 1.0), 1.0)
+    return np.where(is_log, low * ratio**shares, linear)
+
+
+def unscaled(x: np.ndarray, bounds: ArrayLike, scales: Sequence[str]) -> np.ndarray:
+    """Return the points of the unit cube that stand for values (n, k), as `scaled` gives them."""
+    low, high = np.asarray(bounds, float).T
+    is_log = np.array([scale == "log" for scale in scales])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        logarithmic = np.log(x / low) / np.log(high / low)
+    return np.where(is_log, logarithmic, (x - low) / (high - low))
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A form of an observable over the unit cube of some axes."""
+
+    #: Its scale and its groups of parameters.
+    form: Form
+    #: Parameters that points vary, and those that are the same at all points.
+    axes: tuple[Axis, ...]
+    fixed: Mapping[str, Any]
+
+    def scale(self, x: np.ndarray) -> np.ndarray:
+        """Return the scale of the observable (n,) at points (n, d) of the unit cube."""
+        if self.form.scale is None:
+            return np.ones(len(x))
+        return self._column(self.form.scale, x)
+
+    def places(self, x: np.ndarray) -> np.ndarray:
+        """Return the groups at points (n, d) of the unit cube, (n, k), each in its unit."""
+        columns = {f"{number}": column for number, column in enumerate(x.T)}
+        at = {axis.name: f"{number}" for number, axis in self._numbers().items()}
+        for name, function in self.form.inputs.items():
+            columns[at.get(name, name)] = self._column(function, x)
+        return np.column_stack(list(columns.values()))
+
+    def is_usable(self, x: np.ndarray) -> bool:
+        """Whether scale and groups are finite at points, and the scale is above 0."""
+        try:
+            scale, places = self.scale(x), self.places(x)
+        except KeyError:
+            # A parameter of the form differs from point to point without being an axis.
+            return False
+        return bool((scale > 0).all() and np.isfinite(scale).all() and np.isfinite(places).all())
+
+    def _numbers(self) -> dict[int, Axis]:
+        """Return the axes that are numbers, by their columns of the unit cube."""
+        axes, column = {}, 0
+        for axis in self.axes:
+            if axis.is_number:
+                axes[column] = axis
+            column += 1 if axis.is_number or len(axis.choices) == 2 else len(axis.choices)
+        return axes
+
+    def _column(self, function: Any, x: np.ndarray) -> np.ndarray:
+        numbers = self._numbers()
+        axes = list(numbers.values())
+        bounds = np.reshape([(axis.low, axis.high) for axis in axes], (-1, 2))
+        columns = scaled(x[:, list(numbers)], bounds, [axis.scale for axis in axes]).T
+        values = dict(zip([axis.name for axis in axes], columns, strict=True))
+        with np.errstate(all="ignore"):
+            column = np.asarray(function({**self.fixed, **values}), dtype=float)
+        return np.broadcast_to(column, len(x))

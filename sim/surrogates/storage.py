@@ -1,5 +1,10 @@
-"""Surrogates as files: arrays and JSON in netCDF, from which the same predictions follow."""
+"""Answers as files, and what they say in words.
 
+A surrogate is arrays and JSON in netCDF, from which the same predictions follow; a sensitivity is a
+table; a calibration has the groups that ArviZ reads.
+"""
+
+import io
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
@@ -8,6 +13,7 @@ from typing import Any
 
 import netCDF4
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from sim.base.errors import InputError, percent
@@ -17,15 +23,15 @@ from sim.surrogates.answers import (
     KEY,
     Refusal,
     caveats_of_posterior,
+    read_table,
     refusal_in,
     sealed_file,
     stored_answer,
 )
+from sim.surrogates.fit import Regimes, has_known_regime
 from sim.surrogates.posterior import LEAST_PROBABILITY, MOST_UNCOUNTED, at_ends, ridges, summarize
-from sim.surrogates.predictor import Frame
 from sim.surrogates.process import Process
-from sim.surrogates.regimes import Regimes, has_known_regime
-from sim.surrogates.sample import points_of_mean, unit_cube
+from sim.surrogates.sample import Frame, points_of_mean, unit_cube
 from sim.surrogates.surrogate import Surrogate
 
 #: Value of the attribute ``format`` of such a file.
@@ -34,6 +40,10 @@ FORMAT = "talus surrogate 1"
 #: Attributes of a surrogate that are words.
 _WORDS = ("name", "observable", "unit", "meaning", "system")
 
+#: Attributes of an axis that are tuples or none, and of a process that are numbers or switches.
+_TUPLES = ("choices", "normal")
+_OF_PROCESS = ("is_log", "has_scatter", "widening", "exponent", "is_local")
+
 
 def save_surrogate(surrogate: Surrogate, path: Path) -> None:
     """Write a surrogate; the file appears complete or not at all.
@@ -41,16 +51,11 @@ def save_surrogate(surrogate: Surrogate, path: Path) -> None:
     Its end has a summary, which is read without opening it.
     """
     process, regimes = surrogate.process, surrogate.regimes
-    words = {name: getattr(surrogate, name) for name in _WORDS}
-    about = words | {
+    about = {name: getattr(surrogate, name) for name in _WORDS} | {
         "axes": [asdict(axis) for axis in surrogate.axes],
         "fixed": dict(surrogate.fixed),
         "mean_regimes": surrogate.mean_regimes,
-        "is_log": process.is_log,
-        "has_scatter": process.has_scatter,
-        "widening": process.widening,
-        "exponent": process.exponent,
-        "is_local": process.is_local,
+        **{name: getattr(process, name) for name in _OF_PROCESS},
         "form": process.frame.form.name if process.frame else "",
     }
     file = surrogate.sample.assign(
@@ -62,7 +67,12 @@ def save_surrogate(surrogate: Surrogate, path: Path) -> None:
         "error": surrogate.error,
         "coverage": surrogate.coverage,
     }
-    with sealed_file(path, _summary(surrogate)) as temporary:
+    points, hours = len(process.y), float(surrogate.sample["core_hours"].sum())
+    left_out = f" ({surrogate.omissions} left out)" if surrogate.omissions else ""
+    line = f"surrogate {surrogate.name}: {points} points{left_out}, error "
+    line += f"{percent(surrogate.error)}, {hours:.2g} core hours"
+    summary = {"line": line, "error": surrogate.error, "points": points}
+    with sealed_file(path, summary | {KEY: list(surrogate.caveats)}) as temporary:
         file.to_netcdf(temporary, engine="netcdf4")
 
 
@@ -78,36 +88,28 @@ def load_surrogate(path: Path) -> Surrogate:
 
 def _surrogate(stored: xr.Dataset, about: dict[str, Any]) -> Surrogate:
     axes = tuple(
-        Axis(
-            **row
-            | {"choices": tuple(row["choices"]), "normal": row["normal"] and tuple(row["normal"])}
-        )
+        Axis(**row | {name: tuple(row[name]) for name in _TUPLES if row[name] is not None})
         for row in about["axes"]
     )
     sample = stored.drop_vars(["theta", "regime_theta"])
     sample.attrs = {"scatter": int(about["has_scatter"]), "fixed": about["fixed"]}
     mean_regimes = tuple(about["mean_regimes"])
     chosen = points_of_mean(sample, mean_regimes)
-    x = unit_cube(axes, {axis.name: sample[axis.name].values for axis in axes})
+    x = unit_cube(axes, sample)
     process = Process(
         x[chosen],
         sample["mean"].values[chosen],
         sample["standard_error"].values[chosen] ** 2,
-        is_log=bool(about["is_log"]),
-        has_scatter=bool(about["has_scatter"]),
         theta=stored["theta"].values,
-        widening=float(about["widening"]),
-        # A file of an earlier version has none of these.
-        exponent=float(about.get("exponent", 2.5)),
-        is_local=bool(about.get("is_local", False)),
         frame=_frame(about, axes),
+        # A file of an earlier version has not all of these.
+        **{name: about[name] for name in _OF_PROCESS if name in about},
     )
     regime = sample["regime"].values
     is_known = has_known_regime(regime, mean_regimes)
     regimes = Regimes(x[is_known], regime[is_known], np.atleast_2d(stored["regime_theta"].values))
-    words: dict[str, Any] = {name: str(about[name]) for name in _WORDS}
     return Surrogate(
-        **words,
+        **{name: about[name] for name in _WORDS},
         axes=axes,
         fixed=about["fixed"],
         mean_regimes=mean_regimes,
@@ -128,15 +130,18 @@ def _frame(about: dict[str, Any], axes: tuple[Axis, ...]) -> Frame | None:
     return Frame(known[name], axes, about["fixed"])
 
 
-def _summary(surrogate: Surrogate) -> dict[str, Any]:
-    points, omissions = len(surrogate.process.y), surrogate.omissions
-    line = (
-        f"surrogate {surrogate.name}: {points} points"
-        + (f" ({omissions} left out)" if omissions else "")
-        + f", error {percent(surrogate.error)}, {surrogate.hours:.2g} core hours"
-    )
-    caveats = list(surrogate.caveats)
-    return {"line": line, "error": surrogate.error, "points": points, KEY: caveats}
+def load_table(path: Path) -> pd.DataFrame:
+    """Read a table; see `stored_answer`."""
+    with stored_answer(path, "sensitivity"):
+        content = read_table(path)
+        if content is None:
+            raise ValueError("its checksum is wrong")
+        words = {"other": object, "doubt": object}
+        texts = {"keep_default_na": False, "na_values": [""], "dtype": words}
+        table = pd.read_csv(io.BytesIO(content), **texts)
+        if "doubt" not in table:
+            raise ValueError("it is of an earlier version")
+        return table.fillna({"other": "", "doubt": ""})
 
 
 def save_posterior(

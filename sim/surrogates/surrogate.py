@@ -15,18 +15,11 @@ from sim.parameters.forms import forms
 from sim.study.design import Axis
 from sim.study.plottable import numbers
 from sim.study.surrogate import SurrogateFile, fewest_points
-from sim.surrogates.answers import (
-    KEY,
-    Refusal,
-    caveats_of_axes,
-    caveats_of_mean,
-    caveats_of_places,
-    joined,
-)
-from sim.surrogates.predictor import Frame, counted_probability
-from sim.surrogates.process import Process, deviations
-from sim.surrogates.regimes import Regimes
-from sim.surrogates.sample import left_out, points_of_mean, unit_cube
+from sim.surrogates import answers
+from sim.surrogates.answers import Refusal
+from sim.surrogates.fit import Regimes, counted_probability, fit_process
+from sim.surrogates.process import Process
+from sim.surrogates.sample import Frame, omissions, points_of_mean, unit_cube
 
 #: Share of a range by which a value may be outside it: sums of steps need not end on it.
 _SLACK = 1e-9
@@ -54,12 +47,10 @@ class Surrogate:
         Regimes whose points the mean is of.
     sample : xarray.Dataset
         Its points, see `sim.surrogates.sample.sample_points`.
-    process : Process
-        The mean.
-    regimes : Regimes
-        The probability of each regime.
+    process, regimes : Process, Regimes
+        The mean, and the probability of each regime.
     setting : mapping
-        Values of parameters that are words or switches, where they are chosen.
+        Values of words and switches, where they are chosen.
     """
 
     name: str
@@ -79,32 +70,23 @@ class Surrogate:
     def fit(cls, spec: SurrogateFile, sample: xr.Dataset) -> "Surrogate":
         """Return the surrogate that a study asks for, through points as of `sample_points`.
 
-        Raises
-        ------
-        Refusal
-            When fewer than `fewest_points` have a mean and a regime that counts.
+        Raises `Refusal` when fewer than `fewest_points` have a mean and a regime that counts.
         """
-        chosen = points_of_mean(sample, spec.mean_regimes)
-        fewest = fewest_points(len(spec.axes))
+        chosen, fewest = points_of_mean(sample, spec.mean_regimes), fewest_points(len(spec.axes))
         if chosen.sum() < fewest:
-            counts = left_out(sample, spec.mean_regimes).items()
-            others = ", ".join(f"{count} {name}" for name, count in counts) or "none"
             raise Refusal(
                 f"no mean, as {chosen.sum()} of {len(chosen)} points of "
                 f"series {spec.series} count ({' or '.join(spec.mean_regimes)}) and {fewest} are "
-                f"needed; left out are {others}; more points, other ranges or the key regimes may "
-                "give others"
+                f"needed; left out are {omissions(sample, spec.mean_regimes) or 'none'}; "
+                "more points, other ranges or the key regimes may give others"
             )
-        x = unit_cube(spec.axes, {axis.name: sample[axis.name].values for axis in spec.axes})
-        process = Process.fit(
+        x, fixed = unit_cube(spec.axes, sample), sample.attrs["fixed"]
+        process = fit_process(
             x[chosen],
             sample["mean"].values[chosen],
             sample["standard_error"].values[chosen] ** 2,
             bool(sample.attrs["scatter"]),
-            [
-                Frame(one, spec.axes, sample.attrs["fixed"])
-                for one in forms(spec.system, spec.observable).values()
-            ],
+            [Frame(one, spec.axes, fixed) for one in forms(spec.system, spec.observable).values()],
         )
         observable = numbers(spec.system)[spec.observable]
         return cls(
@@ -114,7 +96,7 @@ class Surrogate:
             meaning=observable.meaning,
             system=spec.system,
             axes=spec.axes,
-            fixed=sample.attrs["fixed"],
+            fixed=fixed,
             mean_regimes=spec.mean_regimes,
             sample=sample,
             process=process,
@@ -144,11 +126,8 @@ class Surrogate:
     @property
     def choices(self) -> dict[str, tuple[Any, ...]]:
         """Values of the parameters that are words or switches and are not set, by name."""
-        return {
-            axis.name: axis.choices
-            for axis in self.axes
-            if not axis.is_number and axis.name not in self.setting
-        }
+        words = (axis for axis in self.axes if not axis.is_number)
+        return {axis.name: axis.choices for axis in words if axis.name not in self.setting}
 
     def at(self, **setting: Any) -> "Surrogate":
         """Return the surrogate at values of parameters that are words or switches."""
@@ -157,27 +136,18 @@ class Surrogate:
                 allowed = "one of " + ", ".join(self.choices) if self.choices else "none"
                 raise InputError.of_value(self.name, "parameter", name, allowed)
             if value not in self.choices[name]:
-                raise InputError.of_value(self.name, name, value, self._range(name))
+                raise self._error(name, value)
         return replace(self, setting={**self.setting, **setting})
 
     def predict(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return mean and standard deviation of the mean (n,), in the unit of the observable.
 
-        Parameters
-        ----------
-        x : numpy.ndarray
-            Values of `parameters`, (n, k), in the units of study files. They are not checked.
+        ``x`` has values of `parameters`, (n, k), in the units of study files, not checked.
         """
         return self.process.predict(self._cube(x))
 
     def correlation(self, x: np.ndarray, others: np.ndarray) -> np.ndarray:
-        """Return how errors go together, (g, m, r), at points as of `predict` in g groups.
-
-        Parameters
-        ----------
-        x, others : numpy.ndarray
-            Values of `parameters`, (g, m, k) and (g, r, k).
-        """
+        """Return how errors go together, (g, m, r), at values (g, m, k) and (g, r, k) in groups."""
         cubes = (
             self._cube(part.reshape(-1, part.shape[-1])).reshape(*part.shape[:2], -1)
             for part in (x, others)
@@ -212,14 +182,14 @@ class Surrogate:
             For a parameter that is missing or unknown, and for a value that is outside the range of
             the points.
         """
+        chosen = [name for name in values if name in self.choices]
+        surrogate = self.at(**{name: values.pop(name) for name in chosen})
         names = [axis.name for axis in self.axes]
-        chosen = {name: values.pop(name) for name in list(values) if name in self.choices}
-        surrogate = self.at(**chosen)
         for name in [name for name in values if name not in names]:
             self._require_fixed(name, values.pop(name))
         for name in (*surrogate.choices, *self.parameters):
             if name not in values:
-                raise InputError.of_value(self.name, name, None, self._range(name))
+                raise self._error(name, None)
         arrays = [self._array(axis, values[axis.name]) for axis in self.numeric]
         outside = self._outside(arrays, extrapolate)
         broadcast = xr.broadcast(*arrays)
@@ -227,15 +197,13 @@ class Surrogate:
         mean, error = surrogate.predict(x)
         shape, dims = broadcast[0].shape, broadcast[0].dims
         probability = surrogate.probability(x).reshape(-1, *shape)
-        row = {"units": self.unit}
+        width, meaning = float(student(MANY)) * error, self.meaning
+        about = {"units": self.unit, "long_name": meaning}
+        of_width = about | {"long_name": f"half width of the 95 % interval of {meaning}"}
         answer = xr.Dataset(
             {
-                "mean": (dims, mean.reshape(shape), row | {"long_name": self.meaning}),
-                "half_width": (
-                    dims,
-                    float(student(MANY)) * error.reshape(shape),
-                    row | {"long_name": f"half width of the 95 % interval of {self.meaning}"},
-                ),
+                "mean": (dims, mean.reshape(shape), about),
+                "half_width": (dims, width.reshape(shape), of_width),
                 "probability": (("regime", *dims), probability, {"units": "1"}),
             },
             dict(zip(self.parameters, arrays, strict=True))
@@ -243,71 +211,69 @@ class Surrogate:
             | dict(surrogate.setting),
         )
         counted = counted_probability(self, probability)
-        places = caveats_of_places(counted, self.mean_regimes, surrogate.is_far(x))
+        places = answers.caveats_of_places(counted, self.mean_regimes, surrogate.is_far(x))
         answer.attrs = {
             "surrogate": self.name,
             "observable": self.observable,
             "error": self.error,
-            KEY: joined([*places, *outside, *self.caveats]),
+            answers.KEY: answers.joined([*places, *outside, *self.caveats]),
         }
         return answer
 
     def _cube(self, x: np.ndarray) -> np.ndarray:
         """Return points as of `predict` in the unit cube of the process."""
-        columns = dict(zip(self.parameters, np.asarray(x, dtype=float).T, strict=True))
         for name in self.choices:
-            raise InputError.of_value(self.name, name, None, self._range(name))
+            raise self._error(name, None)
+        columns = dict(zip(self.parameters, np.asarray(x, dtype=float).T, strict=True))
         chosen = {name: np.full(len(x), value, object) for name, value in self.setting.items()}
         return unit_cube(self.axes, columns | chosen)
+
+    def _error(self, name: str, value: Any) -> InputError:
+        """Return the error of a value of a parameter that the points vary."""
+        axis = next(one for one in self.axes if one.name == name)
+        allowed = f"a number in [{axis.low:g}, {axis.high:g}], the range of its points"
+        if not axis.is_number:
+            allowed = "one of " + ", ".join(map(str, axis.choices))
+        return InputError.of_value(self.name, name, value, allowed)
 
     def _require_fixed(self, name: str, value: Any) -> None:
         """Refuse a parameter that no point varies, unless its value is that of all points."""
         if name not in self.fixed:
             names = one_of(name, [axis.name for axis in self.axes])
             raise InputError.of_value(self.name, "parameter", name, names)
-        if np.ndim(value) or value != self.fixed[name]:
-            allowed = f"{self.fixed[name]}, as all its points have"
-            raise InputError.of_value(self.name, name, value, allowed)
-
-    def _range(self, name: str) -> str:
-        axis = next(one for one in self.axes if one.name == name)
-        if not axis.is_number:
-            return "one of " + ", ".join(map(str, axis.choices))
-        return f"a number in [{axis.low:g}, {axis.high:g}], the range of its points"
+        fixed = self.fixed[name]
+        if np.ndim(value) or value != fixed:
+            raise InputError.of_value(self.name, name, value, f"{fixed}, as all its points have")
 
     def _array(self, axis: Axis, value: Any) -> xr.DataArray:
         """Return values of a parameter as a labelled array."""
-        if isinstance(value, xr.DataArray):
-            array = value
-        else:
+        array = value
+        if not isinstance(value, xr.DataArray):
             try:
                 plain = np.asarray(value, dtype=float)
             except (TypeError, ValueError):
-                allowed = self._range(axis.name)
-                raise InputError.of_value(self.name, axis.name, value, allowed) from None
+                raise self._error(axis.name, value) from None
             if plain.ndim > 1:
                 got = f"an array of {plain.ndim} dimensions"
                 allowed = "a number, a list of numbers, or an array of xarray"
                 raise InputError.of_value(self.name, axis.name, got, allowed)
-            dims = (axis.name,) if plain.ndim else ()
-            array = xr.DataArray(plain, {axis.name: plain} if plain.ndim else {}, dims)
+            dims = (axis.name,) * plain.ndim
+            array = xr.DataArray(plain, dict.fromkeys(dims, plain), dims)
         if not array.size or not np.isfinite(array.values.astype(float)).all():
-            raise InputError.of_value(self.name, axis.name, value, self._range(axis.name))
+            raise self._error(axis.name, value)
         return array.astype(float)
 
     def _outside(self, arrays: list[xr.DataArray], extrapolate: bool) -> list[str]:
         """Return how far values are outside the ranges, in words, or refuse them."""
         notes = []
         for axis, array in zip(self.numeric, arrays, strict=True):
-            low, high = float(array.min()), float(array.max())
-            width = axis.high - axis.low
-            for value in dict.fromkeys((low, high)):
-                beyond = max(axis.low - value, value - axis.high) / width
+            for value in dict.fromkeys((float(array.min()), float(array.max()))):
+                beyond = max(axis.low - value, value - axis.high) / (axis.high - axis.low)
                 if beyond <= _SLACK:
                     continue
                 is_absurd = beyond > _MOST_OUTSIDE or (axis.scale == "log" and value <= 0)
                 if is_absurd or not extrapolate:
-                    raise InputError.of_value(self.name, axis.name, value, self._range(axis.name))
+                    raise self._error(axis.name, value)
                 notes.append(
                     f"{axis.name} = {value:g} is {100 * beyond:.2g} % of its range outside "
                     f"[{axis.low:g}, {axis.high:g}]"
@@ -333,9 +299,7 @@ class Surrogate:
             "mean": left_out.mean,
             "error": self.process.widening * self.process.own_widening() * left_out.error,
         }
-        return xr.Dataset(
-            {name: ("point", values) for name, values in columns.items()}, rows.coords
-        )
+        return xr.Dataset({name: ("point", one) for name, one in columns.items()}, rows.coords)
 
     @cached_property
     def error(self) -> float:
@@ -344,13 +308,8 @@ class Surrogate:
         It is the larger of two: how far the points are from what the others predict (rms), less
         their own errors; and the error that the process gives itself there.
         """
-        left_out, size = self.process.left_out, np.abs(self.process.y).mean() or 1.0
-        return float(np.sqrt(max(self.process.unexplained, np.mean(left_out.error**2))) / size)
-
-    @property
-    def unexplained(self) -> float:
-        """Share of the variance between its points that the others do not tell."""
-        return self.process.unexplained / (float(np.var(self.process.y)) or 1.0)
+        own, size = np.mean(self.process.left_out.error**2), np.abs(self.process.y).mean() or 1.0
+        return float(np.sqrt(max(self.process.unexplained, own)) / size)
 
     def is_far(self, x: np.ndarray) -> np.ndarray:
         """Return which places as of `predict` have no point of the mean near them, (n,).
@@ -366,31 +325,25 @@ class Surrogate:
     @cached_property
     def coverage(self) -> float:
         """Share of points in the 95 % interval that the others give them, before it is widened."""
-        return float(np.mean(deviations(self.process.left_out, self.process.y) < student(MANY)))
-
-    @property
-    def hours(self) -> float:
-        """Core hours of all its points."""
-        return float(self.sample["core_hours"].sum())
+        return float(np.mean(self.process.deviations < student(MANY)))
 
     @property
     def basis(self) -> str:
         """Of how many points the mean is, and its error, in words."""
-        used, total = len(self.process.y), self.sample.sizes["point"]
-        text = f"mean of {used} of {total} points, error {percent(self.error)}"
+        points = f"{len(self.process.y)} of {self.sample.sizes['point']} points"
+        text = f"mean of {points}, error {percent(self.error)}"
         return f"{text}, {self.process.frame.form.meaning}" if self.process.frame else text
 
     @cached_property
     def caveats(self) -> tuple[str, ...]:
         """What is doubtful about it, the worst first."""
-        doubts = caveats_of_axes(self.sample.isel(point=self.in_mean), self.axes)
-        means = caveats_of_mean(
-            self.sample, self.in_mean, self.error, self.unexplained, self.omissions
+        share = self.process.unexplained_share
+        means = answers.caveats_of_mean(
+            self.sample, self.in_mean, self.error, share, self.omissions
         )
-        return *means, *doubts
+        return *means, *answers.caveats_of_axes(self.sample.isel(point=self.in_mean), self.axes)
 
     @property
     def omissions(self) -> str:
         """How many points of which regime, or without a value, the mean leaves out, in words."""
-        counts = left_out(self.sample, self.mean_regimes).items()
-        return ", ".join(f"{count} {name}" for name, count in counts)
+        return omissions(self.sample, self.mean_regimes)

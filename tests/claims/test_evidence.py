@@ -148,26 +148,35 @@ def test_samples_are_those_of_all_replicates_and_those_of_the_poorest_place_coun
     assert check.points == tuple(place.id for place in places)
 
 
+def onset(low, high=None, **parameters):
+    """Return a boundary of transport."""
+    return made_boundary("belt", "transport", "frequency", low, high or low + 0.25, **parameters)
+
+
 def test_the_narrowest_bracket_of_a_boundary_is_its_interval():
     brackets = [
-        made_boundary("belt", "transport", "frequency", 15.0, 16.0),
-        made_boundary("belt", "transport", "frequency", 15.5, 15.75, steps_per_cycle=4000),
-        made_boundary("belt", "transport", "frequency", 12.0, 13.0, amplitude=1.5),
+        row
+        for seed in (1, 2)
+        for row in (
+            onset(15.0, 16.0, seed=seed),
+            onset(15.5, 15.75, seed=seed, steps_per_cycle=4000),
+            onset(12.0, 13.0, seed=seed, amplitude=1.5),
+        )
     ]
     study = evidence(belt(), boundaries=brackets)
-    onset = study.boundary("belt", "transport", "frequency")
-    assert onset.nominal_value == pytest.approx(15.625)
+    found = study.boundary("belt", "transport", "frequency")
+    assert found.nominal_value == pytest.approx(15.625)
     # The ends of the bracket are bounds of one side.
-    assert SIGMAS * onset.std_dev == pytest.approx(0.125 * 1.96 / 1.645, rel=1e-3)
+    assert SIGMAS * found.std_dev == pytest.approx(0.125 * 1.96 / 1.645, rel=1e-3)
     assert study.boundary("belt", "transport", "frequency", amplitude=1.5).nominal_value == 12.5
     with pytest.raises(Untestable, match="no boundary of transport"):
         study.boundary("belt", "transport", "frequency", amplitude=0.5)
+    # How much starts differ is not known from one seed.
+    study = evidence(belt(), boundaries=[onset(15.0, seed=1), onset(12.0, seed=2, amplitude=1.5)])
+    assert study.boundary("belt", "transport", "frequency").std_dev == np.inf
 
 
 def test_a_boundary_is_none_where_one_seed_of_it_has_none():
-    def onset(low, **parameters):
-        return made_boundary("belt", "transport", "frequency", low, low + 0.25, **parameters)
-
     lacking = [onset(15.5, seed=1), onset(np.nan, seed=2, verdict="none")]
     study = evidence(belt(), boundaries=lacking)
     with pytest.raises(Unbounded, match="frequency at the paper's values found from seed 2"):
@@ -177,16 +186,3 @@ def test_a_boundary_is_none_where_one_seed_of_it_has_none():
     study = evidence(belt(), boundaries=[*lacking, *finer, *other])
     assert study.boundary("belt", "transport", "frequency").nominal_value == 15.125
     assert study.boundary("belt", "transport", "frequency", amplitude=1.5).nominal_value == 12.125
-
-
-def test_a_boundary_may_be_required_to_know_how_much_seeds_differ():
-    def half_width(*depths_and_seeds) -> float:
-        brackets = [
-            made_boundary("chute", "flow", "angle", 13, 13.25, depth=n, seed=seed)
-            for n, seed in depths_and_seeds
-        ]
-        study = evidence(made_point("chute"), boundaries=brackets)
-        return SIGMAS * study.boundary("chute", "flow", "angle", seeds=True, depth=5).std_dev
-
-    assert half_width((5, 1), (10, 1), (10, 2)) == np.inf
-    assert half_width((5, 1), (5, 2)) == pytest.approx(0.125 * 1.96 / 1.645, rel=1e-3)

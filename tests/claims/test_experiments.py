@@ -1,7 +1,5 @@
 """Experiments on the model are done once, and a damaged or foreign result gives no verdict."""
 
-import json
-
 import pytest
 
 from sim.base.seals import seal
@@ -46,27 +44,17 @@ def test_other_code_or_libraries_do_it_again(function, run_readings, monkeypatch
     assert len(run_readings) == 2
 
 
-@pytest.mark.parametrize("damage", ["flipped", "unsealed", "foreign", "other form"])
-def test_what_is_damaged_or_foreign_is_not_used(damage, run_readings, tmp_path):
+@pytest.mark.parametrize("form", [None, '[{"what": "x"}]'])
+def test_what_is_damaged_or_of_another_form_is_not_used(form, run_readings, tmp_path):
     run_experiment(CLAIM, {})
     (path,) = tmp_path.iterdir()
     whole = path.read_bytes()
-    line, _, _ = whole.partition(b"\n")
-    document = json.loads(line)
-    match damage:
-        case "flipped":
-            path.write_bytes(whole.replace(b"0.1", b"0.2", 1))
-        case "unsealed":
-            path.write_bytes(line)
-        case "foreign":
-            path.write_text(json.dumps(document | {"identity": {}}))
-            seal(path)
-        case "other form":
-            path.write_text(json.dumps(document | {"checks": [{"what": "x"}]}))
-            seal(path)
+    path.write_bytes(whole.replace(b"0.1", b"0.2", 1))
+    if form:
+        path.write_text(form)
+        seal(path)
     assert run_experiment(CLAIM, {}) == CHECKS
-    assert run_readings == [{}, {}]
-    assert path.read_bytes() == whole
+    assert run_readings == [{}, {}] and path.read_bytes() == whole
 
 
 def test_what_cannot_be_kept_gives_its_verdict_all_the_same(

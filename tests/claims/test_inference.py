@@ -1,4 +1,4 @@
-"""Tests without an interval: trends, ranks, shares of runs."""
+"""Trends, ranks and shares of runs; statements about many quantities at once; ratios."""
 
 from math import inf
 from types import SimpleNamespace
@@ -7,19 +7,19 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from sim.claims.checks import within
+from sim.claims.checks import at_least, conjunction_p, within
 from sim.claims.inference import (
-    at_least,
-    conjunction_p,
     mann_whitney_p,
+    mean_of_others,
     outranks,
     same_by_rank,
     share_above,
     single_rise,
+    smallest_mean,
     trend,
 )
-from sim.claims.place import with_interval
-from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Check
+from sim.claims.place import quotient, with_interval
+from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, SIGMAS, Check
 from tests.made.results import spread
 
 
@@ -62,33 +62,21 @@ def test_a_trend_is_one_of_all_groups(means, verdict):
     assert falling.verdict == verdict
 
 
-def test_a_monotone_trend_has_no_step_the_other_way():
-    dip = [groups(1, 2, 1.5, 3, replicates=8)]
-    assert trend("x", dip).verdict == REPRODUCED
-    assert trend("x", dip, monotone=True).verdict == NOT_REPRODUCED
-    slight = [groups(1, 2, 1.98, 3, replicates=8)]
-    assert trend("x", slight, monotone=True).verdict == REPRODUCED
-
-
 @pytest.mark.parametrize(
-    ("margin", "verdict"), [(None, REPRODUCED), (0.05, REPRODUCED), (0.001, INCONCLUSIVE)]
+    ("means", "options", "verdicts"),
+    [
+        # That no reversal is seen is no evidence of none.
+        ((1, 2, 2, 3), {"scatter": 0.02}, (REPRODUCED, REPRODUCED, INCONCLUSIVE)),
+        # A sure reversal of 3 %: smaller than the share it refutes nothing.
+        ((1, 2, 1.94, 3), {"scatter": 0.01}, (NOT_REPRODUCED, REPRODUCED, NOT_REPRODUCED)),
+    ],
 )
-def test_that_no_reversal_is_seen_is_no_evidence_of_none(margin, verdict):
-    flat = [groups(1, 2, 2, 3, replicates=8, scatter=0.02)]
-    assert trend("x", flat, monotone=True, margin=margin).verdict == verdict
-    falling = [[group for group in flat[0][::-1]]]
-    assert trend("x", falling, rising=False, monotone=True, margin=margin).verdict == verdict
-
-
-@pytest.mark.parametrize(
-    ("margin", "verdict"), [(None, NOT_REPRODUCED), (0.05, REPRODUCED), (0.001, NOT_REPRODUCED)]
-)
-def test_a_reversal_counts_on_either_side_from_one_share_on(margin, verdict):
-    """A sure reversal of 3 %: smaller than the share it refutes nothing."""
-    dip = groups(1, 2, 1.94, 3, replicates=12, scatter=0.01)
-    assert trend("x", [dip], monotone=True, margin=margin).verdict == verdict
-    fall = trend("x", [dip[::-1]], rising=False, monotone=True, margin=margin)
-    assert fall.verdict == verdict
+def test_a_reversal_counts_on_either_side_from_one_share_on(means, options, verdicts):
+    rising = groups(*means, replicates=12, **options)
+    for margin, verdict in zip((None, 0.05, 0.001), verdicts, strict=True):
+        for samples, is_rising in ((rising, True), (rising[::-1], False)):
+            check = trend("x", [samples], rising=is_rising, monotone=True, margin=margin)
+            assert check.verdict == verdict
 
 
 def test_samples_are_the_same_by_rank_within_a_margin():
@@ -130,21 +118,11 @@ def test_shares_of_runs_are_exact(count, number, verdict):
     assert share_above("x", count, number, 0.5).verdict == verdict
 
 
-@pytest.mark.parametrize(
-    ("p_values", "least", "p"),
-    [
-        # All of them: the largest; any of them: Bonferroni's.
-        ([0.01, 0.5, 0.02], 3, 0.5),
-        ([0.01, 0.5, 0.02], 1, 0.03),
-        ([0.01, 0.5, 0.02], 2, 0.04),
-        ([0.01, 0.9, 0.02, 0.03, 0.8], 3, 0.09),
-        ([0.6, 0.5], 1, 1.0),
-        ([0.001, 0.001], 3, 1.0),
-        ([], 1, 1.0),
-    ],
-)
-def test_that_some_of_several_hold_has_one_p_value(p_values, least, p):
-    assert conjunction_p(p_values, least) == pytest.approx(p)
+def test_that_some_of_several_hold_has_one_p_value():
+    """All of them: the largest; any of them: Bonferroni's."""
+    p_values = [0.01, 0.5, 0.02]
+    assert [conjunction_p(p_values, least) for least in (3, 2, 1)] == [0.5, 0.04, 0.03]
+    assert conjunction_p([0.6, 0.5], 1) == conjunction_p([], 1) == 1
 
 
 SLOPES = {"holds": 0.0, "fails": 3.0, "open": 1.0}
@@ -214,3 +192,63 @@ def test_single_rises_are_counted_over_all_choices():
     draws = np.array([rng.choice(group, 20_000) for group in groups])
     share = (np.diff(draws, axis=0) > 0).all(axis=0).mean()
     assert single_rise(groups).nominal_value == pytest.approx(share, abs=0.015)
+
+
+def interval(rows) -> tuple[float, float]:
+    value = smallest_mean(np.asarray(rows, float))
+    half_width = 1.96 * value.std_dev
+    return value.nominal_value - half_width, value.nominal_value + half_width
+
+
+def rows_of(means, errors, replicates=8) -> np.ndarray:
+    return np.asarray(means) + np.outer(spread(replicates), errors)
+
+
+def test_least_of_many_is_positive_only_if_all_are():
+    assert interval(rows_of([1, 2, 0.5], [0.01, 0.01, 0.01]))[0] > 0
+    low, high = interval(rows_of([1, 2, 0.5], [0.01, 5, 0.01]))
+    assert low < 0 < high
+
+
+def test_least_of_many_is_negative_if_one_clearly_is():
+    assert interval(rows_of([1, -0.1, -2.0], [0.01, 0.01, 50]))[1] < 0
+
+
+def test_chance_alone_makes_none_of_many_negative():
+    """Each of 2000 sets of 20 positive means that noise hides: 2.5 % of them may fail."""
+    rng = np.random.default_rng(1)
+    negative = [interval(rng.normal(0, 1, (8, 20)))[1] < 0 for _ in range(2000)]
+    assert np.mean(negative) == pytest.approx(0.025, abs=0.01)
+
+
+def test_one_replicate_says_nothing():
+    assert interval([[1.0, 2.0]]) == (-np.inf, np.inf)
+
+
+def test_the_mean_of_others_knows_nothing_of_the_replicate_itself():
+    rows = np.array([[3.0, 0.0], [0.0, 6.0], [0.0, 0.0]])
+    assert np.array_equal(mean_of_others(rows), [[0, 3], [1.5, 0], [1.5, 3]])
+    assert np.array_equal(mean_of_others(rows.T, axis=1), mean_of_others(rows).T)
+    assert np.array_equal(mean_of_others(rows[:1]), rows[:1])
+
+
+def half_width(numerator, denominator) -> float:
+    return SIGMAS * quotient(numerator, denominator).std_dev
+
+
+def test_a_well_known_divisor_gives_the_propagated_error():
+    ratio = quotient(with_interval(3.0, 0.3), with_interval(2.0, 0.02))
+    assert ratio.nominal_value == 1.5
+    assert SIGMAS * ratio.std_dev == pytest.approx(1.5 * np.hypot(0.1, 0.01), rel=5e-3)
+
+
+def test_the_interval_holds_a_threshold_where_the_difference_is_not_sure():
+    """At its farther end ``over - t · under`` is just as far from zero as its own interval."""
+    numerator, denominator = with_interval(1.0, 0.2), with_interval(2.0, 1.0)
+    end = 0.5 + half_width(numerator, denominator)
+    assert abs(1.0 - end * 2.0) == pytest.approx(np.hypot(0.2, end * 1.0))
+
+
+def test_a_divisor_that_may_be_zero_leaves_the_ratio_open():
+    assert half_width(with_interval(1.16, 0.1), with_interval(3.98, 4.5)) == np.inf
+    assert half_width(with_interval(1.16, 0.1), with_interval(3.98, np.inf)) == np.inf

@@ -92,12 +92,10 @@ def test_the_paper_of_the_examples_is_judged_by_steady_flows_alone(changes, verd
     ("odd", "why"),
     [
         ("value='fast'", "value: got 'fast'; allowed: a valid number"),
-        ("value=numpy.arange(2.0)", "value: got array([0., 1.]); allowed: a valid number"),
         ("half_width=-1.0", "half_width: got -1; allowed: a number >= 0, or not-a-number"),
         ("low=float('nan')", "low: got nan; allowed: a number <= high"),
         ("tested=(0.1,)", "tested[1]: got (0.1,); allowed: one more"),
         ("tested=(2, 0.1)", "tested[0]: got 2; allowed: less than or equal to 1"),
-        ("looks=-1", "looks: got -1; allowed: greater than or equal to 0"),
     ],
 )
 def test_an_odd_check_is_one_line_that_names_its_judge(tmp_path, odd, why):
@@ -111,7 +109,6 @@ def test_an_odd_check_is_one_line_that_names_its_judge(tmp_path, odd, why):
     ("checks", "why"),
     [
         ("None", "TypeError: 'NoneType' object is not iterable"),
-        ("[]", "TypeError: a judge returns checks, one at least"),
         ("[checks]", "TypeError: a judge returns checks, one at least"),
         (
             "[dataclasses.replace(checks[0], points=('p',))]",

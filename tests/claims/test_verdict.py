@@ -17,7 +17,6 @@ from sim.claims.verdict import (
     REPRODUCED_IN_PART,
     Check,
     combined_verdict,
-    holm_p,
     plan,
     verdict_of_parts,
 )
@@ -142,12 +141,6 @@ def test_p_values_are_those_of_one_sided_tests():
     assert check.p_holds == pytest.approx(0.02275, abs=1e-5)
     assert check.p_fails == pytest.approx(1 - 0.02275, abs=1e-5)
     assert check.bound == pytest.approx(0.5 * 1.644854)
-
-
-def test_the_smallest_of_several_p_values_counts_for_all():
-    assert holm_p([0.01, 0.02, 0.03, 0.005]) == pytest.approx(0.02)
-    assert holm_p([0.6, 0.7]) == 1.0
-    assert holm_p([]) == 1.0
 
 
 @pytest.mark.parametrize(

@@ -23,11 +23,10 @@ from sim.surrogates.posterior import (
     check_draws,
     summarize,
 )
-from sim.surrogates.predictor import on_one_thread, scaled
-from sim.surrogates.sample import standard_errors
+from sim.surrogates.process import on_one_thread
+from sim.surrogates.sample import scaled
 from sim.surrogates.surrogate import Surrogate
-from tests.coverage.rows import print_table
-from tests.made.surrogates import asked, made_sample
+from tests.coverage.rows import fitted, print_table
 
 #: Designs of a row, and of one with chains.
 DESIGNS, CHAINS = 40, 8
@@ -55,18 +54,17 @@ def flows(friction: np.ndarray, restitution: np.ndarray, angle: np.ndarray) -> n
     return np.tan(np.radians(angle)) > 0.65 * friction + 0 * restitution
 
 
-def everything(friction: np.ndarray, restitution: np.ndarray, angle: np.ndarray) -> np.ndarray:
-    """Return that every bed flows."""
-    return np.ones(np.broadcast_shapes(np.shape(friction), np.shape(angle)), bool)
+def everything(*values: np.ndarray) -> np.ndarray:
+    return np.ones(np.broadcast_shapes(*map(np.shape, values)), bool)
 
 
 @dataclass(frozen=True)
 class Case:
     """Measurements of materials, and a surrogate.
 
-    ``noise`` of its runs and ``error`` of measurements are relative; ``said`` is what the file says
-    of the latter. ``looked_for`` names parameters, the others are known. Materials are those for
-    which ``counts`` says that beds flow at every angle.
+    ``noise`` of its runs and ``error`` of measurements are relative; the file may say half of the
+    latter. ``looked_for`` names parameters, the others are known. Materials are those for which
+    ``counts`` says that beds flow at every angle.
     """
 
     name: str
@@ -74,8 +72,7 @@ class Case:
     noise: float
     measurements: int
     error: float
-    said: float = 0.0
-    replicates: int = 2
+    is_half_said: bool = False
     looked_for: tuple[str, ...] = ("friction", "restitution")
     counts: Callable = everything
     has_discrepancy: bool = True
@@ -85,22 +82,17 @@ class Case:
 _ONE = {"looked_for": ("friction",)}
 _SMOOTH, _ROUGH = {"points": 32, "noise": 0.05}, {"points": 16, "noise": 0.15}
 _FEW, _MANY = {"measurements": 3, "error": 0.03}, {"measurements": 40, "error": 0.01}
+_BOTH = (_FEW, _MANY)
 
 CASES = (
-    Case("smooth", **_SMOOTH, **_FEW),
-    Case("smooth", **_SMOOTH, **_MANY),
-    Case("smooth, no discrepancy", **_SMOOTH, **_FEW, has_discrepancy=False),
-    Case("smooth, no discrepancy", **_SMOOTH, **_MANY, has_discrepancy=False),
-    Case("smooth, half the error said", **_SMOOTH, **_FEW, said=0.015),
-    Case("smooth, half the error said", **_SMOOTH, **_MANY, said=0.005),
-    Case("smooth, one parameter", **_SMOOTH, **_FEW, **_ONE),
-    Case("smooth, one parameter", **_SMOOTH, **_MANY, **_ONE),
-    Case("rough", **_ROUGH, **_FEW),
-    Case("rough", **_ROUGH, **_MANY),
-    Case("rough, half the error said", **_ROUGH, **_MANY, said=0.005),
+    *(Case("smooth", **_SMOOTH, **one) for one in _BOTH),
+    *(Case("smooth, no discrepancy", **_SMOOTH, **one, has_discrepancy=False) for one in _BOTH),
+    *(Case("smooth, half the error said", **_SMOOTH, **one, is_half_said=True) for one in _BOTH),
+    *(Case("smooth, one parameter", **_SMOOTH, **one, **_ONE) for one in _BOTH),
+    *(Case("rough", **_ROUGH, **one) for one in _BOTH),
+    Case("rough, half the error said", **_ROUGH, **_MANY, is_half_said=True),
     Case("rough, one parameter", **_ROUGH, **_MANY, **_ONE),
-    Case("some rest", **_SMOOTH, **_FEW, counts=flows),
-    Case("some rest", **_SMOOTH, **_MANY, counts=flows),
+    *(Case("some rest", **_SMOOTH, **one, counts=flows) for one in _BOTH),
     Case("some rest, one parameter", **_SMOOTH, **_FEW, **_ONE, counts=flows),
     Case("smooth, chains", **_SMOOTH, **_FEW, has_chains=True),
     Case("rough, chains", **_ROUGH, **_MANY, has_chains=True),
@@ -108,23 +100,17 @@ CASES = (
 
 
 @lru_cache(maxsize=200)
-def surrogate_of(
-    points: int, noise: float, replicates: int, counts: Callable, seed: int
-) -> Surrogate:
+def surrogate_of(points: int, noise: float, counts: Callable, seed: int) -> Surrogate:
     """Return a surrogate of the made-up flow."""
     rng = np.random.default_rng(seed)
     x = qmc.Sobol(len(AXES), rng=seed).random(points)
     bounds = np.array([(axis.low, axis.high) for axis in AXES])
     places = scaled(x, bounds, ["linear"] * len(AXES)).T
     exact = velocity(*places)[:, None]
-    values = exact * (1 + noise * rng.normal(size=(points, replicates)))
+    values = exact * (1 + noise * rng.normal(size=(points, 2)))
     is_flow = counts(*places)
     values[~is_flow] = 0.0
-    errors, is_unknown = standard_errors(list(values), np.zeros(points), x)
-    regime = np.where(is_flow, "steady", "arrested")
-    sample = made_sample(x, values.mean(axis=1), AXES, errors, regime, is_unknown)
-    spec = asked(AXES)
-    return Surrogate.fit(spec, sample)
+    return fitted(x, values, AXES, is_flow)
 
 
 def question(case: Case, seed: int) -> tuple[dict[str, float], Calibration]:
@@ -139,11 +125,11 @@ def question(case: Case, seed: int) -> tuple[dict[str, float], Calibration]:
     values = exact * (1 + case.error * rng.normal(size=len(angles)))
     known = [name for name in truth if name not in case.looked_for]
     return {name: truth[name] for name in case.looked_for}, Calibration(
-        surrogate_of(case.points, case.noise, case.replicates, case.counts, seed),
+        surrogate_of(case.points, case.noise, case.counts, seed),
         {axis.name: (axis.low, axis.high) for axis in AXES if axis.name in case.looked_for},
         {name: np.full(len(angles), truth[name]) for name in known} | {"angle": angles},
         values,
-        (case.said or case.error) * np.abs(values),
+        case.error / (2 if case.is_half_said else 1) * np.abs(values),
         "velocity",
         case.has_discrepancy,
         seed,
@@ -161,13 +147,11 @@ def intervals_on_a_grid(calibration: Calibration) -> dict[str, np.ndarray] | Non
     for _ in range(2):
         axes = np.linspace(low, high, 2 * STEPS[count] + 1)[1::2].T
         shares, weights = _weights(calibration, axes)
-        ends = np.array(
-            [_quantiles(axis, weights, k, (LOST, 1 - LOST)) for k, axis in enumerate(axes)]
+        edges, ends = (
+            np.array([_quantiles(axis, weights, k, chances) for k, axis in enumerate(axes)])
+            for chances in (INTERVAL, (LOST, 1 - LOST))
         )
-        wide, edges = (
-            (high - low) / STEPS[count],
-            [_quantiles(axis, weights, k, INTERVAL) for k, axis in enumerate(axes)],
-        )
+        wide = (high - low) / STEPS[count]
         low, high = np.maximum(0, ends[:, 0] - wide), np.minimum(1, ends[:, 1] + wide)
     chosen = np.random.default_rng(0).choice(weights.size, DRAWS, p=weights.ravel())
     size, place = np.divmod(chosen, len(shares))
@@ -175,7 +159,7 @@ def intervals_on_a_grid(calibration: Calibration) -> dict[str, np.ndarray] | Non
     check = check_draws(calibration, draws[:, : count + calibration.has_discrepancy])
     if check.probability < LEAST_PROBABILITY or check.uncounted > MOST_UNCOUNTED:
         return None
-    found = scaled(np.array(edges).T, calibration.bounds, calibration.scales).T
+    found = scaled(edges.T, calibration.bounds, calibration.scales).T
     return dict(zip(calibration.names, found, strict=True))
 
 
@@ -187,20 +171,11 @@ def _sizes(calibration: Calibration) -> np.ndarray:
 def _weights(calibration: Calibration, axes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return points (n, p) of a grid and their probabilities (sizes, n)."""
     shares = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes))
-    parts = []
+    columns, parts = len(axes) + calibration.has_discrepancy, []
     for part in calibration.parts(shares):
         predicted = calibration.predict(part)
-        parts.append(
-            [
-                calibration.log_density(
-                    predicted,
-                    np.column_stack([part, np.full(len(part), size)])[
-                        :, : len(axes) + calibration.has_discrepancy
-                    ],
-                )
-                for size in _sizes(calibration)
-            ]
-        )
+        draws = (np.insert(part, len(axes), size, axis=1) for size in _sizes(calibration))
+        parts.append([calibration.log_density(predicted, one[:, :columns]) for one in draws])
     logs = np.concatenate(parts, axis=1)
     weights = np.exp(logs - logs.max())
     return shares, weights / weights.sum()
@@ -228,52 +203,39 @@ def intervals_of_chains(calibration: Calibration) -> dict[str, np.ndarray] | Non
     return {row.parameter: np.array([row.low, row.median, row.high]) for row in rows.itertuples()}
 
 
-@dataclass(frozen=True)
-class Row:
-    """What the designs of a case give; ``held`` counts intervals that hold the truth, by parameter.
+def row_of(case: Case, designs: int | None = None) -> tuple[int, int, dict[str, int], float]:
+    """Return how many designs a case has, how many an answer, and what their intervals hold.
 
-    ``length`` is the mean of an interval over that of its range.
+    That is how many hold the truth, by parameter, and their mean length over that of the range.
     """
-
-    case: Case
-    designs: int
-    answers: int
-    held: dict[str, int]
-    length: float
-
-    @property
-    def share(self) -> float:
-        """Share of the intervals that hold the truth."""
-        return sum(self.held.values()) / max(1, self.answers * len(self.held))
-
-    @property
-    def cells(self) -> tuple[str, ...]:
-        """The row in the table."""
-        return (
-            *(self.case.name, str(self.case.measurements), f"{self.answers} of {self.designs}"),
-            *(str(self.held.get(axis.name, "")) for axis in AXES[:2]),
-            *(f"{100 * self.share:.1f}", f"{self.length:.2f}"),
-        )
-
-
-def row_of(case: Case, designs: int | None = None) -> Row:
-    """Return how often a case holds the truth."""
     solve = intervals_of_chains if case.has_chains else intervals_on_a_grid
     count, answers = designs or (CHAINS if case.has_chains else DESIGNS), 0
     held, lengths = dict.fromkeys(case.looked_for, 0), []
     for seed in range(count):
         truth, calibration = question(case, seed)
-        if calibration.predictor.error > LARGE_ERROR:
-            continue
-        found = solve(calibration)
-        if found is None:
+        if calibration.predictor.error > LARGE_ERROR or not (found := solve(calibration)):
             continue
         answers += 1
         for name, value in truth.items():
             low, _, high = found[name]
             held[name] += int(low <= value <= high)
             lengths.append((high - low) / np.ptp(calibration.ranges[name]))
-    return Row(case, count, answers, held, float(np.mean(lengths)) if lengths else np.nan)
+    return count, answers, held, float(np.mean(lengths)) if lengths else np.nan
+
+
+def share_held(answers: int, held: dict[str, int]) -> float:
+    """Return the share of the intervals that hold the truth."""
+    return sum(held.values()) / max(1, answers * len(held))
+
+
+def cells(case: Case, designs: int | None = None) -> tuple[str, ...]:
+    """Return the row of a case in the table."""
+    count, answers, held, length = row_of(case, designs)
+    return (
+        *(case.name, str(case.measurements), f"{answers} of {count}"),
+        *(str(held.get(axis.name, "")) for axis in AXES[:2]),
+        *(f"{100 * share_held(answers, held):.1f}", f"{length:.2f}"),
+    )
 
 
 HEADINGS = (
@@ -282,4 +244,4 @@ HEADINGS = (
 )
 
 if __name__ == "__main__":
-    print_table(__doc__, HEADINGS, CASES, lambda case, designs: row_of(case, designs).cells)
+    print_table(__doc__, HEADINGS, CASES, cells)

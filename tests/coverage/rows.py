@@ -1,8 +1,32 @@
-"""What the tables of docs/validation.md have in common: a row for each case, in Markdown."""
+"""What the tables of docs/validation.md have in common: surrogates, and a row for each case."""
 
 import argparse
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
+
+import numpy as np
+
+from sim.study.design import Axis
+from sim.surrogates.sample import standard_errors
+from sim.surrogates.surrogate import Surrogate
+from tests.made.surrogates import asked, made_sample
+
+
+def unit_axes(count: int) -> tuple[Axis, ...]:
+    return tuple(Axis(f"x{number}", 0.0, 1.0) for number in range(count))
+
+
+def fitted(
+    x: np.ndarray, values: np.ndarray, axes: Sequence[Axis], counts: np.ndarray
+) -> Surrogate:
+    """Return the surrogate of replicates (n, R) at points (n, d), of those that count.
+
+    It is fitted as a study would. Raises `Refusal` without answer.
+    """
+    errors, is_unknown = standard_errors(list(values), np.zeros(len(x)), x)
+    regime = np.where(counts, "steady", "arrested")
+    sample = made_sample(x, values.mean(axis=1), axes, errors, regime, is_unknown)
+    return Surrogate.fit(asked(axes), sample)
 
 
 def print_table(

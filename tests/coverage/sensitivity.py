@@ -10,7 +10,6 @@ from functools import lru_cache, partial
 import numpy as np
 import pandas as pd
 
-from sim.study.design import Axis
 from sim.surrogates.answers import Refusal
 from sim.surrogates.indices import (
     indices_of_surrogate,
@@ -19,11 +18,9 @@ from sim.surrogates.indices import (
     sobol_indices_of_runs,
 )
 from sim.surrogates.inquiries import require_small_error
-from sim.surrogates.sample import standard_errors
-from sim.surrogates.surrogate import Surrogate
-from tests.coverage.rows import print_table
+from tests.coverage.rows import fitted, print_table, unit_axes
 from tests.made.indices import Function, made_runs
-from tests.made.surrogates import asked, design, made_sample, smooth
+from tests.made.surrogates import design, smooth
 from tests.surrogates.predictors import MadePredictor, g_function, ishigami, product
 
 #: Designs of a case; blocks of a surrogate, and of a truth.
@@ -95,12 +92,7 @@ def of_surrogate(case: tuple, seed: int) -> pd.DataFrame:
     x = design(count, dimensions, seed)
     rng = np.random.default_rng(seed)
     beds = function(x)[:, None] * (1 + noise * rng.normal(size=(count, 2)))
-    errors, _ = standard_errors(list(beds), np.zeros(count), x)
-    regime = np.where(x[:, 0] < edge, "arrested", "steady")
-    axes = tuple(Axis(f"x{number}", 0.0, 1.0) for number in range(dimensions))
-    spec = asked(axes)
-    sample = made_sample(x, beds.mean(axis=1), axes, errors, regime)
-    surrogate = Surrogate.fit(spec, sample)
+    surrogate = fitted(x, beds, unit_axes(dimensions), x[:, 0] >= edge)
     require_small_error(surrogate, None, "made")
     return indices_of_surrogate(surrogate, blocks=BLOCKS)
 

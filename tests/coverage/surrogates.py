@@ -11,12 +11,10 @@ import numpy as np
 from scipy.stats import qmc
 
 from sim.base.statistics import MANY, student
-from sim.study.design import Axis
 from sim.surrogates.answers import Refusal
-from sim.surrogates.sample import standard_errors
 from sim.surrogates.surrogate import Surrogate
-from tests.coverage.rows import print_table
-from tests.made.surrogates import asked, kinked, made_sample, smooth
+from tests.coverage.rows import fitted, print_table, unit_axes
+from tests.made.surrogates import kinked, smooth
 from tests.surrogates.predictors import ishigami, product
 
 #: Designs of a row, and places at which each is compared with the truth.
@@ -98,38 +96,22 @@ CASES = (
 )
 
 
-@dataclass(frozen=True)
-class Row:
-    """What the designs of a case give, (designs,); none without answer.
-
-    ``held`` is the share of truths within the 95 % interval, ``noisy`` the same in the third of
-    greatest noise, ``said`` the error that the surrogate gives itself, ``true`` the true one.
-    """
-
-    case: Case
-    held: np.ndarray
-    noisy: np.ndarray
-    said: np.ndarray
-    true: np.ndarray
-
-
 def surrogate_of(case: Case, seed: int) -> Surrogate:
-    """Return the surrogate of a design; raises `Refusal` without answer."""
     rng = np.random.default_rng(seed)
     x = qmc.Sobol(case.dimensions, rng=seed).random(case.points)
     size = _noise(case, x) * np.abs(case.function(x))
     values = case.function(x)[:, None] + size[:, None] * rng.normal(
         size=(case.points, case.replicates)
     )
-    errors, is_unknown = standard_errors(list(values), np.zeros(case.points), x)
-    axes = tuple(Axis(f"x{number}", 0.0, 1.0) for number in range(case.dimensions))
-    regime = np.where(case.counts(x), "steady", "arrested")
-    sample = made_sample(x, values.mean(axis=1), axes, errors, regime, is_unknown)
-    return Surrogate.fit(asked(axes), sample)
+    return fitted(x, values, unit_axes(case.dimensions), case.counts(x))
 
 
-def row_of(case: Case, designs: int | None = None) -> Row:
-    """Return how often a case holds the truth."""
+def row_of(case: Case, designs: int | None = None) -> np.ndarray:
+    """Return what the designs of a case give, (4, designs); none without answer.
+
+    First the share of truths within the 95 % interval, then the same in the third of greatest
+    noise; the error that the surrogate gives itself, and the true one.
+    """
     parts: list[list[float]] = []
     for seed in range(designs or case.designs):
         try:
@@ -145,7 +127,7 @@ def row_of(case: Case, designs: int | None = None) -> Row:
         noise = _noise(case, x)
         is_noisy = noise >= np.quantile(noise, 2 / 3)
         parts.append([is_held.mean(), is_held[is_noisy].mean(), surrogate.error, true])
-    return Row(case, *np.reshape(parts, (-1, 4)).T)
+    return np.reshape(parts, (-1, 4)).T
 
 
 def _noise(case: Case, x: np.ndarray) -> np.ndarray:
@@ -157,14 +139,14 @@ HEADINGS = ("case", "points", "designs", "held (worst)", "noisiest third", "erro
 
 def cells(case: Case, designs: int | None = None) -> tuple[str, ...]:
     """Return the row of a case in the table."""
-    row = row_of(case, designs)
-    start = (case.name, str(case.points), f"{len(row.held)} of {case.designs}")
-    if not row.held.size:
+    held, noisy, said, true = row_of(case, designs)
+    start = (case.name, str(case.points), f"{len(held)} of {case.designs}")
+    if not held.size:
         return (*start, "no answer", "", "", "")
     return (
-        *(*start, f"{100 * row.held.mean():.1f} ({100 * row.held.min():.0f})"),
-        f"{100 * row.noisy.mean():.1f}" if callable(case.noise) else "",
-        *(f"{100 * np.median(one):.2g}" for one in (row.said, row.true)),
+        *(*start, f"{100 * held.mean():.1f} ({100 * held.min():.0f})"),
+        f"{100 * noisy.mean():.1f}" if callable(case.noise) else "",
+        *(f"{100 * np.median(one):.2g}" for one in (said, true)),
     )
 
 

@@ -21,7 +21,7 @@ from sim.report.export import export
 from sim.report.points import show
 from sim.report.status import survey
 from sim.study.load import load_study
-from sim.surrogates.rounds import write_round
+from sim.surrogates.inquiries import write_round
 from tests.made.folder import Folder
 from tests.made.mixed import PATHS, SHOWN, Mixed, ids
 from tests.made.netcdf import edit_file, store

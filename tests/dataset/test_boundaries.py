@@ -19,7 +19,7 @@ from sim.dataset.results import read_table
 from sim.dataset.rounds import read_round, side_of_run
 from sim.parameters import BeltParameters, ChuteParameters, canonical_values
 from sim.study.load import load_study
-from sim.surrogates.rounds import write_round
+from sim.surrogates.inquiries import write_round
 from tests.made.runs import make_regimes, make_study, write_run
 
 CHUTE = ChuteParameters(replicates=2)

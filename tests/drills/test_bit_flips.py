@@ -80,7 +80,7 @@ def refusal_of(path: Path) -> Any:
     """Return a refusal, as pictures see it; without one they read an answer."""
     if text := answers.refusal_in(path):
         return text
-    return storage.load_surrogate(path) if path.suffix == ".nc" else answers.load_table(path)
+    return storage.load_surrogate(path) if path.suffix == ".nc" else storage.load_table(path)
 
 
 Read = Callable[[], Any]
@@ -122,7 +122,7 @@ def stored(tmp_path) -> dict[Path, Read]:
             made / "surrogates" / "speed.nc"
         ),
         made / "sensitivity" / "matters.csv": lambda: plain(
-            answers.load_table(made / "sensitivity" / "matters.csv").to_dict("list")
+            storage.load_table(made / "sensitivity" / "matters.csv").to_dict("list")
         ),
         made / "calibration" / "beads.nc": lambda: {
             name: group.attrs

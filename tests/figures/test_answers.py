@@ -9,7 +9,7 @@ import pytest
 from tests.figures.drawing import notes, picture, table
 from tests.figures.test_plot_texts import shown_texts
 from tests.made.answers import picture_data, write_calibration, write_effects, write_indices
-from tests.surrogates.made_calibration import ANGLES, RANGES
+from tests.surrogates.predictors import ANGLES, RANGES
 
 
 @pytest.fixture(scope="module")

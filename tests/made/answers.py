@@ -12,7 +12,7 @@ from sim.study.figure_spec import Answer, FigureSpec
 from sim.surrogates import storage
 from sim.surrogates.indices import sobol_indices, tabulate
 from sim.surrogates.posterior import calibrate
-from tests.surrogates.made_calibration import SLOPE, made_measurements
+from tests.surrogates.predictors import SLOPE, made_measurements
 
 #: Sobol' indices of the made-up slope, and its parameters as the chute has them.
 BLOCKS = 2**6

@@ -1,14 +1,17 @@
-"""Judges of regimes: verdicts on correct, wrong, few or scattered synthetic flows."""
+"""Judges of regimes and of flows as a whole, on synthetic flows."""
 
 from math import radians, tan
 
+import numpy as np
 import pytest
 
+from sim.dataset.replicates import CLOSED_SHARE
 from sim.papers.walton.judges.chute import CELLS
-from sim.papers.walton.judges.regimes import w6, w7, w8, w19, w23, w25
+from sim.papers.walton.judges.flows import w5, w9, w23, w24, w26
+from sim.papers.walton.judges.regimes import w6, w7, w8, w19, w25
 from tests.made.chute_flows import PAPER, SLOPE, SPEEDS, WIDE, base_flows, flow
 from tests.made.judging import headline_bounds, letters
-from tests.made.results import made_boundary
+from tests.made.results import made_boundary, made_point
 
 TANGENT = tan(radians(PAPER.angle))
 
@@ -98,19 +101,29 @@ def windows(rest: float, runaway: float, width: float = 0.25, depths=(5, 10), se
 #: Velocities at all depths but one between the first and the second layer.
 OTHERS = {depth: speed for depth, speed in SPEEDS.items() if depth != 1.5}
 
+
+def test_a_ledger_closes_as_caveats_demand():
+    assert headline_bounds(w5) == {"max_missing": CLOSED_SHARE}
+
+
+#: Values of a right flow at depth 5, a ledger that a replicate lacks, and no flow at all.
+RIGHT = flow(8, depth=5).scalars
+POWER, NORMAL, SHEAR = (RIGHT[n] for n in ("normal_power", "base_normal", "base_shear"))
+LACKING = [1e-5, np.nan, 1e-5, 1e-5, 1e-5]
+BELT = [made_point("belt", {"velocity": 0.1})]
+
+
 #: Judges, the verdicts of their parts, and worlds that make them.
 WORLDS = [
     (w6, "R", lambda: slippery()),
     (w6, "N", lambda: slippery(0.8)),
     # A gain within five errors of none decides nothing.
     (w6, "I", lambda: slippery(error=0.005)),
-    (w6, "-", lambda: slippery(depths=(0.5, 10))),
     (w7, "R", lambda: [accelerating(5 / 7, depth=0.5)]),
     (w7, "N", lambda: [accelerating(0.85, depth=0.5)]),
     (w7, "N", lambda: [flow(40, depth=0.5)]),
     # Watched for too short a time.
     (w7, "I", lambda: [accelerating(5 / 7, speed=40, depth=0.5)]),
-    (w7, "-", lambda: base_flows()),
     (w8, "R", lambda: (base_flows(), from_two_seeds(0.7))),
     (w8, "N", lambda: [*base_flows(OTHERS), accelerating(0.02, 1e-3, 4.5, depth=1.5)]),
     (w8, "N", lambda: [*base_flows(OTHERS), flow(5.2, depth=1.5)]),
@@ -130,13 +143,45 @@ WORLDS = [
     (w23, "aN bN cN", lambda: started(1.05, depths=(2.5, 5, 10))),
     (w23, "aI bI cI", lambda: started(scatter=0.05, depths=(2.5, 5, 10))),
     (w23, "aR bR cN", lambda: [*started(), *started(1.2, depths=(10,))]),
-    (w23, "-", lambda: base_flows()),
     (w25, "R", lambda: (base_flows({5: 8}), windows(13, 20))),
     (w25, "N", lambda: (base_flows({5: 8}), windows(16, 16.25))),
     (w25, "N", lambda: (base_flows({5: 8}), windows(18, 17))),
     # How much starts differ is not known.
     (w25, "I", lambda: (base_flows({5: 8}), windows(13, 20, seeds=(1,)))),
     (w25, "-", lambda: (base_flows({5: 8}), windows(13, 20, depths=(5, 20)))),
+    (w5, "R", lambda: base_flows()),
+    (w5, "N", lambda: [*base_flows(), flow(8, {"missing_energy": 0.006}, depth=5, friction=0.6)]),
+    # A replicate without a ledger leaves the claim open.
+    (w5, "I", lambda: [*base_flows(), flow(8, {"missing_energy": LACKING}, depth=5, friction=0.5)]),
+    (w9, "R", lambda: base_flows()),
+    (w9, "N", lambda: base_flows(dict(zip(SPEEDS, range(20, 0, -2), strict=True)))),
+    (w9, "I", lambda: base_flows(scatter=5, replicates=2)),
+    (w24, "R", lambda: base_flows()),
+    (
+        w24,
+        "N",
+        lambda: [
+            flow(8, {"normal_power": 1.98 * POWER, "frictional_power": 0.02 * POWER}, depth=5)
+        ],
+    ),
+    (
+        w24,
+        "I",
+        lambda: [
+            flow(8, {"normal_power": POWER * np.array([1.0, 0.01, 0.01, 0.001, 0.01])}, depth=5)
+        ],
+    ),
+    # A balance is one of steady flows, and of more than a run.
+    (w24, "-", lambda: [flow(9, {"acceleration": 0.1 * SLOPE}, depth=7)]),
+    (w24, "-", lambda: [flow(9, depth=7, replicates=1)]),
+    (w26, "R", lambda: base_flows()),
+    (
+        w26,
+        "N",
+        lambda: [*base_flows({1.24: 4.4}), flow(8, {"base_normal": 1.01 * NORMAL}, depth=5)],
+    ),
+    (w26, "N", lambda: [*base_flows({1.24: 4.4}), flow(8, {"base_shear": 1.01 * SHEAR}, depth=5)]),
+    (w26, "I", lambda: base_flows(scatter=5, replicates=2)),
 ]
 
 

@@ -13,7 +13,6 @@ from sim.base.errors import InputError
 from sim.base.seals import DamagedError
 from sim.claims.verdict_files import write as write_claims
 from sim.dataset.build import build as build_dataset
-from sim.dataset.rounds import read_round
 from sim.figures import render
 from sim.figures.data import Drawing
 from sim.figures.plot import message_figure
@@ -28,13 +27,11 @@ from sim.surrogates import answers, inquiries, storage
 from sim.surrogates.answers import (
     Refusal,
     caveats_in,
-    parted,
     refusal_in,
     save_refusal,
     summary_lines,
 )
 from sim.surrogates.posterior import summarize
-from sim.surrogates.rounds import write_round
 from sim.surrogates.storage import answer_files, load_surrogate
 from tests.made.runs import write_run
 from tests.made.surrogates import rough_answers
@@ -194,7 +191,6 @@ def ask(folder: Path, name: str | None = "speed", study: str = "", format: str =
 )
 def test_a_prediction_is_of_the_study_as_it_is_or_refused(folder, old, new, name, message):
     changed = STUDY.replace(old, new) if old else STUDY
-    assert "velocity" in ask(folder)
     if name == "pace" and "speed" in changed:
         assert "surrogate speed: " in ask(folder, "speed", changed)
     with pytest.raises(InputError, match=message):
@@ -315,38 +311,6 @@ def test_a_new_kind_of_picture_tells_it_without_knowing(folder, monkeypatch, tmp
         assert DOUBT in (tmp_path / f"new.{suffix}").read_text()
 
 
-def test_caveats_are_parted_as_they_were_joined(folder):
-    for path in answer_files(folder):
-        assert parted("; ".join(caveats_in(path))) == caveats_in(path)
-
-
-ODD = """\
-study: made
-series:
-  - name: wide
-    system: chute
-    base: {replicates: 2}
-    design: {kind: sobol, points: 8, over: {friction: [0.3, 0.6], angle: [14, 18]}}
-surrogate:
-  - {name: speed, series: wide, error: 0.1, budget: 1}
-  - {name: force, series: wide, observable: base_normal}
-"""
-
-
-@pytest.mark.parametrize("size", [1e140, 1e-140])
-def test_values_of_an_odd_size_are_refused_by_name_and_take_no_other_answer(tmp_path, size):
-    path = tmp_path / "made.yaml"
-    path.write_text(ODD)
-    for one in load_study(path, tmp_path).points.values():
-        speeds = size * (1 + one.parameters.friction) * np.array([0.99, 1.01])
-        write_run(tmp_path / "made" / "runs", one.parameters, speeds)
-    build_dataset(path, tmp_path)
-    lines = inquiries.build(path, tmp_path)
-    assert lines[0].startswith("surrogate speed: no mean, as velocity is ")
-    assert lines[1].startswith("surrogate force: 8 points, error ")
-    assert not read_round(write_round(path, 1, tmp_path))
-
-
 INDICES = pd.DataFrame([{"parameter": "friction", "doubt": ""}]).astype({"doubt": object})
 
 
@@ -356,7 +320,7 @@ def test_a_table_and_a_refusal_take_each_others_place(tmp_path):
         save_refusal(Refusal('no indices, as "0 of 8"\x1b[2J'), path)
         assert refusal_in(path) == 'no indices, as "0 of 8" [2J'
         answers.save_table(INDICES, path)
-        assert not refusal_in(path) and answers.load_table(path).equals(INDICES)
+        assert not refusal_in(path) and storage.load_table(path).equals(INDICES)
 
 
 def test_a_kill_between_a_table_and_the_note_of_its_checksum_damages_nothing(tmp_path, monkeypatch):
@@ -372,8 +336,8 @@ def test_a_kill_between_a_table_and_the_note_of_its_checksum_damages_nothing(tmp
     monkeypatch.setattr(Path, "replace", replace_note_alone)
     with pytest.raises(KeyboardInterrupt):
         save_refusal(Refusal("no indices"), path)
-    assert answers.load_table(path).equals(INDICES)
+    assert storage.load_table(path).equals(INDICES)
     path.write_text(path.read_text().replace("friction", "fraction"))
     with pytest.raises(DamagedError, match="its checksum is wrong"):
-        answers.load_table(path)
+        storage.load_table(path)
     assert not refusal_in(path)

@@ -11,8 +11,7 @@ from sim.surrogates.answers import caveats_of_posterior
 from sim.surrogates.likelihood import Calibration
 from sim.surrogates.posterior import DISCREPANCY, calibrate, summarize
 from sim.surrogates.storage import load_posterior, outcome_sentences, save_posterior
-from tests.surrogates.made_calibration import ANGLES, RANGES, made_measurements
-from tests.surrogates.predictors import MadePredictor
+from tests.surrogates.predictors import RANGES, MadePredictor, made_measurements
 
 
 @pytest.fixture
@@ -30,7 +29,7 @@ def groups():
 def test_a_posterior_is_what_arviz_reads(groups, tmp_path):
     save_posterior("made", groups, [], tmp_path / "made.nc")
     found = load_posterior(tmp_path / "made.nc")
-    assert set(found) == set(groups)
+    assert list(found) == list(groups)
     for name, one in groups.items():
         xr.testing.assert_equal(found[name], one)
     drawn = found["posterior"]
@@ -38,7 +37,6 @@ def test_a_posterior_is_what_arviz_reads(groups, tmp_path):
     for name, (low, high) in RANGES.items():
         assert drawn[name].min() >= low and drawn[name].max() <= high
     assert found["posterior_predictive"]["velocity"].dims == ("chain", "draw", "measurement")
-    assert found["observed_data"]["velocity"].sizes == {"measurement": len(ANGLES)}
     assert outcome_sentences(found) == outcome_sentences(groups)
 
 
@@ -46,11 +44,11 @@ def test_chains_are_long_enough_or_say_that_they_are_not(groups, monkeypatch):
     about = groups["observed_data"].attrs
     assert about["outcome"] == "converged"
     assert about["steps"] >= posterior.LONG_ENOUGH * about["autocorrelation"]
-    monkeypatch.setattr(posterior, "MOST_STEPS", 100)
-    monkeypatch.setattr(posterior, "_STEPS", 100)
-    short = calibrate(made_measurements(1)[1])
-    assert short["observed_data"].attrs["outcome"] == "not converged"
-    (text,) = caveats_of_posterior(short["observed_data"].attrs)
+    for name in ("MOST_STEPS", "_STEPS"):
+        monkeypatch.setattr(posterior, name, 100)
+    short = calibrate(made_measurements(1)[1])["observed_data"].attrs
+    assert short["outcome"] == "not converged"
+    (text,) = caveats_of_posterior(short)
     assert text.startswith("its chains are ") and text.endswith("too short for its intervals")
 
 
@@ -122,12 +120,11 @@ def test_a_combination_that_is_known_is_told():
     rng = np.random.default_rng(1)
     first, noise = rng.random((2, 1, 4000))
     for sign, words in (
-        (1, "a larger slope goes with a larger idle (correlation 0.9"),
-        (-1, "a larger slope goes with a smaller idle (correlation -0.9"),
+        (1, "larger idle (correlation 0.9"),
+        (-1, "smaller idle (correlation -0.9"),
     ):
         draws = {"slope": first, "idle": 0.5 + sign * 0.4 * (first - 0.5) + 0.05 * noise}
-        groups = groups_of(draws)
-        assert words in outcome_sentences(groups)[-1]
+        assert f"a larger slope goes with a {words}" in outcome_sentences(groups_of(draws))[-1]
     assert len(outcome_sentences(groups_of({"slope": first, "idle": noise}))) == 2
 
 
@@ -160,7 +157,7 @@ def test_the_share_of_a_posterior_where_nothing_flows_is_told():
     )
 
 
-def test_a_model_that_lacks_nothing_has_no_discrepancy():
+def test_a_model_that_lacks_nothing_has_no_discrepancy(shorter):
     draws = np.array([[0.55, 0.5]])
     made = replace(line(), has_discrepancy=False)
     assert not made.discrepancy(draws).any() and line().discrepancy(np.ones((1, 3))) == 0.05

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from sim.study.design import Axis
-from sim.surrogates.sample import left_out, points_of_mean, sample_points, standard_errors
+from sim.surrogates.answers import Refusal
+from sim.surrogates.sample import omissions, points_of_mean, sample_points, standard_errors
 from tests.made.results import made_point, made_results
 from tests.made.surrogates import asked, design
 
@@ -79,18 +80,28 @@ def test_flows_too_short_to_tell_count_unless_they_surely_slow_down(velocity):
     sample = sample_of("undetermined", velocity=velocity)
     told = [case[-1] for case in UNDETERMINED]
     assert points_of_mean(sample, SPEC.mean_regimes).tolist() == [one == "counts" for one in told]
-    assert left_out(sample, SPEC.mean_regimes) == {"slowing": 1, "without a value": 2}
+    assert omissions(sample, SPEC.mean_regimes) == "1 slowing, 2 without a value"
     assert points_of_mean(sample, (*SPEC.mean_regimes, "slowing")).sum() == 3
     assert points_of_mean(sample, ("steady", "mixed")).sum() == 0
     resting = sample_of("arrested", UNDETERMINED[:1])
-    assert left_out(resting, SPEC.mean_regimes) == {"arrested": 1}
+    assert omissions(resting, SPEC.mean_regimes) == "1 arrested"
 
 
-def hours_of(**scalars) -> np.ndarray:
+def sample_with(**scalars):
     made = made_results(made_point("chute", {"velocity": 1.0} | scalars, scatter=0.0, threads=4))
     series = ("point", np.array(["flows"], object))
     results = replace(made, dataset=made.dataset.assign_coords(series=series))
-    return sample_points(results, SPEC)["core_hours"].values
+    return sample_points(results, SPEC)
+
+
+def hours_of(**scalars) -> np.ndarray:
+    return sample_with(**scalars)["core_hours"].values
+
+
+@pytest.mark.parametrize("size", [1e140, 1e-140])
+def test_values_of_an_odd_size_are_refused_by_name(size):
+    with pytest.raises(Refusal, match=r"no mean, as velocity is 1e.140 at most; allowed: between"):
+        sample_with(velocity=size)
 
 
 def test_hours_are_those_of_the_processor_however_busy_the_machine_was():

@@ -71,28 +71,20 @@ def test_arrays_are_labelled_dimensions(surrogate):
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"depth": 5.0}, "speed: friction: got nothing; allowed: a number in [0.2, 0.8], the"),
-        (
-            {"friction": 0.9, "depth": 5.0},
-            "speed: friction: got 0.9; allowed: a number in [0.2, 0.8]",
-        ),
-        (
-            {"friction": 0.5, "depth": [3.0, 11.0]},
-            "speed: depth: got 11; allowed: a number in [2, 10]",
-        ),
-        ({"frction": 0.5, "depth": 5.0}, "did you mean friction? allowed: one of friction, depth"),
-        ({"friction": "high", "depth": 5.0}, "speed: friction: got 'high'; allowed: a number in"),
-        ({"friction": np.nan, "depth": 5.0}, "speed: friction: got nan; allowed: a number in"),
-        ({"friction": [[0.5]], "depth": 5.0}, "a number, a list of numbers, or an array of xarray"),
-        (
-            {"friction": 0.5, "depth": 5.0, "restitution": 0.9},
-            "restitution: got 0.9; allowed: 0.85, as",
-        ),
+        ({"friction": None}, "friction: got nothing; allowed: a number in [0.2, 0.8], the"),
+        ({"friction": 0.9}, "speed: friction: got 0.9; allowed: a number in [0.2, 0.8]"),
+        ({"depth": [3.0, 11.0]}, "speed: depth: got 11; allowed: a number in [2, 10]"),
+        ({"frction": 0.5}, "did you mean friction? allowed: one of friction, depth"),
+        ({"friction": "high"}, "speed: friction: got 'high'; allowed: a number in"),
+        ({"friction": np.nan}, "speed: friction: got nan; allowed: a number in"),
+        ({"friction": [[0.5]]}, "a number, a list of numbers, or an array of xarray"),
+        ({"restitution": 0.9}, "restitution: got 0.9; allowed: 0.85, as"),
     ],
 )
 def test_what_it_cannot_predict_is_refused(surrogate, values, message):
+    given = {"friction": 0.5, "depth": 5.0} | values
     with pytest.raises(InputError) as error:
-        surrogate(**values)
+        surrogate(**{name: value for name, value in given.items() if value is not None})
     assert message in str(error.value)
 
 
@@ -137,7 +129,7 @@ def test_words_are_chosen(mixed):
         mixed.at(law="hooke")
 
 
-@pytest.mark.parametrize(("parameters", "fewest"), [(1, 4), (2, 6), (3, 9), (8, 24)])
+@pytest.mark.parametrize(("parameters", "fewest"), [(1, 4), (3, 9)])
 def test_the_fewest_points_grow_with_the_parameters(parameters, fewest):
     axes = tuple(Axis(f"x{number}", 0.0, 1.0) for number in range(parameters))
     spec, x = asked(axes), design(fewest, parameters)
@@ -206,17 +198,11 @@ def test_a_form_of_a_plugin_is_found_and_needed_again(tmp_path):
         load_surrogate(tmp_path / "speed.nc")
 
 
-@pytest.mark.parametrize("wrong", ["velocty", "transport_efficiency"])
-def test_the_observable_of_a_form_is_one_of_its_system(tmp_path, wrong):
-    path = form_study(tmp_path, FORM.replace('"velocity"', f'"{wrong}"'))
-    message = rf"plug-in kink.py \(\w+\): form kinked: observable is one of .*: got '{wrong}'"
+def test_the_observable_of_a_form_is_one_of_its_system(tmp_path):
+    path = form_study(tmp_path, FORM.replace('"velocity"', '"transport_efficiency"'))
+    message = r"plug-in kink.py \(\w+\): form kinked: observable is one of .*: got 'transport_eff"
     with restore_plugins(), pytest.raises(InputError, match=message):
         load_study(path, None)
-    # It may be declared after the form.
-    jump = 'sim.observable("jump", system="chute", unit="m s-1", meaning="of the velocity")(len)\n'
-    with restore_plugins():
-        path = form_study(tmp_path, FORM.replace('"velocity"', '"jump"') + jump)
-        assert load_study(path, None).surrogates
 
 
 def test_a_file_gives_the_same_predictions(mixed, tmp_path):
@@ -235,16 +221,11 @@ def test_a_file_gives_the_same_predictions(mixed, tmp_path):
     assert find_surrogate(tmp_path, "speed").name == find_surrogate(tmp_path, "velocity").name
 
 
-def test_damaged_and_foreign_files_are_refused(surrogate, tmp_path):
+def test_foreign_files_are_refused(surrogate, tmp_path):
     path = tmp_path / "speed.nc"
     with pytest.raises(InputError, match="no such surrogate"):
         load_surrogate(path)
     save_surrogate(surrogate, path)
-    whole = path.read_bytes()
-    path.write_bytes(whole[:-700] + bytes([whole[-700] ^ 1]) + whole[-699:])
-    with pytest.raises(InputError, match=r"damaged or not a surrogate \(its checksum"):
-        load_surrogate(path)
-    path.write_bytes(whole)
     with edit_file(path) as file:
         file.format = "another"
     with pytest.raises(InputError, match="damaged or not a surrogate"):
@@ -253,14 +234,6 @@ def test_damaged_and_foreign_files_are_refused(surrogate, tmp_path):
     with pytest.raises(InputError, match="damaged or not a surrogate") as error:
         load_surrogate(path)
     assert "\n" not in str(error.value) and path.exists()
-
-
-def test_an_unknown_surrogate_is_refused(tmp_path, surrogate):
-    with pytest.raises(InputError, match="allowed: a study with surrogates that has run"):
-        find_surrogate(tmp_path)
-    save_surrogate(surrogate, tmp_path / "surrogates" / "speed.nc")
-    with pytest.raises(InputError, match="surrogate: got 'packing'; allowed: one of speed"):
-        find_surrogate(tmp_path, "packing")
 
 
 def test_places_without_a_run_near_them_are_told():
@@ -280,7 +253,7 @@ def test_points_that_do_not_tell_of_each_other_are_told():
     values = 5 + 0.2 * np.sin(40 * x[:, 0]) * np.cos(37 * x[:, 1])
     spec = asked()
     surrogate = Surrogate.fit(spec, made_sample(x, values))
-    assert surrogate.error < 0.1 and surrogate.unexplained > 0.5
+    assert surrogate.error < 0.1 and surrogate.process.unexplained_share > 0.5
     assert "of the variance of each other" in surrogate.caveats[0]
 
 

@@ -1,6 +1,6 @@
 """Judges of Gallas' claims about where the beads are: their density over height."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from functools import cache
@@ -12,18 +12,30 @@ from scipy import stats
 from scipy.optimize import curve_fit
 from uncertainties import UFloat
 
-from sim.claims.checks import above, below, remove_votes, reported, within
+from sim.claims.checks import (
+    Numbers,
+    Pair,
+    above,
+    below,
+    conjunction_p,
+    remove_votes,
+    reported,
+    within,
+)
 from sim.claims.evidence import Evidence
-from sim.claims.inference import conjunction_p, reported_order, trend
+from sim.claims.inference import reported_order, trend
 from sim.claims.place import Place, replicate_mean
 from sim.claims.verdict import Check, Untestable
 from sim.papers.gallas.judges.bed import half_height, height_spread, layer_width, peak_density
-from sim.papers.gallas.judges.lines import common_beds, complete_line, select_replicated
+from sim.papers.gallas.judges.lines import (
+    bed,
+    common_beds,
+    complete_line,
+    pair_label,
+    select_replicated,
+)
 
 DENSITY = "number_density"
-
-#: Damping and shear damping (g).
-Pair = tuple[float, float]
 
 #: Frequencies (Hz) that are needed of a bed that flows.
 FLOWING = (20, 60, 80)
@@ -44,7 +56,7 @@ def g15(
     It ends at ``end``, within ``margin`` (both ⟨d⟩). The fit is a plateau with a linear fall to
     zero; the plateau ends where the fall begins.
     """
-    place = evidence.at("belt", initial_velocity=0, frequency=frequency)
+    place = bed(evidence, frequency)
     diameter = place["diameter"]
     density, height = place.profile(DENSITY)
     inside = (height > low * diameter) & (height < high * diameter)
@@ -124,7 +136,7 @@ def belt_density_ratio(_: np.ndarray, number: np.ndarray) -> float:
     return float(number[0] / number.max())
 
 
-def g17(evidence: Evidence, *, frequencies: Sequence[float], margin: float) -> list[Check]:
+def g17(evidence: Evidence, *, frequencies: Numbers, margin: float) -> list[Check]:
     """Over the frequencies (Hz) the largest density falls (a), and the layer widens (b).
 
     A reversal between any two that is surely larger than the share ``margin`` refutes either. That
@@ -180,26 +192,20 @@ def check_wider(wide: Place, narrow: Place, comparison: str) -> list[Check]:
 
 
 def g18(
-    evidence: Evidence,
-    *,
-    empty_density: float,
-    heights: float,
-    still: float,
-    fluid: Sequence[float],
+    evidence: Evidence, *, empty_density: float, heights: float, still: float, fluid: Numbers
 ) -> list[Check]:
     """Above some heights of the still bed there are beads at fluid frequencies (Hz), else none.
 
     None means a density below ``empty_density`` (⟨d⟩⁻²), in the first slice that is wholly above.
     """
-    bed, *beds = complete_line(evidence, "frequency", (still, *fluid)).values()
-    top = heights * bed.measure(half_height, DENSITY).nominal_value
+    block, *beds = complete_line(evidence, "frequency", (still, *fluid)).values()
+    top = heights * block.measure(half_height, DENSITY).nominal_value
     checks = []
-    for place in (bed, *beds):
+    for place in (block, *beds):
         density = place.measure(_density_above(top), DENSITY) * place["diameter"] ** 2
         quantity = f"ρ⟨d⟩² above {heights} bed heights, {place['frequency']:g} Hz"
-        checks.append(
-            (below if place is bed else above)(quantity, density, empty_density, (place,))
-        )
+        check = below if place is block else above
+        checks.append(check(quantity, density, empty_density, (place,)))
     return checks
 
 
@@ -213,7 +219,7 @@ def _density_above(top: float) -> Callable[[np.ndarray, np.ndarray], float]:
     return measure
 
 
-def g19(evidence: Evidence, *, frequency: float, angles: Sequence[float]) -> list[Check]:
+def g19(evidence: Evidence, *, frequency: float, angles: Numbers) -> list[Check]:
     """Densities at several angles differ by less than those of two beds at one angle do.
 
     The scatter of one bed is a mean over all slices, over beds and angles. See
@@ -242,7 +248,7 @@ def g19(evidence: Evidence, *, frequency: float, angles: Sequence[float]) -> lis
     ]
 
 
-def compare_differences(density: np.ndarray, most: float) -> tuple[UFloat, tuple[float, float]]:
+def compare_differences(density: np.ndarray, most: float) -> tuple[UFloat, Pair]:
     """Return the largest difference of densities (A, R, S), and p-values against a threshold.
 
     Differences are between means over beds, of two angles in a slice. The p-values say that all of
@@ -283,13 +289,10 @@ def g20(
 
     Pairs are damping and shear damping (g).
     """
-    flows = [
-        evidence.at(
-            "belt", initial_velocity=0, frequency=frequency, damping=damping, shear_damping=shear
-        )
+    at_loose, at_shearing, at_usual, at_firm = (
+        bed(evidence, frequency, damping=damping, shear_damping=shear)
         for damping, shear in (loose, shearing, usual, firm)
-    ]
-    at_loose, at_shearing, at_usual, at_firm = flows
+    )
     checks = []
     for wide, narrow in ((at_loose, at_usual), (at_loose, at_firm), (at_shearing, at_firm)):
         label = f"at {_pair_label(wide)} less {_pair_label(narrow)}"
@@ -310,4 +313,4 @@ def density_near_belt(place: Place, height: float) -> UFloat:
 
 
 def _pair_label(place: Place) -> str:
-    return f"({place['damping']:g}g, {place['shear_damping']:g}g)"
+    return pair_label(place["damping"], place["shear_damping"])

@@ -5,11 +5,11 @@ from math import copysign, log, nan, sqrt
 
 from uncertainties import ufloat
 
-from sim.claims.checks import above, reported, withhold, within
+from sim.claims.checks import Numbers, Pair, above, reported, withhold, within
 from sim.claims.evidence import Evidence
 from sim.claims.place import Place, quotient
 from sim.claims.verdict import Check, Untestable
-from sim.papers.gallas.judges.lines import complete_line, elasticity, reason_drifting
+from sim.papers.gallas.judges.lines import bed, complete_line, elasticity, reason_drifting
 
 
 def g9(
@@ -19,7 +19,7 @@ def g9(
     knee: float,
     most: float,
     max_slope: float,
-    frequencies: Sequence[float],
+    frequencies: Numbers,
     max_drift: float,
     cycles: int,
 ) -> list[Check]:
@@ -44,16 +44,11 @@ def g9(
     return checks
 
 
-def g10(
-    evidence: Evidence, *, max_ratio: float, usual: float, frequencies: Sequence[float]
-) -> list[Check]:
+def g10(evidence: Evidence, *, max_ratio: float, usual: float, frequencies: Numbers) -> list[Check]:
     """Without shear friction |V| is below ``max_ratio`` times V at the usual one (g)."""
     checks = []
     for frequency in frequencies:
-        places = [
-            evidence.at("belt", initial_velocity=0, frequency=frequency, shear_damping=shear)
-            for shear in (0, usual)
-        ]
+        places = [bed(evidence, frequency, shear_damping=shear) for shear in (0, usual)]
         ratio = quotient(*(place.velocity for place in places))
         quantity = f"V(γ_s = 0)/V({usual}g) at {frequency} Hz"
         checks.append(within(quantity, ratio, -max_ratio, max_ratio, places))
@@ -72,12 +67,9 @@ def g11(evidence: Evidence, *, min_ratio: float, usual: float) -> list[Check]:
         for shear, place in evidence.line("belt", "shear_damping", frequency=frequency).items()
         if 0 < shear < 1
     ]
-    firm = [
-        evidence.at("belt", initial_velocity=0, frequency=f, shear_damping=usual) for f in (20, 50)
-    ]
-    (scatter, freedom), (usual_scatter, usual_freedom) = map(
-        relative_scatter, (weakly_damped, firm)
-    )
+    firm = [bed(evidence, frequency, shear_damping=usual) for frequency in (20, 50)]
+    scatter, freedom = relative_scatter(weakly_damped)
+    usual_scatter, usual_freedom = relative_scatter(firm)
     if not (scatter > 0 and usual_scatter > 0):
         raise Untestable(f"no scatter over several beds at γ_s < g, or none at {usual}g")
     ratio = ufloat(log(scatter / usual_scatter), sqrt(0.5 / freedom + 0.5 / usual_freedom))
@@ -85,12 +77,11 @@ def g11(evidence: Evidence, *, min_ratio: float, usual: float) -> list[Check]:
     return [above(quantity, ratio, log(min_ratio), (*weakly_damped, *firm))]
 
 
-def relative_scatter(places: Sequence[Place]) -> tuple[float, float]:
+def relative_scatter(places: Sequence[Place]) -> Pair:
     """Return the pooled relative standard deviation over beds, and its degrees of freedom."""
     freedom = sum(max(0, place.completed - 1) for place in places)
-    squares = sum(
-        (((values := place.values("velocity")) / values.mean() - 1) ** 2).sum() for place in places
-    )
+    velocities = [place.values("velocity") for place in places]
+    squares = sum(((values / values.mean() - 1) ** 2).sum() for values in velocities)
     return (sqrt(squares / freedom), freedom) if freedom else (nan, nan)
 
 
@@ -98,10 +89,7 @@ def g12(
     evidence: Evidence, *, max_change: float, strong: float, usual: float, frequency: float
 ) -> list[Check]:
     """From the usual to a strong γ_s (g) the velocity changes by less than ``max_change``."""
-    places = [
-        evidence.at("belt", initial_velocity=0, frequency=frequency, shear_damping=shear)
-        for shear in (strong, usual)
-    ]
+    places = [bed(evidence, frequency, shear_damping=shear) for shear in (strong, usual)]
     change = quotient(*(place.velocity for place in places)) - 1
     quantity = f"V({strong}g)/V({usual}g) - 1 at {frequency} Hz"
     return [within(quantity, change, -max_change, max_change, places)]
@@ -111,7 +99,7 @@ def g36(
     evidence: Evidence,
     *,
     min_ratio: float,
-    friction: tuple[float, float],
+    friction: Pair,
     slow: float,
     fast: float,
     max_drift: float,

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 from uncertainties import UFloat, ufloat, umath
 
+from sim.claims.checks import Numbers
 from sim.claims.evidence import Evidence
 from sim.claims.inference import reported_order, trend
 from sim.claims.place import Place
-from sim.claims.verdict import LONGER_RUNS, SIGMAS, Check
+from sim.claims.verdict import LONGER_RUNS, SIGMAS, Check, Untestable
 
 #: Lowest frequency (Hz) at which the bed certainly flows.
 MIN_FLOW_FREQUENCY = 20.0
@@ -23,8 +24,17 @@ MARKERS = ((0, 50), (10, 10), (50, 100))
 HALF_SYSTEM = {"beads": 100, "width": 10}
 
 
+def bed(evidence: Evidence, frequency: float, **where: Any) -> Place:
+    """Return the place at a frequency (Hz) whose beds start at rest."""
+    return evidence.at("belt", initial_velocity=0, frequency=frequency, **where)
+
+
+def pair_label(damping: float, shear_damping: float) -> str:
+    return f"({damping:g}g, {shear_damping:g}g)"
+
+
 def complete_line(
-    evidence: Evidence, name: str, values: Sequence[float], **where: Any
+    evidence: Evidence, name: str, values: Numbers, **where: Any
 ) -> dict[float, Place]:
     """Return the places at some values of a parameter of the belt.
 
@@ -79,22 +89,20 @@ def velocity_trend(
 
 
 def velocity_order(
-    evidence: Evidence, name: str, fastest_first: Sequence[float], lowest: float
+    evidence: Evidence, name: str, fastest_first: Numbers, lowest: float, where: str
 ) -> list[Check]:
     """Return the check that V falls along values of a parameter, and how likely single beds do so.
 
-    It uses the frequencies from ``lowest`` (Hz) on at which all values have been run. Empty if
-    there are no such frequencies.
+    It uses the frequencies from ``lowest`` (Hz) on at which all values have been run. Raises
+    `Untestable` if there are no such frequencies; ``where`` then says at which values.
     """
     lines = [
         select_replicated(evidence.line("belt", "frequency", **{name: value}))
         for value in fastest_first
     ]
-    shared = [
-        frequency for frequency in sorted(set.intersection(*map(set, lines))) if frequency >= lowest
-    ]
+    shared = [f for f in sorted(set.intersection(*map(set, lines))) if f >= lowest]
     if not shared:
-        return []
+        raise Untestable(f"no frequency from {lowest:g} Hz on at {where}")
     strata = [[line[frequency].values("velocity") for line in lines] for frequency in shared]
     places = [line[frequency] for frequency in shared for line in lines]
     values = ", ".join(f"{value:g}" for value in fastest_first)

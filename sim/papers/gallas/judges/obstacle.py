@@ -1,25 +1,19 @@
 """Judges of Gallas' claims about the fixed obstacle."""
 
-from collections.abc import Sequence
-
 import numpy as np
 from uncertainties import UFloat
 
-from sim.claims.checks import above, below, reported
+from sim.claims.checks import Numbers, above, below, reported
 from sim.claims.evidence import Evidence
 from sim.claims.inference import reported_order
 from sim.claims.place import Place, quotient, replicate_mean
 from sim.claims.verdict import Check
 from sim.measures.belt import FAR_DISTANCE
-from sim.papers.gallas.judges.lines import common_beds, complete_line, velocity_trend
+from sim.papers.gallas.judges.lines import bed, common_beds, complete_line, velocity_trend
 
 
 def g31(
-    evidence: Evidence,
-    *,
-    obstacles: Sequence[float],
-    frequencies: Sequence[float],
-    max_ratio: float,
+    evidence: Evidence, *, obstacles: Numbers, frequencies: Numbers, max_ratio: float
 ) -> list[Check]:
     """Each larger obstacle (⟨d⟩) slows the flow further, and the smallest to ``max_ratio`` of V."""
     checks = []
@@ -38,7 +32,7 @@ def g31(
 
 
 def g33(
-    evidence: Evidence, *, max_share: float, obstacles: Sequence[float], frequency: float
+    evidence: Evidence, *, max_share: float, obstacles: Numbers, frequency: float
 ) -> list[Check]:
     """Less than ``max_share`` of the beads is where the mean flow runs backwards."""
     line = complete_line(evidence, "obstacle", obstacles, frequency=frequency)
@@ -53,7 +47,7 @@ def g33(
     ]
 
 
-def g34(evidence: Evidence, *, min_share: float, frequencies: Sequence[float]) -> list[Check]:
+def g34(evidence: Evidence, *, min_share: float, frequencies: Numbers) -> list[Check]:
     """Far from an obstacle paths change their shape by ``min_share`` or more of the overall change.
 
     The shape is the height over the drift. The share of the slow-down there is reported: the flux
@@ -61,10 +55,7 @@ def g34(evidence: Evidence, *, min_share: float, frequencies: Sequence[float]) -
     """
     checks = []
     for frequency in frequencies:
-        places = (
-            evidence.at("belt", initial_velocity=0, frequency=frequency),
-            evidence.at("belt", initial_velocity=0, frequency=frequency, obstacle=1.5),
-        )
+        places = bed(evidence, frequency), bed(evidence, frequency, obstacle=1.5)
         quantity = (
             f"change of ln(height over drift) beyond {FAR_DISTANCE}⟨d⟩ less {min_share:.0%} "
             f"of that of all, {frequency} Hz"

@@ -16,7 +16,7 @@ import pandas as pd
 from uncertainties import UFloat
 
 from sim.base.statistics import student
-from sim.claims.checks import below, judge_parts, within
+from sim.claims.checks import Numbers, Pair, below, judge_parts, within
 from sim.claims.evidence import Evidence
 from sim.claims.place import Place, quotient, with_interval
 from sim.claims.verdict import Check, Untestable
@@ -25,6 +25,7 @@ from sim.papers.gallas.judges.lines import (
     HALF_SYSTEM,
     MIN_FLOW_FREQUENCY,
     complete_line,
+    pair_label,
     select_replicated,
 )
 from sim.parameters.belt import ONSET_TRANSPORT
@@ -75,7 +76,7 @@ def _scan_onset(evidence: Evidence, threshold: float, **where: Any) -> Onset:
 
 
 def _boundary_onset(evidence: Evidence, **where: Any) -> Onset:
-    frequency = evidence.boundary("belt", "transport", "frequency", seeds=True, **where)
+    frequency = evidence.boundary("belt", "transport", "frequency", **where)
     return Onset(frequency)
 
 
@@ -111,7 +112,7 @@ def _shares_of_beds(line: tuple[tuple[float, Place], ...]) -> pd.DataFrame:
 
 
 def _jackknife(
-    shares: pd.DataFrame, locate: Callable[[np.ndarray, np.ndarray], tuple[float, float]]
+    shares: pd.DataFrame, locate: Callable[[np.ndarray, np.ndarray], Pair]
 ) -> tuple[UFloat, bool]:
     """Return a frequency of the mean over beds with its interval; true if a step limits it.
 
@@ -131,9 +132,7 @@ def _jackknife(
     return with_interval(value, max(scatter, 0.5 * step)), scatter < 0.5 * step
 
 
-def _onset_frequency(
-    frequencies: np.ndarray, shares: np.ndarray, threshold: float
-) -> tuple[float, float]:
+def _onset_frequency(frequencies: np.ndarray, shares: np.ndarray, threshold: float) -> Pair:
     """Return the frequency from which on beds are transported, and the step of the scan there."""
     at_rest = np.flatnonzero(~(shares > threshold))
     if not at_rest.size or at_rest[-1] == len(shares) - 1:
@@ -152,7 +151,7 @@ def _onset_frequency(
 
 
 def g3(
-    evidence: Evidence, *, threshold: float, low: float, high: float, angles: Sequence[float]
+    evidence: Evidence, *, threshold: float, low: float, high: float, angles: Numbers
 ) -> list[Check]:
     """The onset lies between two frequencies (Hz) at each angle."""
     checks = []
@@ -174,11 +173,7 @@ def _mark_coarse(check: Check, *onsets: Onset) -> Check:
 
 
 def g4(
-    evidence: Evidence,
-    *,
-    threshold: float,
-    pairs: Sequence[tuple[float, float]],
-    max_difference: float,
+    evidence: Evidence, *, threshold: float, pairs: Sequence[Pair], max_difference: float
 ) -> list[Check]:
     """Any two onsets at different damping are less than ``max_difference`` (Hz) apart.
 
@@ -191,16 +186,12 @@ def g4(
     checks = []
     for first, second in combinations(onsets, 2):
         difference = onsets[first].frequency - onsets[second].frequency
-        quantity = f"onset at (γ, γ_s) = {_pair_label(first)} less that at {_pair_label(second)}"
+        quantity = f"onset at (γ, γ_s) = {pair_label(*first)} less that at {pair_label(*second)}"
         quantity += f", {onsets[first].protocol} runs"
         places = (*onsets[first].places, *onsets[second].places)
         check = within(quantity, difference, -max_difference, max_difference, places, "Hz")
         checks.append(_mark_coarse(check, onsets[first], onsets[second]))
     return checks
-
-
-def _pair_label(pair: tuple[float, float]) -> str:
-    return "({:g}g, {:g}g)".format(*pair)
 
 
 def g5(
@@ -209,7 +200,7 @@ def g5(
     threshold: float,
     low: float,
     high: float,
-    frequencies: tuple[float, float],
+    frequencies: Pair,
     max_ratio: float,
 ) -> list[Check]:
     """At A_z = 1.5⟨d⟩ the onset is that of ⟨d⟩ (a), and nothing moves at 15 Hz (b).
@@ -291,7 +282,7 @@ def g35(
     evidence: Evidence,
     *,
     threshold: float,
-    rise: tuple[float, float],
+    rise: Pair,
     max_width: float,
     sweep_start: float,
     max_shift: float,
@@ -317,9 +308,7 @@ def g35(
     ]
 
 
-def _rise_width(
-    frequencies: np.ndarray, shares: np.ndarray, rise: tuple[float, float]
-) -> tuple[float, float]:
+def _rise_width(frequencies: np.ndarray, shares: np.ndarray, rise: Pair) -> Pair:
     """Return the width of the rise over its middle, and a step of zero."""
     low, high = (_crossing_frequency(frequencies, shares, fraction) for fraction in rise)
     return (high - low) / (0.5 * (high + low)), 0.0

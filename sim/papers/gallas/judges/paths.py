@@ -1,17 +1,16 @@
 """Judges of Gallas' claims about the paths of the beads over one cycle."""
 
-from collections.abc import Sequence
 from math import pi, sqrt
 
 import numpy as np
 from uncertainties import UFloat, umath
 
-from sim.claims.checks import above, below, judge_parts, reported, within
+from sim.claims.checks import Numbers, Pair, above, below, judge_parts, reported, within
 from sim.claims.evidence import Evidence
 from sim.claims.inference import outranks, trend
 from sim.claims.place import Place
 from sim.claims.verdict import Check, Untestable
-from sim.papers.gallas.judges.lines import complete_line
+from sim.papers.gallas.judges.lines import bed, complete_line
 
 #: Length of the axis of an ellipse over the rms extent along it.
 AXIS_OVER_RMS = 2 * sqrt(2)
@@ -43,9 +42,9 @@ def g24(
     slow: float,
     max_drift: float,
     min_axis_ratio: float,
-    angles: tuple[float, float],
+    angles: Pair,
     min_tilt: float,
-    frequencies: tuple[float, float],
+    frequencies: Pair,
 ) -> list[Check]:
     """Fig. 4, from drift, axes, tilt and height of the paths.
 
@@ -63,11 +62,7 @@ def g24(
 
 
 def _ellipses(
-    evidence: Evidence,
-    frequency: float,
-    angles: tuple[float, float],
-    max_drift: float,
-    min_axis_ratio: float,
+    evidence: Evidence, frequency: float, angles: Pair, max_drift: float, min_axis_ratio: float
 ) -> list[Check]:
     line = complete_line(evidence, "vibration_angle", angles, frequency=frequency)
     ellipse, steeper = line.values()
@@ -83,8 +78,8 @@ def _ellipses(
 
 
 def _upright(evidence: Evidence, frequency: float, min_tilt: float) -> list[Check]:
-    ellipse = evidence.at("belt", initial_velocity=0, frequency=frequency)
-    sliding = evidence.at("belt", initial_velocity=0, frequency=frequency, shear_damping=1)
+    ellipse = bed(evidence, frequency)
+    sliding = bed(evidence, frequency, shear_damping=1)
     more_tilted = f"tilt at γ_s = g less that at 50g, {frequency} Hz"
     return [
         check_more_tilted(sliding, ellipse, more_tilted),
@@ -92,7 +87,7 @@ def _upright(evidence: Evidence, frequency: float, min_tilt: float) -> list[Chec
     ]
 
 
-def _sinusoids(evidence: Evidence, frequencies: tuple[float, float]) -> list[Check]:
+def _sinusoids(evidence: Evidence, frequencies: Pair) -> list[Check]:
     """Check for paths that drift, and are higher for their drift than those of the stream."""
     sinusoid, stream = complete_line(evidence, "frequency", frequencies).values()
     drift = sinusoid.value("path_drift") * 1e3
@@ -105,7 +100,7 @@ def _sinusoids(evidence: Evidence, frequencies: tuple[float, float]) -> list[Che
 
 
 def _up_and_down(evidence: Evidence, max_drift: float, min_tilt: float) -> list[Check]:
-    place = evidence.at("belt", initial_velocity=0, frequency=80, shear_damping=0)
+    place = bed(evidence, 80, shear_damping=0)
     drift = place.value("path_drift") / place.value("path_vertical")
     return [
         below("drift per cycle over the rms height, γ_s = 0, 80 Hz", drift, max_drift, (place,)),
@@ -114,12 +109,7 @@ def _up_and_down(evidence: Evidence, max_drift: float, min_tilt: float) -> list[
 
 
 def g25(
-    evidence: Evidence,
-    *,
-    frequency: float,
-    angles: Sequence[float],
-    loose: tuple[float, float],
-    usual: tuple[float, float],
+    evidence: Evidence, *, frequency: float, angles: Numbers, loose: Pair, usual: Pair
 ) -> list[Check]:
     """Paths are lower for their drift at smaller angles (a) and with more friction (b).
 
@@ -135,13 +125,7 @@ def g25(
 
     def with_friction() -> list[Check]:
         places = [
-            evidence.at(
-                "belt",
-                initial_velocity=0,
-                frequency=frequency,
-                damping=damping,
-                shear_damping=shear,
-            )
+            bed(evidence, frequency, damping=damping, shear_damping=shear)
             for damping, shear in (loose, usual)
         ]
         quantity = f"share of pairs higher for their drift with {loose[0]}g than with {usual[0]}g"
@@ -162,11 +146,7 @@ def g32(evidence: Evidence, *, fast: float, slow: float, obstacle: float) -> lis
     The distance is measured in ln(height over drift): 0 is fast without obstacle, 1 is slow. The
     height alone is not the shape of a path, so it is reported only.
     """
-    places = (
-        evidence.at("belt", initial_velocity=0, frequency=fast, obstacle=obstacle),
-        evidence.at("belt", initial_velocity=0, frequency=fast),
-        evidence.at("belt", initial_velocity=0, frequency=slow),
-    )
+    places = bed(evidence, fast, obstacle=obstacle), bed(evidence, fast), bed(evidence, slow)
     if not all(height_over_drift(place).nominal_value > 0 for place in places):
         raise Untestable(f"a bed drifts backwards at {slow} or {fast} Hz, or behind the obstacle")
     shapes = [umath.log(height_over_drift(place)) for place in places]

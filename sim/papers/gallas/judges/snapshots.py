@@ -1,20 +1,20 @@
 """Judges of Gallas' claims about snapshots: a block, a loose bed, a void at the belt, packing."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from functools import partial
 from math import nan, pi, radians, sin, sqrt
 
 import numpy as np
 from uncertainties import UFloat
 
-from sim.claims.checks import above, below, judge_parts, reported, withhold, within
+from sim.claims.checks import Numbers, Pair, above, below, judge_parts, reported, withhold, within
 from sim.claims.evidence import Evidence
 from sim.claims.inference import reported_share
 from sim.claims.place import Place
 from sim.claims.verdict import Check, Untestable
 from sim.measures.layers import level
 from sim.papers.gallas.judges.bed import mean_between
-from sim.papers.gallas.judges.lines import complete_line
+from sim.papers.gallas.judges.lines import bed, complete_line
 
 #: Occupancy of the belt's reach: in the mean over the cycle, and at its beginning as in Fig. 5.
 TIME_MEAN, PHASE_0 = "base_occupancy", "base_occupancy_at_phase_0"
@@ -43,16 +43,14 @@ def g26(
     return judge_parts(
         a=lambda: _block(evidence, block, max_agitation, max_lift),
         b=lambda: _loose(evidence, block, loose, max_agitation),
-        c=lambda: check_void(
-            evidence.at("belt", initial_velocity=0, frequency=void), PHASE_0, max_occupancy
-        ),
+        c=lambda: check_void(bed(evidence, void), PHASE_0, max_occupancy),
     )
 
 
 def _block(
     evidence: Evidence, frequency: float, max_agitation: float, max_lift: float
 ) -> list[Check]:
-    block = evidence.at("belt", initial_velocity=0, frequency=frequency, vibration_angle=60)
+    block = bed(evidence, frequency, vibration_angle=60)
     lift = block.value("path_vertical") / (block["amplitude"] * block["diameter"] / sqrt(2))
     together = f"rms velocity about the mean, {frequency} Hz"
     lifted = f"vertical rms of the paths over the belt's, {frequency} Hz"
@@ -65,15 +63,8 @@ def _block(
 def _loose(
     evidence: Evidence, frequency: float, faster: float, max_agitation: float
 ) -> list[Check]:
-    block = evidence.at("belt", initial_velocity=0, frequency=frequency, vibration_angle=60)
-    loose = evidence.at(
-        "belt",
-        initial_velocity=0,
-        frequency=faster,
-        vibration_angle=30,
-        damping=10,
-        shear_damping=10,
-    )
+    block = bed(evidence, frequency, vibration_angle=60)
+    loose = bed(evidence, faster, vibration_angle=30, damping=10, shear_damping=10)
     packing_loss = packing(block) - packing(loose)
     apart = f"rms velocity about the mean, {faster} Hz"
     return [
@@ -108,7 +99,7 @@ def agitation(place: Place) -> UFloat:
     return place.measure(measure, *names)
 
 
-def packing(place: Place, levels: tuple[float, float] = PACKED) -> UFloat:
+def packing(place: Place, levels: Pair = PACKED) -> UFloat:
     """Return the mean packing between the levels of two cumulative shares of the beads."""
 
     def measure(height: np.ndarray, number: np.ndarray, packing: np.ndarray) -> float:
@@ -120,7 +111,7 @@ def packing(place: Place, levels: tuple[float, float] = PACKED) -> UFloat:
     return place.measure(measure, "number_density", "packing_profile")
 
 
-def g27(evidence: Evidence, *, max_occupancy: float, frequencies: Sequence[float]) -> list[Check]:
+def g27(evidence: Evidence, *, max_occupancy: float, frequencies: Numbers) -> list[Check]:
     """Hardly a bead is within A_z of the mean belt position at high frequencies (Hz).
 
     Parts are the time mean (a) and the beginning of the cycle (b). The share at 20 Hz is reported.
@@ -140,14 +131,9 @@ def _voids(places: Iterable[Place], name: str, max_occupancy: float) -> list[Che
     return [check for place in places for check in check_void(place, name, max_occupancy)]
 
 
-def g28(
-    evidence: Evidence, *, levels: tuple[float, float], frequency: float, firm: float
-) -> list[Check]:
+def g28(evidence: Evidence, *, levels: Pair, frequency: float, firm: float) -> list[Check]:
     """The bed is packed more densely between two levels with a firm γ (g) than with γ = g."""
-    places = [
-        evidence.at("belt", initial_velocity=0, frequency=frequency, damping=damping)
-        for damping in (firm, 1)
-    ]
+    places = [bed(evidence, frequency, damping=damping) for damping in (firm, 1)]
     dense, light = (packing(place, levels) for place in places)
     check = above(f"packing at γ = {firm}g less that at γ = g", dense - light, 0, places)
     lost = [

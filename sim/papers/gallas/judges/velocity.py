@@ -1,6 +1,6 @@
 """Judges of Gallas' claims about velocity and agitation over height, and about density waves."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from uncertainties import UFloat
 
-from sim.claims.checks import above, below, judge_parts, remove_votes, within
+from sim.claims.checks import Numbers, Pair, above, below, judge_parts, remove_votes, within
 from sim.claims.evidence import Evidence
 from sim.claims.inference import mean_of_others, reported_order, trend
 from sim.claims.place import Place, replicate_mean
@@ -29,7 +29,7 @@ USUAL_DAMPING = 50
 TOP_LAYERS, MIDDLE_LAYERS = (0.8, 1.0), (0.4, 0.6)
 
 
-def relative_velocity(place: Place, shares: tuple[float, float], middle: float) -> UFloat:
+def relative_velocity(place: Place, shares: Pair, middle: float) -> UFloat:
     """Return the mean velocity of the beads between two shares over that of the middle."""
 
     def measure(_: np.ndarray, velocity: np.ndarray, number: np.ndarray) -> float:
@@ -39,7 +39,7 @@ def relative_velocity(place: Place, shares: tuple[float, float], middle: float) 
     return place.measure(measure, *PROFILES)
 
 
-def middle_shares(middle: float) -> tuple[float, float]:
+def middle_shares(middle: float) -> Pair:
     """Return the cumulative shares of the beads, from below, between which the middle lies."""
     return 0.5 - 0.5 * middle, 0.5 + 0.5 * middle
 
@@ -47,7 +47,7 @@ def middle_shares(middle: float) -> tuple[float, float]:
 def g21(
     evidence: Evidence,
     *,
-    frequencies: Sequence[float],
+    frequencies: Numbers,
     middle: float,
     max_spread: float,
     end: float,
@@ -168,9 +168,7 @@ def lag(place: Place, end: float) -> UFloat:
     return 1 - relative_velocity(place, (1 - end, 1), MIDDLE)
 
 
-def g23(
-    evidence: Evidence, *, middle: float, frequencies: Sequence[float], angles: Sequence[float]
-) -> list[Check]:
+def g23(evidence: Evidence, *, middle: float, frequencies: Numbers, angles: Numbers) -> list[Check]:
     """The velocity of the middle rises over the frequencies (Hz) and falls over the angles."""
     lines = (
         ("f (Hz)", True, complete_line(evidence, "frequency", frequencies)),
@@ -195,7 +193,7 @@ def g23(
     return checks
 
 
-def g29(evidence: Evidence, *, min_ratio: float, frequencies: Sequence[float]) -> list[Check]:
+def g29(evidence: Evidence, *, min_ratio: float, frequencies: Numbers) -> list[Check]:
     """The two top layers are ``min_ratio`` times as agitated as two in the middle.
 
     The temperature is taken about the mean motion at each phase of the cycle.
@@ -219,9 +217,7 @@ def g29(evidence: Evidence, *, min_ratio: float, frequencies: Sequence[float]) -
     ]
 
 
-def g30(
-    evidence: Evidence, *, frequency: float, angle: float, damping: Sequence[float]
-) -> list[Check]:
+def g30(evidence: Evidence, *, frequency: float, angle: float, damping: Numbers) -> list[Check]:
     """Long density waves carry more power in the first cycles than in the averaging window.
 
     This is tested at one frequency (Hz), with the ``angle`` (degrees) and the ``damping`` (g) of

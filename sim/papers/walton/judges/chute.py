@@ -107,15 +107,9 @@ def reason_unsettled(place: Place) -> str:
     A settled flow moves, and its replicates do not contradict each other. The mean of their slopes
     changes V by less than 10 % over the window.
     """
-    label = f"n = {place['depth']:g}"
-    if not is_flowing(place):
-        return f"the flow at {label} does not move"
-    if place.regime in ("accelerating", "mixed"):
-        problem = "accelerates" if place.regime == "accelerating" else "is of several regimes"
-        return f"the flow at {label} {problem}"
-    if _is_changing(place):
-        return f"the flow at {label} has not settled: {LONGER_RUNS}"
-    return ""
+    if place.regime == "mixed":
+        return f"the flow at n = {place['depth']:g} is of several regimes"
+    return _reason_moving(place, "has not settled")
 
 
 def reason_unrankable(place: Place) -> str:
@@ -124,14 +118,24 @@ def reason_unrankable(place: Place) -> str:
     A flow at rest cannot be ranked, and neither can one whose mean slope changes V by 10 %. Ranks
     need no steady mean, so flows in several states count.
     """
-    label = f"n = {place['depth']:g}"
+    return _reason_moving(place, "still changes")
+
+
+def _reason_moving(place: Place, changing: str) -> str:
+    problem = ""
     if not is_flowing(place):
-        return f"the flow at {label} does not move"
-    if place.regime == "accelerating":
-        return f"the flow at {label} accelerates"
-    if _is_changing(place):
-        return f"the flow at {label} still changes: {LONGER_RUNS}"
-    return ""
+        problem = "does not move"
+    elif place.regime == "accelerating":
+        problem = "accelerates"
+    elif _is_changing(place):
+        problem = f"{changing}: {LONGER_RUNS}"
+    return problem and f"the flow at n = {place['depth']:g} {problem}"
+
+
+def reasons_unrankable(places: Sequence[Place]) -> str:
+    """Return all reasons why flows cannot be ranked, or not against each other."""
+    reasons = [*map(reason_unrankable, places), reason_incomparable(places)]
+    return "; ".join(dict.fromkeys(filter(None, reasons)))
 
 
 def reason_incomparable(places: Sequence[Place], compare_cells: bool = True) -> str:

@@ -1,29 +1,59 @@
-"""Judges of Walton's claims about flows as a whole: velocity and depth, energy, forces."""
+"""Judges of Walton's claims about flows as a whole: depth, starts, energy, forces."""
 
+from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
+from functools import partial
+from itertools import chain
 from math import inf, nan, radians, tan
+from string import ascii_lowercase
 
 import numpy as np
 
-from sim.claims.checks import below, remove_votes, reported, within
+from sim.claims.checks import (
+    Numbers,
+    Pair,
+    below,
+    judge_parts,
+    remove_votes,
+    reported,
+    withhold,
+    within,
+)
 from sim.claims.evidence import ANY, Evidence
-from sim.claims.inference import pooled_checks, trend
-from sim.claims.place import Place, replicate_mean
+from sim.claims.inference import pooled_checks, same_by_rank, trend
+from sim.claims.place import Place, quotient, replicate_mean
 from sim.claims.verdict import Check, Untestable
 from sim.papers.walton.judges.chute import (
+    CELLS,
     WIDTHS,
     base_flows,
     driving_acceleration,
+    flows_of_one_age,
+    is_flowing,
+    natural_speed,
+    reason_incomparable,
     reason_unrankable,
+    reason_unsettled,
+    reasons_unrankable,
     select_replicated,
     steady_flows,
+    withhold_unsettled,
 )
+from sim.papers.walton.judges.states import report_states
 
 #: Least number of depths over which the velocity tends to rise.
 MIN_DEPTHS = 6
 
 #: Deviation of the dissipated power from N m g V sin θ that is shown as a threshold.
 POWER = 0.02
+
+
+#: Depths at which states are reported by start.
+STATE_DEPTHS = (10, 20)
+
+#: Largest distance of a start from the steady velocity it leads to, relative to it.
+NEAR_TOLERANCE = 0.25
 
 
 def w5(evidence: Evidence, *, max_missing: float) -> list[Check]:
@@ -59,7 +89,7 @@ def w5(evidence: Evidence, *, max_missing: float) -> list[Check]:
     return [replace(check, samples=inf) for check in checks]
 
 
-def w9(evidence: Evidence, *, depths: tuple[float, float], deepest: float) -> list[Check]:
+def w9(evidence: Evidence, *, depths: Pair, deepest: float) -> list[Check]:
     """Trend of V from one depth to another, within each width of the cell.
 
     A depth counts once, by the mean of its replicates: the sentence is about depths. The deepest
@@ -130,3 +160,78 @@ def w26(evidence: Evidence, *, max_ratio_error: float, max_normal_error: float) 
         *pooled_checks("shear/normal over tan θ, less 1", flows, ratios, max_ratio_error),
         *pooled_checks("normal over N m g cos θ, less 1", flows, pressures, max_normal_error),
     ]
+
+
+def w23(
+    evidence: Evidence, *, margin: float, depths: Numbers, slow: Pair, fast: Pair
+) -> list[Check]:
+    """Velocities after slower and faster starts equal that after the nearest one within ``margin``.
+
+    Each of the ``depths`` is a part. The nearest start is the one closest to the velocity it led
+    to. ``slow`` and ``fast`` are fractions of that velocity, each as numerator and denominator. The
+    states of deep flows are reported by their start.
+    """
+    checks = judge_parts(
+        **{
+            part: partial(_check_starts, evidence, n, margin, slow, fast)
+            for part, n in zip(ascii_lowercase, depths, strict=False)
+        }
+    )
+    return [*checks, *chain.from_iterable(_report_start_states(evidence, n) for n in STATE_DEPTHS)]
+
+
+def _check_starts(
+    evidence: Evidence, depth: float, margin: float, slow: Pair, fast: Pair
+) -> list[Check]:
+    where = {"depth": depth, "cell": CELLS[depth]}
+    starts = [*evidence.line("chute", "initial_velocity", **where, transient=ANY)]
+    wheres = [where | {"initial_velocity": start} for start in starts]
+    line = dict(zip(starts, flows_of_one_age(evidence, wheres), strict=True)) if starts else {}
+    near = _nearest_start(line)
+    missing = Untestable(f"no starts at V, half and twice of it at n = {depth:g}")
+    if near is None:
+        raise missing
+    steady = line.pop(near)
+    reached = steady.velocity.nominal_value / natural_speed(steady)
+    relative = {start: start / reached for start in line}
+    slowest, fastest = min(relative.values(), default=inf), max(relative.values(), default=0)
+    is_spread = slowest <= slow[0] / slow[1] and fastest >= fast[0] / fast[1]
+    if abs(near / reached - 1) > NEAR_TOLERANCE or not is_spread:
+        raise missing
+    checks: list[Check] = []
+    for start, place in line.items():
+        quantity = f"V after a start at {relative[start]:.2g} V, n = {depth:g}, over the usual V"
+        pair = [place, steady]
+        if depth in STATE_DEPTHS:
+            # Runs in several states have no common mean.
+            speeds = [flow.values("velocity") for flow in pair]
+            ranked = same_by_rank(f"{quantity}, medians", speeds[0], speeds[1], margin, pair)
+            checks += withhold([ranked], reasons_unrankable(pair))
+            continue
+        ratio = quotient(place.velocity, steady.velocity)
+        bounds = 1 - margin, 1 + margin
+        # A flow that has come to rest has not forgotten its start.
+        moving = [flow for flow in pair if is_flowing(flow)]
+        check = withhold([within(quantity, ratio, *bounds, pair)], reason_incomparable(pair))
+        checks += withhold_unsettled(check, moving)
+    return checks
+
+
+def _report_start_states(evidence: Evidence, depth: float) -> list[Check]:
+    line = evidence.line("chute", "initial_velocity", depth=depth, cell=CELLS[depth])
+    reports: list[Check] = []
+    for start, place in line.items():
+        with suppress(Untestable):
+            reports += report_states(f"start at {start:g} √(gσ), n = {depth:g}", [place])
+    return reports
+
+
+def _nearest_start(line: Mapping[float, Place]) -> float | None:
+    """Return the start (√(gσ)) nearest to the velocity it led to, of settled flows if any."""
+
+    def distance(start: float) -> tuple[bool, float]:
+        place = line[start]
+        reached = place.velocity.nominal_value / natural_speed(place)
+        return bool(reason_unsettled(place)), abs(start / reached - 1)
+
+    return min((start for start in line if is_flowing(line[start])), key=distance, default=None)

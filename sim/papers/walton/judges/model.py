@@ -1,13 +1,13 @@
 """Judges of Walton's claims about the model: small experiments that need no study."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from uncertainties import ufloat
 
-from sim.claims.checks import above, below, within
+from sim.claims.checks import Numbers, Pair, above, below, within
 from sim.claims.experiments import contact_path, random_curve, vector_spring
 from sim.claims.verdict import Check
 from sim.engine.boundary.drive import Gravity
@@ -50,7 +50,7 @@ def w1(
     change: Change | None = None,
     *,
     max_error: float,
-    restitutions: Sequence[float],
+    restitutions: Numbers,
 ) -> list[Check]:
     """Impacts of pairs and on the plane at three decades of speed: error and trend of e.
 
@@ -205,7 +205,7 @@ def _first_slip(law: WaltonBraun, path: Path) -> tuple[np.ndarray, np.ndarray]:
     return friction[:-1][sticking], (np.diff(friction) / step)[sticking]
 
 
-def _loop(law: WaltonBraun, path: Path, peak: float) -> tuple[float, float]:
+def _loop(law: WaltonBraun, path: Path, peak: float) -> Pair:
     """Return the largest opening of loops between ±peak μF_N, and the largest jump of K_T/K0."""
     rise, width = _path_length(law, peak, 1.0), _path_length(law, 2 * peak, 1.0 + peak)
     corners = np.array([0.0, rise, rise - width, rise, rise - width])

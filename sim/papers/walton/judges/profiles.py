@@ -1,12 +1,12 @@
 """Judges of Walton's claims about profiles: shear, density and plugs over height."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from math import inf
 
 import numpy as np
 
-from sim.claims.checks import above, below, remove_votes, reported, withhold
+from sim.claims.checks import Numbers, above, below, remove_votes, reported, withhold
 from sim.claims.claim import fill
 from sim.claims.evidence import Evidence
 from sim.claims.inference import (
@@ -67,7 +67,7 @@ def w10(evidence: Evidence, *, min_mass_share: float) -> list[Check]:
 
 
 def w11(
-    evidence: Evidence, *, min_share: float, depths: Sequence[float], cell: float, majority: float
+    evidence: Evidence, *, min_share: float, depths: Numbers, cell: float, majority: float
 ) -> list[Check]:
     """Share of the runs of deep flows in cells of one width that ride as a plug.
 
@@ -143,7 +143,7 @@ def w12(evidence: Evidence) -> list[Check]:
     return withhold_unsettled(checks, flows.values())
 
 
-def w13(evidence: Evidence, *, depths: Sequence[float]) -> list[Check]:
+def w13(evidence: Evidence, *, depths: Numbers) -> list[Check]:
     """Packing by layers of a diameter: the densest inner one against the lowest and the highest."""
     flows = {
         n: place for n, place in select_replicated(base_flows(evidence)).items() if n in depths
@@ -226,7 +226,7 @@ def _oldest(evidence: Evidence, depth: float) -> Place:
     return line[max(line)]
 
 
-def w17(evidence: Evidence, *, depths: Sequence[float], stiffness: float) -> list[Check]:
+def w17(evidence: Evidence, *, depths: Numbers, stiffness: float) -> list[Check]:
     """Trend of the shear depth over the depths (a), and of its share of the depth (b).
 
     The flows are those of one cell, one age and one ``stiffness`` (N/m).

@@ -1,6 +1,5 @@
 """Judges of Walton's claims about the spheres: order, restitution, stiffness."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import chain
@@ -8,9 +7,19 @@ from math import inf
 
 import numpy as np
 
-from sim.claims.checks import above, judge_parts, remove_votes, reported, withhold, within
+from sim.claims.checks import (
+    Numbers,
+    Pair,
+    above,
+    correct_for,
+    judge_parts,
+    remove_votes,
+    reported,
+    withhold,
+    within,
+)
 from sim.claims.evidence import ANY, Evidence
-from sim.claims.inference import correct_for, outranks, reported_order, trend
+from sim.claims.inference import outranks, reported_order, trend
 from sim.claims.place import Place, quotient
 from sim.claims.verdict import Check, Untestable
 from sim.measures import layers
@@ -22,6 +31,7 @@ from sim.papers.walton.judges.chute import (
     reason_incomparable,
     reason_unrankable,
     reason_unranked,
+    reasons_unrankable,
     select_replicated,
     withhold_unsettled,
 )
@@ -48,7 +58,7 @@ def w15(
     evidence: Evidence,
     *,
     majority: float,
-    depths: Sequence[float],
+    depths: Numbers,
     cell: float,
     stiffness: float,
     spread: float,
@@ -71,7 +81,7 @@ def w15(
 
 
 def _crystals(
-    evidence: Evidence, majority: float, depths: Sequence[float], cell: float, stiffness: float
+    evidence: Evidence, majority: float, depths: Numbers, cell: float, stiffness: float
 ) -> list[Check]:
     wheres = [{"depth": n, "cell": cell, "stiffness": stiffness} for n in depths]
     deep = flows_of_one_age(evidence, wheres)
@@ -113,7 +123,7 @@ def _compare_order(evidence: Evidence, name: str, **change: float) -> list[Check
     return [*withhold([check], moving), *state_reports]
 
 
-def w16(evidence: Evidence, *, restitutions: tuple[float, float]) -> list[Check]:
+def w16(evidence: Evidence, *, restitutions: Pair) -> list[Check]:
     """Trends of V and of the shear depth from one restitution to another, at three depths.
 
     The sentence names no depth, so each of the three must be clear with Bonferroni's correction.
@@ -128,9 +138,7 @@ def w16(evidence: Evidence, *, restitutions: tuple[float, float]) -> list[Check]
     )
 
 
-def _over_restitution(
-    evidence: Evidence, depth: float, restitutions: tuple[float, float]
-) -> list[Check]:
+def _over_restitution(evidence: Evidence, depth: float, restitutions: Pair) -> list[Check]:
     where = {"depth": depth, "cell": CELLS[depth]}
     for stiffness in (STIFFER, SOFT):
         line = select_replicated(
@@ -152,10 +160,7 @@ def _over_restitution(
         checks.append(correct_for(len(RESILIENT), check))
         order = f"{quantity} {'rises' if rising else 'falls'} over e, {label}"
         orders.append(reported_order(order, [groups], rising=rising))
-    reasons = dict.fromkeys(
-        filter(None, [*map(reason_unrankable, places), reason_incomparable(places)])
-    )
-    withheld_checks = withhold([*checks, *orders], "; ".join(reasons))
+    withheld_checks = withhold([*checks, *orders], reasons_unrankable(places))
     if LOWEST in line:
         ratio = quotient(line[LOWEST].velocity, places[0].velocity)
         quantity = f"V at e = {LOWEST:g} over that at {restitutions[0]:g}, {label}"
@@ -191,7 +196,7 @@ def w20(
 
 
 def _shallow_overlap(
-    evidence: Evidence, depth: float, bounds: tuple[float, float], quantile: float
+    evidence: Evidence, depth: float, bounds: Pair, quantile: float
 ) -> list[Check]:
     place = evidence.at("chute", cell=ANY, depth=depth)
     checks = {
@@ -201,7 +206,7 @@ def _shallow_overlap(
     return withhold_unsettled([check, *remove_votes(checks.values())], [place])
 
 
-def _deep_overlap(evidence: Evidence, depth: float, bounds: tuple[float, float]) -> list[Check]:
+def _deep_overlap(evidence: Evidence, depth: float, bounds: Pair) -> list[Check]:
     place = evidence.at("chute", cell=ANY, depth=depth)
     check = _overlap("99.9th percentile of the overlaps", place, "overlap_999", bounds)
     check = majority_if_mixed(check, place, 100 * place.values("overlap_999"))
@@ -210,7 +215,7 @@ def _deep_overlap(evidence: Evidence, depth: float, bounds: tuple[float, float])
     return [check, reported(f"median overlap, n = {depth}", median, [place], "% of σ")]
 
 
-def _static_overlap(evidence: Evidence, depth: float, bounds: tuple[float, float]) -> list[Check]:
+def _static_overlap(evidence: Evidence, depth: float, bounds: Pair) -> list[Check]:
     place = evidence.at("chute", cell=ANY, depth=depth, angle=0)
     check = _overlap("mean overlap of the base contacts at rest", place, "base_overlap", bounds)
     moves = "" if place.regime == "arrested" else "the bed on the level plane is not at rest"
@@ -218,19 +223,14 @@ def _static_overlap(evidence: Evidence, depth: float, bounds: tuple[float, float
     return withhold([replace(check, samples=inf)], moves)
 
 
-def _overlap(quantity: str, place: Place, name: str, bounds: tuple[float, float]) -> Check:
+def _overlap(quantity: str, place: Place, name: str, bounds: Pair) -> Check:
     low, high = (100 * bound for bound in bounds)
     quantity = f"{quantity}, n = {place['depth']:g}"
     return within(quantity, 100 * place.value(name), low, high, [place], "% of σ")
 
 
 def w21(
-    evidence: Evidence,
-    *,
-    margin: float,
-    shallow: Sequence[float],
-    deep: Sequence[float],
-    stiffnesses: tuple[float, float],
+    evidence: Evidence, *, margin: float, shallow: Numbers, deep: Numbers, stiffnesses: Pair
 ) -> list[Check]:
     """Stiffer against softest spheres, in shallow flows (a) and in deep ones (b).
 
@@ -245,9 +245,7 @@ def w21(
     )
 
 
-def _insensitive(
-    evidence: Evidence, depth: float, stiffnesses: tuple[float, float], margin: float
-) -> list[Check]:
+def _insensitive(evidence: Evidence, depth: float, stiffnesses: Pair, margin: float) -> list[Check]:
     checks = []
     for stiffness, soft, stiff in _stiffer(evidence, depth, stiffnesses):
         quantity = f"V at K1 = {stiffness:g} N/m over {SOFT} N/m, n = {depth:g}"
@@ -261,7 +259,7 @@ def _insensitive(
     return checks
 
 
-def _sensitive(evidence: Evidence, depth: float, stiffnesses: tuple[float, float]) -> list[Check]:
+def _sensitive(evidence: Evidence, depth: float, stiffnesses: Pair) -> list[Check]:
     checks = []
     for stiffness, soft, stiff in _stiffer(evidence, depth, stiffnesses):
         label, pair = f"{stiffness:g} N/m against {SOFT} N/m, n = {depth:g}", [soft, stiff]
@@ -281,12 +279,7 @@ def _sensitive(evidence: Evidence, depth: float, stiffnesses: tuple[float, float
 
 
 def w22(
-    evidence: Evidence,
-    *,
-    layer: tuple[float, float],
-    stiffness: float,
-    softest: float,
-    depths: Sequence[float],
+    evidence: Evidence, *, layer: Pair, stiffness: float, softest: float, depths: Numbers
 ) -> list[Check]:
     """Agitation of a layer (σ) above the bottom at its shear rate, stiffer against softest.
 
@@ -306,7 +299,7 @@ def w22(
 
 
 def _stiffer(
-    evidence: Evidence, depth: float, stiffnesses: tuple[float, float], softest: float = SOFT
+    evidence: Evidence, depth: float, stiffnesses: Pair, softest: float = SOFT
 ) -> list[tuple[float, Place, Place]]:
     """Return stiffnesses between two (N/m), each with the places of softest and stiffer spheres.
 
@@ -316,19 +309,13 @@ def _stiffer(
     line = select_replicated(evidence.line("chute", "stiffness", depth=depth, cell=ANY))
     if softest not in line or low not in line:
         raise Untestable(f"no flows with K1 = {softest} and {low} N/m at n = {depth:g}")
-    return [
-        (value, *_pair_of_one_age(evidence, depth, softest, value))
-        for value in line
-        if low <= value <= high
-    ]
-
-
-def _pair_of_one_age(
-    evidence: Evidence, depth: float, softest: float, stiffness: float
-) -> tuple[Place, Place]:
-    wheres = [{"depth": depth, "stiffness": value, "cell": ANY} for value in (softest, stiffness)]
-    soft, stiff = flows_of_one_age(evidence, wheres)
-    return soft, stiff
+    found = []
+    for value in line:
+        if low <= value <= high:
+            wheres = [{"depth": depth, "stiffness": k, "cell": ANY} for k in (softest, value)]
+            soft, stiff = flows_of_one_age(evidence, wheres)
+            found.append((value, soft, stiff))
+    return found
 
 
 def _limit_votes(checks: list[Check], has_vote: bool) -> list[Check]:
@@ -336,7 +323,7 @@ def _limit_votes(checks: list[Check], has_vote: bool) -> list[Check]:
     return checks if has_vote else remove_votes(checks)
 
 
-def _agitation(place: Place, layer: tuple[float, float]) -> np.ndarray:
+def _agitation(place: Place, layer: Pair) -> np.ndarray:
     """Return T_z/(γ̇σ)² (R,) of a layer (σ): its vertical temperature at its shear rate."""
     low, high = (bound * place["diameter"] for bound in layer)
 

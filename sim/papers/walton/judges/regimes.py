@@ -1,19 +1,25 @@
 """Judges of Walton's claims about regimes: flows that accelerate, are steady, come to rest."""
 
-from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
-from functools import partial
-from itertools import chain
 from math import inf, nan, radians, tan
-from string import ascii_lowercase
-
-from uncertainties import UFloat
 
 from sim.base.statistics import MANY, student
-from sim.claims.checks import above, below, judge_parts, remove_votes, reported, withhold, within
+from sim.claims.checks import (
+    Numbers,
+    Pair,
+    above,
+    at_least,
+    below,
+    judge_parts,
+    remove_votes,
+    reported,
+    withhold,
+    within,
+)
 from sim.claims.claim import fill
 from sim.claims.evidence import ANY, Evidence
-from sim.claims.inference import at_least, reported_share, same_by_rank, share_above
+from sim.claims.inference import reported_share, share_above
 from sim.claims.place import Place, quotient, replicate_mean, with_interval
 from sim.claims.verdict import LONGER_RUNS, NOT_REPRODUCED, REPRODUCED, Check, Unbounded, Untestable
 from sim.papers.walton.judges.chute import (
@@ -21,35 +27,19 @@ from sim.papers.walton.judges.chute import (
     acceleration,
     base_flows,
     driving_acceleration,
-    flows_of_one_age,
     is_flowing,
     natural_speed,
-    reason_incomparable,
-    reason_unrankable,
     reason_unsettled,
     select_replicated,
     waive_samples,
-    withhold_unsettled,
 )
-from sim.papers.walton.judges.states import report_states
 
 #: Depths of the sweeps over friction.
 SWEEP_DEPTHS = (1.24, 2.5, 5, 10, 20)
 
-#: Depths at which states are reported by start.
-STATE_DEPTHS = (10, 20)
-
-#: Largest distance of a start from the steady velocity it leads to, relative to it.
-NEAR_TOLERANCE = 0.25
-
 
 def w6(
-    evidence: Evidence,
-    *,
-    min_ratio: float,
-    errors: float,
-    frictions: Sequence[float],
-    depths: Sequence[float],
+    evidence: Evidence, *, min_ratio: float, errors: float, frictions: Numbers, depths: Numbers
 ) -> list[Check]:
     """Accelerations below tan θ: against those of a sliding block, and some errors above zero.
 
@@ -102,7 +92,7 @@ def w7(evidence: Evidence, *, max_deviation: float, min_speed: float) -> list[Ch
 def w8(
     evidence: Evidence,
     *,
-    depths: tuple[float, float],
+    depths: Pair,
     max_acceleration: float,
     min_average: float,
     min_faster_depth: float,
@@ -132,25 +122,14 @@ def w8(
         slower = below(f"V at n = {n:g} over that at n = {deep:g}", ratio, 1, pair)
         pair_checks = [waive_samples(steady, place), slower]
         checks += pair_checks if n in between else remove_votes(pair_checks)
-    least = _boundary(evidence, "acceleration", "depth", any_protocol=True)
-    if least is not None:
-        checks.append(reported("least depth of a steady flow", least))
-    return checks
-
-
-def _boundary(
-    evidence: Evidence, of: str, along: str, any_protocol: bool = False, **where: float
-) -> UFloat | None:
-    """Return a boundary; none if it was never searched.
-
-    The interval is infinite where a start has no boundary in the range.
-    """
+    # The interval is infinite where a start has no boundary in the range.
+    least = with_interval(nan, inf)
     try:
-        return evidence.boundary("chute", of, along, seeds=True, any_protocol=any_protocol, **where)
-    except Unbounded:
-        return with_interval(nan, inf)
+        with suppress(Unbounded):
+            least = evidence.boundary("chute", "acceleration", "depth", any_protocol=True)
     except Untestable:
-        return None
+        return checks
+    return [*checks, reported("least depth of a steady flow", least)]
 
 
 def w19(
@@ -158,8 +137,8 @@ def w19(
     *,
     max_slope: float,
     somewhat: float,
-    greatly: tuple[float, float],
-    starts: Sequence[float],
+    greatly: Pair,
+    starts: Numbers,
     min_rest: float,
     majority: float,
     variety: int,
@@ -205,11 +184,7 @@ def _check_steady_above(
 
 
 def _check_arrested_beyond(
-    evidence: Evidence,
-    greatly: tuple[float, float],
-    starts: Sequence[float],
-    min_rest: float,
-    majority: float,
+    evidence: Evidence, greatly: Pair, starts: Numbers, min_rest: float, majority: float
 ) -> list[Check]:
     """Check that beds much rougher than the slope come to rest: one count over all slow starts."""
     least, most = greatly
@@ -219,12 +194,9 @@ def _check_arrested_beyond(
         by_start = [(start, _sweep(evidence, n, initial_velocity=start)) for start in starts]
         for start, sweep in [*by_start, (None, _sweep(evidence, n))]:
             for place in (place for mu, place in sweep.items() if mu > least):
-                reports.append(_report_arrested(place, min_rest))
-                if start is None:
-                    continue
-                reports += _report_rest_time(place)
-                if place["friction"] <= most * tan(radians(place["angle"])):
-                    slow.append(place)
+                reports += _report_rest(place, min_rest, start is not None)
+                is_rough = place["friction"] > most * tan(radians(place["angle"]))
+                slow += [place] if start is not None and not is_rough else []
     if not reports:
         raise Untestable(f"no flow beyond {least:g} tan θ")
     if not slow:
@@ -260,118 +232,21 @@ def _sweep(evidence: Evidence, depth: float, **where: float) -> dict[float, Plac
     return {mu / tan(radians(place["angle"])): place for mu, place in line.items()}
 
 
-def _report_arrested(place: Place, min_rest: float) -> Check:
+def _report_rest(place: Place, min_rest: float, with_time: bool) -> list[Check]:
+    """Report how many beds are at rest, and the time, in √(σ/g), until a whole flow was."""
+    settings = (place[name] for name in ("friction", "depth", "initial_velocity"))
+    label = "μ = {:g}, n = {:g}, V0 = {:g}".format(*settings)
     resting = _resting_beds(place, min_rest)
-    return reported_share(f"beds at rest, {_rough_label(place)}", resting, place.completed, [place])
-
-
-def _rough_label(place: Place) -> str:
-    return f"μ = {place['friction']:g}, n = {place['depth']:g}, V0 = {place['initial_velocity']:g}"
-
-
-def _report_rest_time(place: Place) -> list[Check]:
-    """Report the time, in √(σ/g), until a flow was at rest; no check for one that moves."""
-    if place.regime != "arrested":
-        return []
-    try:
-        rest_time = replicate_mean(place.values("transient_end")) / (
-            natural_speed(place) / place["gravity"]
-        )
-    except Untestable:
-        return []
-    return [reported(f"time until at rest, {_rough_label(place)}", rest_time, [place], "√(σ/g)")]
-
-
-def w23(
-    evidence: Evidence,
-    *,
-    margin: float,
-    depths: Sequence[float],
-    slow: tuple[float, float],
-    fast: tuple[float, float],
-) -> list[Check]:
-    """Velocities after slower and faster starts equal that after the nearest one within ``margin``.
-
-    Each of the ``depths`` is a part. The nearest start is the one closest to the velocity it led
-    to. ``slow`` and ``fast`` are fractions of that velocity, each as numerator and denominator. The
-    states of deep flows are reported by their start.
-    """
-    checks = judge_parts(
-        **{
-            part: partial(_check_starts, evidence, n, margin, slow, fast)
-            for part, n in zip(ascii_lowercase, depths, strict=False)
-        }
-    )
-    return [*checks, *chain.from_iterable(_report_start_states(evidence, n) for n in STATE_DEPTHS)]
-
-
-def _check_starts(
-    evidence: Evidence,
-    depth: float,
-    margin: float,
-    slow: tuple[float, float],
-    fast: tuple[float, float],
-) -> list[Check]:
-    where = {"depth": depth, "cell": CELLS[depth]}
-    starts = [*evidence.line("chute", "initial_velocity", **where, transient=ANY)]
-    wheres = [where | {"initial_velocity": start} for start in starts]
-    line = dict(zip(starts, flows_of_one_age(evidence, wheres), strict=True)) if starts else {}
-    near = _nearest_start(line)
-    missing = Untestable(f"no starts at V, half and twice of it at n = {depth:g}")
-    if near is None:
-        raise missing
-    steady = line.pop(near)
-    reached = steady.velocity.nominal_value / natural_speed(steady)
-    relative = {start: start / reached for start in line}
-    slowest, fastest = min(relative.values(), default=inf), max(relative.values(), default=0)
-    is_spread = slowest <= slow[0] / slow[1] and fastest >= fast[0] / fast[1]
-    if abs(near / reached - 1) > NEAR_TOLERANCE or not is_spread:
-        raise missing
-    checks: list[Check] = []
-    for start, place in line.items():
-        quantity = f"V after a start at {relative[start]:.2g} V, n = {depth:g}, over the usual V"
-        pair = [place, steady]
-        if depth in STATE_DEPTHS:
-            # Runs in several states have no common mean.
-            speeds = [flow.values("velocity") for flow in pair]
-            ranked = same_by_rank(f"{quantity}, medians", speeds[0], speeds[1], margin, pair)
-            reasons = [*map(reason_unrankable, pair), reason_incomparable(pair)]
-            checks += withhold([ranked], "; ".join(dict.fromkeys(filter(None, reasons))))
-            continue
-        ratio = quotient(place.velocity, steady.velocity)
-        bounds = 1 - margin, 1 + margin
-        # A flow that has come to rest has not forgotten its start.
-        moving = [flow for flow in pair if is_flowing(flow)]
-        check = withhold([within(quantity, ratio, *bounds, pair)], reason_incomparable(pair))
-        checks += withhold_unsettled(check, moving)
+    checks = [reported_share(f"beds at rest, {label}", resting, place.completed, [place])]
+    if with_time and place.regime == "arrested":
+        with suppress(Untestable):
+            unit = natural_speed(place) / place["gravity"]
+            time = replicate_mean(place.values("transient_end")) / unit
+            checks.append(reported(f"time until at rest, {label}", time, [place], "√(σ/g)"))
     return checks
 
 
-def _report_start_states(evidence: Evidence, depth: float) -> list[Check]:
-    line = evidence.line("chute", "initial_velocity", depth=depth, cell=CELLS[depth])
-    reports = []
-    for start, place in line.items():
-        try:
-            reports += report_states(f"start at {start:g} √(gσ), n = {depth:g}", [place])
-        except Untestable:
-            continue
-    return reports
-
-
-def _nearest_start(line: Mapping[float, Place]) -> float | None:
-    """Return the start (√(gσ)) nearest to the velocity it led to, of settled flows if any."""
-
-    def distance(start: float) -> tuple[bool, float]:
-        place = line[start]
-        reached = place.velocity.nominal_value / natural_speed(place)
-        return bool(reason_unsettled(place)), abs(start / reached - 1)
-
-    return min((start for start in line if is_flowing(line[start])), key=distance, default=None)
-
-
-def w25(
-    evidence: Evidence, *, min_width: float, required: Sequence[float], depth: float
-) -> list[Check]:
+def w25(evidence: Evidence, *, min_width: float, required: Numbers, depth: float) -> list[Check]:
     """The window between angles at which flows rest and run away exceeds ``min_width`` (degrees).
 
     The narrowest window of any seed decides. Its ends are the inner ones of the brackets: flows
