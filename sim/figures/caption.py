@@ -100,17 +100,13 @@ def point_notes(data: FigureData, shown: Sequence[Quantity] | None = None) -> li
     """
     rows = data.rows[data.rows["completed"] > 0]
     each = quantities(data) if shown is None else shown
-    masks = [(one.value[rows.index].notna(), one.half_width[rows.index].notna()) for one in each]
-    has_gap = any((value & ~half).any() for value, half in masks)
-    is_within = (
-        any(one.name == "velocity" for one in each) and (rows["interval"] == "within run").any()
-    )
+    is_within = (rows["interval"] == "within run") & any(one.name == "velocity" for one in each)
     text = ""
-    if any(half.any() for _, half in masks):
+    if any(one.half_width[rows.index].notna().any() for one in each):
         text = "Intervals: 95 %, of the mean over replicates (Student); they may go beyond the axes"
-        if is_within:
+        if is_within.any():
             text += "; of one replicate within the run, without how much initial states differ"
-        text += "; of measures none where one replicate is known." if has_gap else "."
+        text += "."
     is_mean = (rows["regime"] != "steady") | is_undecided(rows)
     mean = (
         "Pale and open markers, too, are means over the averaging window; no line joins open ones."
@@ -193,19 +189,15 @@ def caveat_sentence(rows: pd.DataFrame) -> str:
 
 def failure_sentence(rows: pd.DataFrame) -> str:
     """Name the points whose run failed, and those that lost replicates; empty if there are none."""
-    failed = rows[rows["completed"] == 0]
-    incomplete = rows[(rows["completed"] > 0) & (rows["completed"] < rows["replicates"])]
-    sentences = []
-    if len(failed):
-        points = "; ".join(f"{row.point} ({row.reason})" for row in failed.itertuples())
-        sentences.append(f"Left out because the run failed: {points}.")
-    left = (
-        f"{row.point} ({row.completed:g} of {row.replicates:g} replicates left: {row.reason})"
-        for row in incomplete.itertuples()
-    )
-    if len(incomplete):
-        sentences.append(f"Replicates lost: {'; '.join(left)}.")
-    return " ".join(sentences)
+    lost = rows[rows["completed"] < rows["replicates"]]
+    texts: dict[str, list[str]] = {"Left out because the run failed": [], "Replicates lost": []}
+    failed, incomplete = texts.values()
+    for row in lost.itertuples():
+        left = f"{row.completed:g} of {row.replicates:g} replicates left: "
+        (incomplete if row.completed else failed).append(
+            f"{row.point} ({left * bool(row.completed)}{row.reason})"
+        )
+    return " ".join(f"{what}: {'; '.join(points)}." for what, points in texts.items() if points)
 
 
 def not_drawn(count: int, why: str) -> list[str]:

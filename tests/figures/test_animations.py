@@ -47,12 +47,11 @@ def test_no_sphere_goes_further_than_the_eye_follows(results):
 def test_a_belt_goes_once_up_and_down_along_the_angle_of_vibration(results):
     moving, data = drawn("animation_onset", results)
     (row,) = data.rows.to_dict("records")
-    belt = animation.BeltScene(row, results.particles(row["point"]))
     assert animation.EVERY * moving.frames == 40
-    levels = [belt.line(number)[1] for number in range(41)]
-    marks = [belt.line(number)[0][0] for number in range(41)]
-    assert [levels[0], levels[10], levels[30], levels[40]] == pytest.approx([0, 1, -1, 0], abs=1e-6)
-    assert np.diff(marks) == pytest.approx(np.diff(levels), abs=1e-6)
+    times = np.arange(41) / 40 / row["frequency"]
+    marks, levels = zip(*(animation.belt_marks(row, time) for time in times), strict=True)
+    assert np.take(levels, [0, 10, 30, 40]) == pytest.approx([0, 1, -1, 0], abs=1e-6)
+    assert np.diff([each[0] for each in marks]) == pytest.approx(np.diff(levels), abs=1e-6)
 
 
 def test_the_slowest_of_the_rough_flows_is_drawn(results):

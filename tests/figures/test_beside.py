@@ -6,8 +6,8 @@ from matplotlib.lines import Line2D
 
 from sim.base.errors import InputError
 from sim.figures.caption import caption
-from sim.figures.map import MARKS
 from sim.figures.plot import _MARKERS
+from sim.figures.regimes import MARKS
 from sim.figures.style import COLOURS, MARKERS
 from tests.figures.made_plots import drawn
 from tests.figures.test_plot_texts import shown_texts

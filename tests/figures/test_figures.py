@@ -109,19 +109,6 @@ def test_flows_that_accelerate_or_disagree_are_not_joined(
     assert joined == {"#000000": True, "#0072b2": False, "#d55e00": True}
 
 
-def test_points_that_coincide_stand_side_by_side(dataset_path):
-    axes, _ = drawn("walton_2", dataset_path)
-    places = [
-        line.get_transform().transform((2.5, 0))[0]
-        for line in axes.get_lines()
-        if line.get_linestyle() == "None" and 2.5 in line.get_xdata() and line.get_marker() != "_"
-    ]
-    assert len(places) == 3
-    apart = np.diff(sorted(places)) * 72 / axes.figure.dpi
-    assert (apart > 2).all()
-    assert (apart < 4).all()
-
-
 def test_caption_says_what_is_missing_and_what_the_bars_are(folder, made):
     caption = (folder / "walton_2.caption.txt").read_text()
     points = load_study(*made).points.values()

@@ -3,7 +3,7 @@
 import matplotlib as mpl
 import pytest
 
-from sim.figures.render import settle
+from sim.figures.pictures import settle
 from sim.figures.style import COLOURS, DASHES, SETTINGS, cycle_style
 from sim.figures.variables import MOST_ENTRIES
 from tests.figures.made_plots import drawn

@@ -7,10 +7,8 @@ import pandas as pd
 import pytest
 from matplotlib.collections import FillBetweenPolyCollection
 
-from sim.figures.curves import quantities_by_axis
-from sim.figures.data import quantities
-from sim.figures.family import MOST_BARS
-from sim.figures.style import LONG_DASH, RING, RING_MEANS
+from sim.figures.curves import MOST_BARS, quantities_by_axis
+from sim.figures.style import LONG_DASH
 from tests.figures.drawing import dashes, data_of_figure, drawn, picture, table, texts
 from tests.figures.made_belt import transport
 from tests.figures.made_chute import overlap
@@ -115,14 +113,5 @@ def test_a_crowded_line_has_a_band_and_lines_join_no_open_marker(belt_dataset):
     assert len(band.get_paths()) == 2, "interrupted where the line is"
     joined = curve(axes, "#000000")
     assert [x for x, y in joined.items() if np.isnan(y)] == [0.3]
-    bars = [part.get_segments() for each in axes.containers for part in each.lines[2]]
-    assert sum(map(len, bars)) == 1, "of the open marker alone"
-
-
-def test_a_ring_marks_what_one_replicate_tells_where_others_have_bars(layers):
-    axes = picture(layers).axes[0]
-    (value,) = quantities(layers)
-    single = layers.rows[value.half_width.isna()]
-    rings = [line for line in axes.get_lines() if line.get_markersize() == RING["markersize"]]
-    assert sum(len(ring.get_xdata()) for ring in rings) == len(single) > 0
-    assert RING_MEANS in [text.get_text() for text in axes.figure.legends[0].get_texts()]
+    (bars,) = (part.get_segments() for each in axes.containers for part in each.lines[2])
+    assert sum(np.isfinite(one).all() and one.size for one in bars) == 4, "of the open marker alone"
