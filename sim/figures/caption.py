@@ -5,17 +5,14 @@ from collections.abc import Mapping, Sequence
 from math import isfinite
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
-from sim.dataset.replicates import answering_regime, replicate_values
 from sim.figures.data import FigureData, Quantity, quantities
 from sim.figures.style import is_undecided
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import quantity, setting
 from sim.study.figure_spec import DataSet
 from sim.study.plot_contents import name_in_words
-from sim.study.plottable import numbers
 
 #: Most values of a parameter that a caption lists.
 MOST_VALUES = 12
@@ -156,17 +153,12 @@ def protocol_sentence(rows: pd.DataFrame, system: str) -> str:
 
 def answer_sentence(data: FigureData) -> str:
     """Count the flows that an answer counts in and leaves out; empty for other figures."""
-    rows, answer = data.rows[data.rows["completed"] > 0], data.spec.answer
-    if not answer.file or rows.empty:
+    if not data.spec.answer.file or not (data.rows["completed"] > 0).any():
         return ""
-    observable = numbers(data.spec.system)[answer.observable]
-    values = replicate_values(data.results, observable, list(rows["point"]))
-    has_value = np.array([row.size > 0 for row in values], bool)
-    regimes = pd.Series(map(answering_regime, rows.to_dict("records")), rows.index, dtype=object)
-    is_counted = regimes.isin(answer.regimes) & has_value
-    states = regimes.where(has_value, "without a value")
-    counted_in = states.mask(is_undecided(rows.assign(regime=regimes)), SHORT)[is_counted]
-    texts = {"In the answer": counted_in, "left out of it": states[~is_counted]}
+    rows = data.flows_of_answer
+    counted_in = rows["regime"].mask(is_undecided(rows), SHORT)[rows["is_counted"]]
+    left_out = rows["regime"].where(rows["has_value"], "without a value")[~rows["is_counted"]]
+    texts = {"In the answer": counted_in, "left out of it": left_out}
     parts = [f"{what}: {counted(one)}" for what, one in texts.items() if len(one)]
     return "; ".join(parts) + "."
 

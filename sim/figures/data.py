@@ -13,11 +13,18 @@ import xarray as xr
 from sim.base.errors import InputError
 from sim.base.files import file_version
 from sim.base.statistics import student_half_width
-from sim.dataset.replicates import OUTCOME, SCALARS, outcomes
+from sim.dataset.replicates import (
+    OUTCOME,
+    SCALARS,
+    answering_regime,
+    outcomes,
+    replicate_values,
+)
 from sim.dataset.results import Results
 from sim.figures.units import parameter_heading
 from sim.parameters import NUMERICAL
 from sim.study.figure_spec import FigureSpec, Measure
+from sim.study.plottable import numbers
 from sim.surrogates.answers import caveats_in, refusal_in
 
 #: Parameters that every table of velocities has in addition to those of its figure.
@@ -55,6 +62,22 @@ class FigureData:
         """Caveats of the answer, the worst first."""
         return caveats_in(self.answer)
 
+    @property
+    def flows_of_answer(self) -> pd.DataFrame:
+        """Completed points with the regimes that answers take them for.
+
+        Further columns are ``has_value``, of what the answer is about, and ``is_counted``.
+        """
+        rows, answer = self.rows[self.rows["completed"] > 0], self.spec.answer
+        observable = numbers(self.spec.system)[answer.observable]
+        values = replicate_values(self.results, observable, list(rows["point"]))
+        has_value = np.array([row.size > 0 for row in values], bool)
+        regimes = pd.Series(
+            map(answering_regime, rows.to_dict("records")), rows.index, dtype=object
+        )
+        is_counted = regimes.isin(answer.regimes) & has_value
+        return rows.assign(regime=regimes, has_value=has_value, is_counted=is_counted)
+
     def read_answer(self, load: Callable[[Path], Any]) -> Any:
         """Return the answer that the figure shows, as a function reads its file."""
         return _read_once(load, self.answer, file_version(self.answer))
@@ -77,11 +100,9 @@ class Drawing(NamedTuple):
 
 def figure_data(results: Results, spec: FigureSpec) -> FigureData:
     """Return the points and boundaries that a figure shows."""
-    boundaries = results.boundaries
-    feeds_figure = np.array(
-        [spec.name in names.split() for names in boundaries["figures"]], dtype=bool
-    )
-    return FigureData(spec, summarize(results.dataset, spec), boundaries[feeds_figure], results)
+    found = results.boundaries
+    is_named = np.array([spec.name in names.split() for names in found["figures"]], bool)
+    return FigureData(spec, summarize(results.dataset, spec), found[is_named], results)
 
 
 def summarize(dataset: xr.Dataset, spec: FigureSpec) -> pd.DataFrame:
@@ -102,12 +123,10 @@ def summarize(dataset: xr.Dataset, spec: FigureSpec) -> pd.DataFrame:
 
 def _feeds_figure(dataset: xr.Dataset, spec: FigureSpec) -> np.ndarray:
     if not spec.series:
-        is_named = [spec.name in names.split() for names in dataset["figures"].values]
-        return np.array(is_named, dtype=bool)
-    is_in_series = [
-        not set(spec.series).isdisjoint(names.split()) for names in dataset["series"].values
-    ]
-    return np.array(is_in_series, dtype=bool) & (dataset["system"].values == spec.system)
+        return np.array([spec.name in names.split() for names in dataset["figures"].values], bool)
+    wanted, series = set(spec.series), dataset["series"].values
+    is_in_series = np.array([not wanted.isdisjoint(names.split()) for names in series], bool)
+    return is_in_series & (dataset["system"].values == spec.system)
 
 
 def split_curves(
@@ -133,12 +152,10 @@ def varying_parameters(rows: pd.DataFrame, parameters: Sequence[str]) -> list[st
 
     ``friction_plane`` is left out where it equals ``friction`` everywhere.
     """
-    candidates = [name for name in parameters if name in rows and name not in NUMERICAL]
-    names = [name for name in candidates if rows[name].nunique() > 1]
-    plane = "friction_plane"
-    if plane in names and rows[plane].equals(rows["friction"].rename(plane)):
-        names.remove(plane)
-    return names
+    plane, friction = (rows.get(name, pd.Series()) for name in ("friction_plane", "friction"))
+    apart = {*NUMERICAL, *["friction_plane"] * plane.equals(friction)}
+    candidates = [name for name in parameters if name in rows and name not in apart]
+    return [name for name in candidates if rows[name].nunique() > 1]
 
 
 def parameter_columns(
@@ -172,16 +189,10 @@ def velocity_table(data: FigureData) -> pd.DataFrame:
 
 @dataclass(frozen=True)
 class Quantity:
-    """A quantity of every point of a figure.
+    """A quantity of every point of a figure, from the column or measure ``name``.
 
-    Attributes
-    ----------
-    name : str
-        Column or measure that is its source.
-    label : str
-        Its meaning and its unit: ``meaning [unit]``.
-    value, half_width : pandas.Series
-        Value and half width of its 95 % interval per row of the points; not-a-number if unknown.
+    ``label`` is ``meaning [unit]``. Value, and half width of its 95 % interval, are not-a-number
+    where unknown.
     """
 
     name: str

@@ -46,9 +46,8 @@ def observables(data: FigureData) -> dict[str, Observable]:
 def slices(data: FigureData, row: Mapping[str, Any]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Return heights (slice,) and values by axis (replicate, slice), in the units of the plot.
 
-    The slices end at the height below which the share `SHARE` of the particles lies; the option
-    ``between`` narrows them further. Of two observables, slices are left out in which no replicate
-    has both, and values are not-a-number where a replicate lacks either.
+    The slices end at the height below which the share `SHARE` of the particles lies, and are within
+    ``between``. Of two observables, values are not-a-number where a replicate lacks either.
     """
     if data.spec.flat:
         filling, height = data.results.profile(row["point"], "number_density")

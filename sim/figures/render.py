@@ -192,21 +192,12 @@ def draw_figures(
 ) -> None:
     """Draw figures of a study in parallel; a failed figure does not stop the others.
 
-    Parameters
-    ----------
-    names, dataset_path, out_folder
-        Figures of the catalogue or of the study, its ``dataset.nc``, and the folder of their files.
-    code : str
-        Hash of the code that draws. If given, figures are skipped whose files are unchanged since
-        this code drew them from this dataset and their entry of the catalogue.
-    study_path : Path, optional
-        The study file, which defines the study's own plots.
+    They are named in the catalogue, or in the file of the study, whose ``dataset.nc`` they show.
+    Given the hash of the ``code`` that draws, figures are skipped whose files are unchanged since
+    this code drew them from this dataset and their entry of the catalogue.
 
-    Raises
-    ------
-    InputError
-        For an unknown figure, a missing dataset, or one without points for a figure. Of several
-        errors the first is raised, and the others are printed on standard error.
+    Raises ``InputError`` for an unknown figure, a missing dataset, or one without points for a
+    figure. Of several errors the first is raised; the others are printed on standard error.
     """
     plots = load_study(study_path, None).plots if study_path else None
     specs = {name: find_spec(name, plots) for name in names}
@@ -224,10 +215,8 @@ def draw_figures(
         }
         problems = {name: future.exception() for name, future in futures.items()}
     if code and outdated and out_folder.is_dir():
-        for name, problem in problems.items():
-            if not problem and (
-                record := current_record(specs[name], dataset_path, out_folder, code)
-            ):
+        for name in (name for name, problem in problems.items() if not problem):
+            if record := current_record(specs[name], dataset_path, out_folder, code):
                 records[name] = record
         write_records(out_folder, records)
     if failures := [problem for problem in problems.values() if problem]:

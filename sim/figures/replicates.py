@@ -117,9 +117,7 @@ def _distribution_notes(data: FigureData) -> list[str]:
     ]
 
 
-# How likely a curve of single runs rises.
-#
-# The curve of a paper that has one run per point may be any choice of one replicate per point.
+# How likely a curve rises that has one run per point: any choice of one replicate of each.
 
 #: Columns of the data: probability and its interval.
 _CHANCE = "probability [1]", "interval, low [1]", "interval, high [1]"
@@ -280,19 +278,14 @@ def _series_table(data: FigureData) -> pd.DataFrame:
 
 def _series_notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on the lines."""
+    time, value = _series_table(data).iloc[:, -2:].to_numpy(float).T
+    shown = above_zero(data, "x", time) + above_zero(data, "y", value)
     return [
         "A line per replicate. Dotted: where averaging begins.",
         f"A line has at most {MOST_VALUES} means over successive samples; the dotted line is at "
         "the mean over the replicates of a point.",
-        *(_notes_on_logarithms(data) if data.spec.log else []),
+        *not_drawn(int(np.isnan(shown).sum()), "values not above 0 on a logarithmic axis"),
     ]
-
-
-def _notes_on_logarithms(data: FigureData) -> list[str]:
-    time, value = _series_table(data).iloc[:, -2:].to_numpy(float).T
-    shown = above_zero(data, "x", time) + above_zero(data, "y", value)
-    lost = int(np.isnan(shown).sum())
-    return not_drawn(lost, "values not above 0 on a logarithmic axis")
 
 
 DISTRIBUTION = Drawing(_draw_distribution, _distribution_table, _distribution_notes)

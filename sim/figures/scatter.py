@@ -63,11 +63,8 @@ def draw(data: FigureData) -> Figure:
 def coordinates(data: FigureData) -> list[Variable]:
     """Return what is on x and on y."""
     spec = data.spec
-    if spec.axes:
-        x = parameter(data, spec.axes[0], log="x" in spec.log)
-    else:
-        x = observable(data, "second", "x")
-    return [x, observable(data, "show", "y")]
+    across = [parameter(data, name, log="x" in spec.log) for name in spec.axes[:1]]
+    return [*(across or [observable(data, "second", "x")]), observable(data, "show", "y")]
 
 
 def drawable(data: FigureData, rows: pd.DataFrame) -> pd.DataFrame:
