@@ -50,7 +50,6 @@ ORDER = (
     "conformance/",
     "engine/systems/",
     "engine/contact/",
-    "figures/test_from_runs.py",
     "test_extending.py",
     "test_snippets.py",
     "test_published.py",

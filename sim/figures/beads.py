@@ -2,7 +2,6 @@
 
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import replace
-from math import floor, log10
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +16,7 @@ from matplotlib.ticker import MultipleLocator
 from sim.base.errors import InputError
 from sim.figures.caption import first_clause, velocity_text
 from sim.figures.data import Drawing, FigureData
+from sim.figures.plot import message_figure
 from sim.figures.spheres import across_sides, draw_particles
 from sim.figures.style import DOTTED, legend_above
 from sim.parameters import NUMERICAL, BeltParameters, field_info
@@ -86,10 +86,6 @@ def _cells(points: Sequence[PointParticles], top: float) -> tuple[Figure, list[A
 
     Titles name the caveat of a point: an unstable time step makes other paths.
     """
-    if not points:
-        figure = Figure(figsize=(5.6, 3.9), layout="constrained")
-        figure.subplots().set_axis_off()
-        return figure, []
     low, high = -max(row["amplitude"] for row, _ in points) - 0.7, min(top, TALLEST)
     number, width = len(points), max(row["width"] for row, _ in points)
     size = max(_NARROWEST, width * _SCALE + _LABELS), number * ((high - low) * _SCALE + _ABOVE)
@@ -108,21 +104,23 @@ def _cells(points: Sequence[PointParticles], top: float) -> tuple[Figure, list[A
     return figure, list(panels)
 
 
-def _draw_surroundings(axes: Axes, point: PointParticles) -> None:
-    """Draw the average position of the belt, and the obstacle, if any, at x = L/2, z = A_z."""
-    row = point.row
+def draw_obstacle(axes: Axes, row: Mapping[Any, Any]) -> None:
+    """Draw the obstacle of a point, if any, at x = L/2, z = A_z."""
     if row["obstacle"] > 0:
         place = row["width"] / 2, row["amplitude"]
         look = {"facecolor": OBSTACLE, "edgecolor": "black", "linewidth": 0.8, "zorder": 3}
         axes.add_patch(Circle(place, row["obstacle"] / 2, **look))
         axes.plot([], [], "o", color=OBSTACLE, markeredgecolor="black", label="obstacle")
+
+
+def _draw_belt(axes: Axes, row: Mapping[Any, Any], beads: np.ndarray) -> None:
+    """Draw the average position of the belt and the obstacle, and count beads above the picture.
+
+    ``beads`` are their lowest heights (⟨d⟩).
+    """
+    draw_obstacle(axes, row)
     axes.axhline(0, color="black", linewidth=1.3, label="average position of the belt")
-
-
-def _tell_beyond(axes: Axes, lowest: np.ndarray) -> None:
-    """Write how many beads are above the picture, from the lowest height (⟨d⟩) of each."""
-    count = int((lowest > axes.get_ylim()[1]).sum())
-    if count:
+    if count := int((beads > axes.get_ylim()[1]).sum()):
         text = f"{count} bead{'s' if count > 1 else ''} above"
         axes.text(0.01, 0.985, text, transform=axes.transAxes, va="top", fontsize=8)
 
@@ -135,16 +133,16 @@ def _wrapped(x: np.ndarray, point: PointParticles) -> np.ndarray:
 def _draw_paths(data: FigureData) -> Figure:
     """Draw the paths; what leaves the periodic cell on one side comes back on the other."""
     points = _with_particles(data, "path", "path_time")
+    if not points:
+        return message_figure("no point completed")
     paths = [_path(point) for point in points]
-    figure, panels = _cells(points, max((path[..., 1].max() for path in paths), default=0) + 0.5)
+    figure, panels = _cells(points, max(path[..., 1].max() for path in paths) + 0.5)
     for axes, point, path in zip(panels, points, paths, strict=True):
         look: dict[str, Any] = {"color": "black", "markersize": 2.0, "markeredgewidth": 0}
         look |= {"rasterized": True, "label": "centre of a bead"}
         axes.plot(_wrapped(path[..., 0], point).ravel(), path[..., 1].ravel(), ".", **look)
-        _tell_beyond(axes, path[..., 1].min(axis=0))
-        _draw_surroundings(axes, point)
-    if panels:
-        legend_above(figure, *panels[0].get_legend_handles_labels())
+        _draw_belt(axes, point.row, path[..., 1].min(axis=0))
+    legend_above(figure, *panels[0].get_legend_handles_labels())
     return figure
 
 
@@ -174,20 +172,21 @@ def _path(point: PointParticles) -> np.ndarray:
 def _draw_snapshots(data: FigureData) -> Figure:
     """Draw the beads; those that cross an end of the periodic cell are drawn at both ends."""
     points = _with_particles(data, "position", "particle_velocity", "radius")
+    if not points:
+        return message_figure("no point completed")
     tables = [_beads(point) for point in points]
     tops = [(beads["z [⟨d⟩]"] + beads["diameter [⟨d⟩]"] / 2).max() for beads in tables]
-    figure, panels = _cells(points, max(tops, default=0) + _SCALE_ROOM)
-    speed = round_speed(max(map(_mean_square_speed, tables), default=0))
+    figure, panels = _cells(points, max(tops) + _SCALE_ROOM)
+    # The velocity (m/s) that one ⟨d⟩ stands for, round.
+    speed = float(f"{max(map(_root_mean_square_speed, tables)):.1g}") or 1.0
     for axes, point, beads in zip(panels, points, tables, strict=True):
         _draw_beads(axes, point.row["width"], beads, speed)
         _draw_scale(axes, speed)
-        _tell_beyond(axes, (beads["z [⟨d⟩]"] - beads["diameter [⟨d⟩]"] / 2).to_numpy())
-        _draw_surroundings(axes, point)
+        _draw_belt(axes, point.row, (beads["z [⟨d⟩]"] - beads["diameter [⟨d⟩]"] / 2).to_numpy())
         for sign, label in ((1, "its extreme positions"), (-1, None)):
             height = sign * point.row["amplitude"]
             axes.axhline(height, color="black", linewidth=1.3, linestyle=DOTTED, label=label)
-    if panels:
-        legend_above(figure, *panels[0].get_legend_handles_labels())
+    legend_above(figure, *panels[0].get_legend_handles_labels())
     return figure
 
 
@@ -195,22 +194,6 @@ def _beads_table(data: FigureData) -> pd.DataFrame:
     points = _with_particles(data, "position", "particle_velocity", "radius")
     parts = [_beads(point) for point in points]
     return pd.concat(parts) if parts else pd.DataFrame(columns=["protocol", "bead"])
-
-
-def round_speed(mean_square: float) -> float:
-    """Return the velocity (m/s) that one ⟨d⟩ stands for: 1, 2 or 5 times a power of ten.
-
-    It is the next one above the root of the mean square (m²/s²) of the speeds.
-
-    >>> round_speed(0.03**2)
-    0.05
-    """
-    if not mean_square > 0:
-        return 1.0
-    power = 10.0 ** floor(log10(mean_square) / 2)
-    return next(
-        float(f"{digit * power:g}") for digit in (1, 2, 5, 10) if (digit * power) ** 2 > mean_square
-    )
 
 
 def _beads(point: PointParticles) -> pd.DataFrame:
@@ -229,8 +212,8 @@ def _beads(point: PointParticles) -> pd.DataFrame:
     return pd.DataFrame(columns)
 
 
-def _mean_square_speed(beads: pd.DataFrame) -> float:
-    return float((beads["v_x [m s-1]"] ** 2 + beads["v_z [m s-1]"] ** 2).mean())
+def _root_mean_square_speed(beads: pd.DataFrame) -> float:
+    return float((beads["v_x [m s-1]"] ** 2 + beads["v_z [m s-1]"] ** 2).mean() ** 0.5)
 
 
 def _draw_beads(axes: Axes, width: float, beads: pd.DataFrame, speed: float) -> None:

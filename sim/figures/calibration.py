@@ -1,9 +1,8 @@
 """Pictures of a calibration: posterior, predictions, and the next experiment."""
 
 from collections.abc import Mapping
-from functools import lru_cache
-from pathlib import Path
-from typing import Any
+from itertools import product
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -11,20 +10,12 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from sim.base.files import file_version
 from sim.base.statistics import MANY, student
-from sim.figures.axes import set_log
-from sim.figures.data import (
-    Drawing,
-    FigureData,
-    label_with_unit,
-    parameter_heading,
-    parameter_unit,
-    unit_of,
-)
-from sim.figures.plot import SINGLE_SIZE, message_figure, parameter_label, wrap_label
+from sim.figures.data import Drawing, FigureData
+from sim.figures.plot import message_figure, one_panel, parameter_label, wrap_label
 from sim.figures.spheres import COLOURS as SHADES
-from sim.figures.style import COLOURS, legend_above, move_aside
+from sim.figures.style import COLOURS, legend_above, move_aside, set_log
+from sim.figures.units import label_with_unit, parameter_heading, parameter_unit, unit_of
 from sim.parameters import SYSTEMS
 from sim.parameters.words import setting
 from sim.study.plot_contents import name_in_words
@@ -43,35 +34,36 @@ _MOST_DRAWS, _SHARES = 3000, (0.95, 0.5)
 #: Shift of measurements and predictions against each other, points of print.
 _ASIDE = 3.0
 
+_NO_FIT = "no parameters in the ranges fit"
+
 
 def _draw_posterior(data: FigureData) -> Figure:
     """Draw a histogram of each parameter on the diagonal, and the regions of each pair below."""
-    groups = _groups(data)
-    names = list(ranges(groups))
-    count = len(names)
-    size = _SINGLE if count == 1 else (_PANEL * count + 0.6, _PANEL * count + 0.6)
+    groups, _ = _groups(data)
     if "posterior" not in groups:
-        return message_figure("no parameters in the ranges fit")
+        return message_figure(_NO_FIT)
+    lines = {name: _line(groups, name) for name in ranges(groups)}
+    count = len(lines)
+    size = _SINGLE if count == 1 else (_PANEL * count + 0.6, _PANEL * count + 0.6)
     figure = Figure(figsize=size, layout="constrained")
-    panels: Any = figure.subplots(count, count, squeeze=False)
-    for row, column in np.ndindex(count, count):
+    panels: Any = figure.subplots(count, count, squeeze=False, sharex="col")
+    for (row, y), (column, x) in product(enumerate(lines), repeat=2):
         axes = panels[row, column]
         if column > row:
             axes.set_visible(False)
             continue
+        _set_axis(axes, "x", lines[x], parameter_label(data.spec.system, x))
         if row == column:
-            _draw_histogram(axes, groups, names[row])
+            _draw_histogram(axes, lines[x])
         else:
-            _draw_regions(axes, groups, names[column], names[row])
-        _set_axis(axes, groups, names[column], "x", data.spec.system, row == count - 1)
-        if row != column:
-            _set_axis(axes, groups, names[row], "y", data.spec.system, column == 0)
+            _draw_regions(axes, lines[x], lines[y])
+            _set_axis(axes, "y", lines[y], parameter_label(data.spec.system, y))
+        axes.label_outer()
     return figure
 
 
 def _posterior_table(data: FigureData) -> pd.DataFrame:
-    groups = _groups(data)
-    about = _about(groups)
+    groups, about = _groups(data)
     if "posterior" not in groups:
         return pd.DataFrame({"outcome": ["no fit"], "probability [1]": [about["probability"]]})
     summary = summarize(groups).itertuples(index=False)
@@ -87,51 +79,43 @@ def _posterior_table(data: FigureData) -> pd.DataFrame:
 
 
 def _posterior_notes(data: FigureData) -> list[str]:
-    groups = _groups(data)
+    groups, about = _groups(data)
     sentences = outcome_sentences(groups)
     if "posterior" not in groups:
         return sentences
-    about = _about(groups)
-    pairs = len(ranges(groups)) > 1
     return [
-        "Median and 95 % interval: " + sentences[-1] if len(sentences) == 1 else
         "Medians and 95 % intervals: " + " ".join(sentences),
         "Histograms over the ranges, with the interval as dashed lines; the dotted line is what "
-        "was assumed before the measurements."
-        + (" Shades: 50 % and 95 % of the draws." * pairs),
-        _discrepancy_note(data, groups),
+        "was assumed before the measurements. Shades: 50 % and 95 % of the draws.",
+        _discrepancy_note(data),
         f"Probability of measurements as far from the model: {about['probability']:.2g}.",
         f"Chains of {about['steps']} steps, {about['steps'] / about['autocorrelation']:.0f} "
         "autocorrelation times.",
-    ]  # fmt: skip
+    ]
 
 
-def _discrepancy_note(data: FigureData, groups: Mapping[str, xr.Dataset]) -> str:
+def _discrepancy_note(data: FigureData) -> str:
+    groups, about = _groups(data)
     if DISCREPANCY not in groups["posterior"]:
         return "The model is taken to lack nothing."
     unit = unit_of(data.spec.answer.unit, "si", data.spec.system)
     low, middle, high = np.quantile(groups["posterior"][DISCREPANCY], INTERVAL)
     fitted = f"What the model may lack, fitted: {middle:.2g} ({low:.2g} to {high:.2g}) {unit}"
-    scale = _about(groups)["discrepancy_scale"]
-    return fitted.rstrip() + f", before the measurements half-normal of scale {scale:.2g}."
+    scale = f"half-normal of scale {about['discrepancy_scale']:.2g}"
+    return f"{fitted.rstrip()}, before the measurements {scale}."
 
 
 def _draw_predictions(data: FigureData) -> Figure:
     """Draw each measurement with its interval, and the one of a repeated measurement beside it."""
     rows, along = _prediction_rows(data)
-    figure = Figure(figsize=SINGLE_SIZE, layout="constrained")
-    axes = figure.subplots()
-    look: dict[str, Any] = {"linestyle": "none", "elinewidth": 1.2, "markersize": 5.0}
-    measured = axes.errorbar(
-        rows["x"], rows["measured"], rows["half"],
-        marker="o", color="black", label="measured", **look,
-    )  # fmt: skip
-    predicted = axes.errorbar(
-        rows["x"], rows["median"], (rows["median"] - rows["low"], rows["high"] - rows["median"]),
-        marker="s", color=COLOURS[1], label="calibrated", **look,
-    )  # fmt: skip
-    move_aside(axes, measured.get_children(), x=-_ASIDE)
-    move_aside(axes, predicted.get_children(), x=_ASIDE)
+    figure, axes = one_panel()
+    halves = rows["median"] - rows["low"], rows["high"] - rows["median"]
+    for name, half, marker, colour, label, aside in (
+        ("measured", rows["half"], "o", "black", "measured", -_ASIDE),
+        ("median", halves, "s", COLOURS[1], "calibrated", _ASIDE),
+    ):
+        look: dict[str, Any] = {"fmt": marker, "color": colour, "elinewidth": 1.2, "label": label}
+        move_aside(axes, axes.errorbar(rows["x"], rows[name], half, **look).get_children(), x=aside)
     axes.margins(x=0.08)
     if along:
         axes.set_xlabel(parameter_label(data.spec.system, along))
@@ -146,7 +130,7 @@ def _draw_predictions(data: FigureData) -> Figure:
 def _predictions_table(data: FigureData) -> pd.DataFrame:
     rows, _ = _prediction_rows(data)
     unit = data.spec.answer.unit
-    conditions = _groups(data)["constant_data"].drop_vars("error").to_dataframe()
+    conditions = _groups(data)[0]["constant_data"].drop_vars("error").to_dataframe()
     headings = {
         "measured": f"measured [{unit}]",
         "half": f"half width of 95 % interval of the measurement [{unit}]",
@@ -159,7 +143,7 @@ def _predictions_table(data: FigureData) -> pd.DataFrame:
 
 
 def _predictions_notes(data: FigureData) -> list[str]:
-    groups = _groups(data)
+    groups, _ = _groups(data)
     notes = [
         "Bars: 95 % intervals; of the calibrated surrogate those of the same measurement made "
         "again, errors of measurement, surrogate and model included."
@@ -171,12 +155,11 @@ def _predictions_notes(data: FigureData) -> list[str]:
 
 def _draw_experiment(data: FigureData) -> Figure:
     """Draw how much a further measurement would tell, over one or two of its conditions."""
-    groups = _groups(data)
+    groups, _ = _groups(data)
     if "predictions_constant_data" not in groups:
-        return message_figure("no parameters in the ranges fit")
-    figure = Figure(figsize=SINGLE_SIZE, layout="constrained")
-    rows, varied = _candidates(groups)
-    axes, (x, *others) = figure.subplots(), varied
+        return message_figure(_NO_FIT)
+    figure, axes = one_panel()
+    rows, (x, *others) = _candidates(groups)
     best, measured = rows.loc[rows["narrowing"].idxmax()], groups["constant_data"]
     if others:
         table = rows.pivot(index=others[0], columns=x, values="narrowing")
@@ -199,7 +182,7 @@ def _draw_experiment(data: FigureData) -> Figure:
 
 
 def _experiment_table(data: FigureData) -> pd.DataFrame:
-    groups = _groups(data)
+    groups, _ = _groups(data)
     if "predictions_constant_data" not in groups:
         return _posterior_table(data)
     rows = groups["predictions_constant_data"].to_dataframe().reset_index(drop=True)
@@ -209,7 +192,7 @@ def _experiment_table(data: FigureData) -> pd.DataFrame:
 
 
 def _experiment_notes(data: FigureData) -> list[str]:
-    groups = _groups(data)
+    groups, _ = _groups(data)
     if "predictions_constant_data" not in groups:
         return outcome_sentences(groups)
     rows, varied = _candidates(groups)
@@ -224,74 +207,71 @@ def _experiment_notes(data: FigureData) -> list[str]:
     ]
 
 
-def _groups(data: FigureData) -> Mapping[str, xr.Dataset]:
-    return _load(data.answer, file_version(data.answer))
+def _groups(data: FigureData) -> tuple[Mapping[str, xr.Dataset], dict[str, Any]]:
+    """Return the groups of the calibration, and what it says of itself."""
+    groups: Mapping[str, xr.Dataset] = data.read_answer(load_posterior)
+    return groups, groups["observed_data"].attrs
 
 
-@lru_cache(maxsize=4)
-def _load(path: Path, version: tuple[int, ...]) -> Mapping[str, xr.Dataset]:
-    return load_posterior(path)
+class _Line(NamedTuple):
+    """A parameter: its draws (D,), as logarithms where its scale is so, and its range as these."""
+
+    draws: np.ndarray
+    low: float
+    high: float
+    is_log: bool
+
+    def steps(self, count: int) -> np.ndarray:
+        """Return values from one end of the range to the other, as the scale spreads them."""
+        return np.linspace(self.low, self.high, count)
+
+    def value(self, place: np.ndarray) -> np.ndarray:
+        return np.exp(place) if self.is_log else place
 
 
-def _about(groups: Mapping[str, xr.Dataset]) -> dict[str, Any]:
-    return groups["observed_data"].attrs
-
-
-def _draw_histogram(axes: Axes, groups: Mapping[str, xr.Dataset], name: str) -> None:
+def _line(groups: Mapping[str, xr.Dataset], name: str) -> _Line:
     low, high, scale = ranges(groups)[name]
-    draws = groups["posterior"][name].to_numpy().ravel()
-    spread: Any = np.geomspace if scale == "log" else np.linspace
-    bins = spread(low, high, _BINS + 1)
-    axes.hist(draws, bins, weights=np.full(draws.size, _BINS / draws.size), color=COLOURS[1])
+    draws, is_log = groups["posterior"][name].to_numpy().ravel(), scale == "log"
+    change = np.log if is_log else np.asarray
+    return _Line(change(draws), float(change(low)), float(change(high)), is_log)
+
+
+def _draw_histogram(axes: Axes, line: _Line) -> None:
+    bins, share = line.value(line.steps(_BINS + 1)).tolist(), _BINS / line.draws.size
+    weights = np.full(line.draws.size, share)
+    axes.hist(line.value(line.draws), bins, weights=weights, color=COLOURS[1])
     axes.axhline(1, color="#444444", linestyle=":", linewidth=1)
-    for value in np.quantile(draws, INTERVAL):
-        axes.axvline(value, color="black", linestyle="--", linewidth=0.9)
+    for end in line.value(np.quantile(line.draws, INTERVAL)):
+        axes.axvline(end, color="black", linestyle="--", linewidth=0.9)
     axes.set_yticks([])
 
 
-def _draw_regions(axes: Axes, groups: Mapping[str, xr.Dataset], x: str, y: str) -> None:
+def _draw_regions(axes: Axes, x: _Line, y: _Line) -> None:
     """Draw the regions that hold the shares `_SHARES` of the draws, from a smoothed density."""
     from scipy.stats import gaussian_kde
 
-    columns, lines = [], []
-    for name in (x, y):
-        low, high, scale = ranges(groups)[name]
-        is_log = scale == "log"
-        draws = groups["posterior"][name].to_numpy().ravel()
-        draws = draws[:: max(1, draws.size // _MOST_DRAWS)]
-        columns.append(np.log(draws) if is_log else draws)
-        first, last = np.log([low, high]) if is_log else (low, high)
-        lines.append((np.linspace(first, last, _STEPS), is_log))
-    density = gaussian_kde(columns)
-    grid = np.meshgrid(lines[0][0], lines[1][0])
-    heights = density(np.array([one.ravel() for one in grid])).reshape(_STEPS, _STEPS)
-    at_draws = density(np.array(columns))
-    levels = [float(np.quantile(at_draws, 1 - share)) for share in _SHARES]
-    across, up = (np.exp(line) if is_log else line for line, is_log in lines)
-    shades = ("#c6dbef", COLOURS[1])
-    axes.contourf(across, up, heights, [*levels, np.inf], colors=shades)
+    draws = np.array([line.draws[:: max(1, line.draws.size // _MOST_DRAWS)] for line in (x, y)])
+    density, places = gaussian_kde(draws), (x.steps(_STEPS), y.steps(_STEPS))
+    heights = density(np.array([one.ravel() for one in np.meshgrid(*places)]))
+    levels = [float(np.quantile(density(draws), 1 - share)) for share in _SHARES]
+    at, shades = (x.value(places[0]), y.value(places[1])), ("#c6dbef", COLOURS[1])
+    axes.contourf(*at, heights.reshape(_STEPS, _STEPS), [*levels, np.inf], colors=shades)
 
 
-def _set_axis(
-    axes: Axes, groups: Mapping[str, xr.Dataset], name: str, axis: Any, system: str, labelled: bool
-) -> None:
-    """Set scale and limits of the axis of a parameter, and label it or hide its numbers."""
-    low, high, scale = ranges(groups)[name]
-    if scale == "log":
-        set_log(axes, axis)
-    getattr(axes, f"set_{axis}lim")(low, high)
-    if scale != "log":
-        axes.locator_params(axis, nbins=4)
-    if labelled:
-        getattr(axes, f"set_{axis}label")(parameter_label(system, name))
+def _set_axis(axes: Axes, along: Any, line: _Line, label: str) -> None:
+    """Set scale, limits and label of the axis of a parameter."""
+    if line.is_log:
+        set_log(axes, along)
     else:
-        axes.tick_params(axis, labelbottom=False, labelleft=False)
+        axes.locator_params(along, nbins=4)
+    ends = line.value(np.array([line.low, line.high]))
+    axes.set(**{f"{along}lim": ends, f"{along}label": label})
 
 
 def _prediction_rows(data: FigureData) -> tuple[pd.DataFrame, str]:
     """Return measurements and predictions, and the only condition that varies, or nothing."""
-    groups = _groups(data)
-    name = str(_about(groups)["observable"])
+    groups, about = _groups(data)
+    name = str(about["observable"])
     constant = groups["constant_data"]
     repeated = (
         groups["posterior_predictive"][name].to_numpy().reshape(-1, constant.sizes["measurement"])
@@ -322,7 +302,7 @@ def _candidates(groups: Mapping[str, xr.Dataset]) -> tuple[pd.DataFrame, list[st
 
 
 def _observable_label(data: FigureData) -> str:
-    name = name_in_words(str(_about(_groups(data))["observable"]))
+    name = name_in_words(str(_groups(data)[1]["observable"]))
     return wrap_label(label_with_unit(name, unit_of(data.spec.answer.unit, "si", data.spec.system)))
 
 

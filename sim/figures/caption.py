@@ -5,17 +5,14 @@ from collections.abc import Mapping, Sequence
 from math import isfinite
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
-from sim.dataset.replicates import answering_regime, replicate_values
 from sim.figures.data import FigureData, Quantity, quantities
 from sim.figures.style import is_undecided
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import quantity, setting
 from sim.study.figure_spec import DataSet
 from sim.study.plot_contents import name_in_words
-from sim.study.plottable import numbers
 
 #: Most values of a parameter that a caption lists.
 MOST_VALUES = 12
@@ -100,17 +97,13 @@ def point_notes(data: FigureData, shown: Sequence[Quantity] | None = None) -> li
     """
     rows = data.rows[data.rows["completed"] > 0]
     each = quantities(data) if shown is None else shown
-    masks = [(one.value[rows.index].notna(), one.half_width[rows.index].notna()) for one in each]
-    has_gap = any((value & ~half).any() for value, half in masks)
-    is_within = (
-        any(one.name == "velocity" for one in each) and (rows["interval"] == "within run").any()
-    )
+    is_within = (rows["interval"] == "within run") & any(one.name == "velocity" for one in each)
     text = ""
-    if any(half.any() for _, half in masks):
+    if any(one.half_width[rows.index].notna().any() for one in each):
         text = "Intervals: 95 %, of the mean over replicates (Student); they may go beyond the axes"
-        if is_within:
+        if is_within.any():
             text += "; of one replicate within the run, without how much initial states differ"
-        text += "; of measures none where one replicate is known." if has_gap else "."
+        text += "."
     is_mean = (rows["regime"] != "steady") | is_undecided(rows)
     mean = (
         "Pale and open markers, too, are means over the averaging window; no line joins open ones."
@@ -160,17 +153,12 @@ def protocol_sentence(rows: pd.DataFrame, system: str) -> str:
 
 def answer_sentence(data: FigureData) -> str:
     """Count the flows that an answer counts in and leaves out; empty for other figures."""
-    rows, answer = data.rows[data.rows["completed"] > 0], data.spec.answer
-    if not answer.file or rows.empty:
+    if not data.spec.answer.file or not (data.rows["completed"] > 0).any():
         return ""
-    observable = numbers(data.spec.system)[answer.observable]
-    values = replicate_values(data.results, observable, list(rows["point"]))
-    has_value = np.array([row.size > 0 for row in values], bool)
-    regimes = pd.Series(map(answering_regime, rows.to_dict("records")), rows.index, dtype=object)
-    is_counted = regimes.isin(answer.regimes) & has_value
-    states = regimes.where(has_value, "without a value")
-    counted_in = states.mask(is_undecided(rows.assign(regime=regimes)), SHORT)[is_counted]
-    texts = {"In the answer": counted_in, "left out of it": states[~is_counted]}
+    rows = data.flows_of_answer
+    counted_in = rows["regime"].mask(is_undecided(rows), SHORT)[rows["is_counted"]]
+    left_out = rows["regime"].where(rows["has_value"], "without a value")[~rows["is_counted"]]
+    texts = {"In the answer": counted_in, "left out of it": left_out}
     parts = [f"{what}: {counted(one)}" for what, one in texts.items() if len(one)]
     return "; ".join(parts) + "."
 
@@ -193,19 +181,15 @@ def caveat_sentence(rows: pd.DataFrame) -> str:
 
 def failure_sentence(rows: pd.DataFrame) -> str:
     """Name the points whose run failed, and those that lost replicates; empty if there are none."""
-    failed = rows[rows["completed"] == 0]
-    incomplete = rows[(rows["completed"] > 0) & (rows["completed"] < rows["replicates"])]
-    sentences = []
-    if len(failed):
-        points = "; ".join(f"{row.point} ({row.reason})" for row in failed.itertuples())
-        sentences.append(f"Left out because the run failed: {points}.")
-    left = (
-        f"{row.point} ({row.completed:g} of {row.replicates:g} replicates left: {row.reason})"
-        for row in incomplete.itertuples()
-    )
-    if len(incomplete):
-        sentences.append(f"Replicates lost: {'; '.join(left)}.")
-    return " ".join(sentences)
+    lost = rows[rows["completed"] < rows["replicates"]]
+    texts: dict[str, list[str]] = {"Left out because the run failed": [], "Replicates lost": []}
+    failed, incomplete = texts.values()
+    for row in lost.itertuples():
+        left = f"{row.completed:g} of {row.replicates:g} replicates left: "
+        (incomplete if row.completed else failed).append(
+            f"{row.point} ({left * bool(row.completed)}{row.reason})"
+        )
+    return " ".join(f"{what}: {'; '.join(points)}." for what, points in texts.items() if points)
 
 
 def not_drawn(count: int, why: str) -> list[str]:

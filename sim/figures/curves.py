@@ -9,20 +9,18 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from sim.figures.axes import limit_axis, set_log, set_plain_ticks
 from sim.figures.caption import not_drawn, point_notes
 from sim.figures.data import (
     FigureData,
     Quantity,
     quantities,
     quantity_table,
+    split_curves,
     varying_parameters,
     velocity_table,
 )
-from sim.figures.family import draw_family
 from sim.figures.fit import Fit, draw_fits, fit_columns, fit_curves, fit_notes
 from sim.figures.plot import (
-    Panels,
     append_foreign_data,
     curve_keys,
     draw_foreign_data,
@@ -34,7 +32,23 @@ from sim.figures.plot import (
     panels,
     write_no_data,
 )
-from sim.figures.style import LEVEL, PATTERNS, CurveStyle, Look, look_of
+from sim.figures.style import (
+    LEVEL,
+    PALE_LINE,
+    PALE_MARKER_SIZE,
+    PATTERNS,
+    CurveStyle,
+    Look,
+    explain_markers,
+    faces,
+    is_undecided,
+    labels_and_styles,
+    limit_axis,
+    look_of,
+    name_protocols,
+    set_log,
+    set_plain_ticks,
+)
 from sim.figures.variables import is_number, legend, shared_look
 from sim.measures.belt import speed_along_x
 from sim.parameters import SYSTEMS
@@ -44,14 +58,11 @@ from sim.study.plot_contents import SCATTER_HINT, in_words, parameter_phrase
 #: Largest acceleration of the belt that is drawn (g): well within the flow.
 _LARGEST = 3.0
 
-#: Shift between neighbouring curves, points of print.
-_PITCH = 2.4
-
-#: Widest shift between the first and the last curve, points of print.
-_WIDEST = 10 * _PITCH
-
 #: Column of the observable on the horizontal axis, and of the acceleration of the belt (g).
 _OBSERVED_X, _ACCELERATION = "across", "acceleration_ratio"
+
+#: Most points of a line that have bars, which would touch; more have a band, and smaller markers.
+MOST_BARS, _CROWDED_MARKER_SIZE = 20, 2.8
 
 
 def select(data: FigureData) -> FigureData:
@@ -73,8 +84,8 @@ def draw(data: FigureData) -> Figure:
     empty = [one for one in drawable.values() if one.value.isna().all()]
     write_no_data(shown, [*empty, drawable["y"]][0].name)
     foreign = draw_foreign_data(data, shown)
-    _set_axes(data, shown, drawable)
     for axes, _ in shown:
+        _set_axes(data, axes, drawable)
         _draw_levels(data, axes)
     label_axes(figure, shown, *given_labels(data))
     legend(data, figure, shown, _keys(data), foreign)
@@ -86,24 +97,85 @@ def draw(data: FigureData) -> Figure:
 def _draw_curves(
     data: FigureData, axes: Axes, rows: pd.DataFrame, drawable: dict[str, Quantity]
 ) -> None:
-    """Draw the curves of a panel; those of one quantity along a parameter stand side by side."""
-    points, spec = rows[_has_all_values(drawable)[rows.index]], data.spec
+    points, spec = _points(rows, drawable), data.spec
     measures: Sequence[Measure | None] = spec.quantities or [None]
-    number = max(1, len(points[_keys(data)].drop_duplicates()))
-    options: dict[str, Any] = {"pitch": min(_PITCH, _WIDEST / number) * (len(measures) == 1)}
-    if "x" in drawable:
-        points = points.assign(**{_OBSERVED_X: drawable["x"].value})
-        options = {"spread": drawable["x"].half_width}
-    for one, measure in zip(_on_y(drawable), measures, strict=True):
-        if spec.widest:
-            options["unjoined"] = one.half_width > spec.widest * one.value.abs()
+    spread = drawable["x"].half_width if "x" in drawable else None
+    on_y = [quantity for axis, quantity in drawable.items() if axis != "x"]
+    for one, measure in zip(on_y, measures, strict=True):
+        too_wide = one.half_width > (spec.widest or np.inf) * one.value.abs()
         look = _look(data, measure)
-        draw_family(axes, points, one, _along(data), _keys(data), look=look, **options)
+        _draw_family(axes, points, one, (_along(data), spread), _keys(data), look, too_wide)
         if measure and measure.dashes and not measure.colour:
             # Dashes alone tell the measures of a curve apart.
             dashes: dict[str, Any] = {"linestyle": PATTERNS[measure.dashes]}
             axes.plot([], [], color="#666666", label=measure.entry, **dashes)
     draw_fits(axes, _fits(data, rows, drawable), _look(data))
+
+
+def _draw_family(
+    axes: Axes,
+    rows: pd.DataFrame,
+    quantity: Quantity,
+    x: tuple[str, pd.Series | None],
+    keys: Sequence[str],
+    look: Look,
+    too_wide: pd.Series,
+) -> None:
+    """Draw one curve per set of parameters; ``x`` is the column along x, and its half widths.
+
+    A curve of the converged protocol is pale beside the published one of the same entry.
+    """
+    rows = rows[rows["completed"] > 0]
+    if rows.empty:
+        return
+    explain_markers(axes, rows)
+    curves = split_curves(rows, x[0], keys, ())
+    curves.sort(key=lambda curve: curve[1]["protocol"].iloc[0] != "published")
+    labels, styles = labels_and_styles([names for names, _ in curves], look)
+    drawn: set[str] = set()
+    for (_, curve), label in zip(curves, labels, strict=True):
+        style, pale = styles[label], label in drawn
+        _draw_curve(axes, curve, quantity, x, style, too_wide, pale=pale)
+        if not pale:
+            entry = {"linestyle": style.dashes, "marker": style.marker, "label": label}
+            axes.plot([], [], color=style.colour, **entry)
+        drawn.add(label)
+    if len(drawn) < len(curves):
+        name_protocols(axes, str(rows["system"].iloc[0]))
+
+
+def _draw_curve(
+    axes: Axes,
+    rows: pd.DataFrame,
+    quantity: Quantity,
+    x: tuple[str, pd.Series | None],
+    style: CurveStyle,
+    too_wide: pd.Series,
+    *,
+    pale: bool,
+) -> None:
+    """Draw the points of a curve with their intervals, and its line.
+
+    It joins steady points, and those of runs too short to tell, if their intervals are narrow.
+    """
+    value, half = quantity.value[rows.index], quantity.half_width[rows.index]
+    along, spread = rows[x[0]], None if x[1] is None else x[1][rows.index]
+    size = PALE_MARKER_SIZE if pale else None
+    if style.dashes != "none":
+        is_joined = (rows["regime"] == "steady") | is_undecided(rows)
+        line, size = value.where(is_joined & ~too_wide[rows.index]), None
+        wide = PALE_LINE if pale else {}
+        axes.plot(along, line, color=style.colour, linestyle=style.dashes, **wide)
+        if len(rows) > MOST_BARS:
+            size, band = _CROWDED_MARKER_SIZE, (line - half, line + half)
+            axes.fill_between(along, *band, color=style.colour, alpha=0.2, linewidth=0, zorder=1.5)
+            half = half.mask(line.notna())
+    look: dict[str, Any] = {"color": style.colour, "alpha": PALE_LINE["alpha"] if pale else None}
+    # Below the markers of all curves.
+    axes.errorbar(along, value, half, spread, fmt="none", elinewidth=0.9, zorder=2.6, **look)
+    for chosen, face in faces(rows, style.colour):
+        look |= {"markerfacecolor": face, "markersize": size, "linestyle": "none"}
+        axes.plot(along[chosen], value[chosen], marker=style.marker, zorder=3, **look)
 
 
 def _along(data: FigureData) -> str:
@@ -123,22 +195,24 @@ def _draw_levels(data: FigureData, axes: Axes) -> None:
         axes.axvline(1, **LEVEL)
     if "right" in spec.labels:
         unit = float(np.sqrt(rows["gravity"] * rows["diameter"]).iloc[0])
-        right = axes.secondary_yaxis(
-            "right", functions=(lambda v: np.divide(v, unit), lambda v: np.multiply(v, unit))
-        )
+        functions = (lambda v: np.divide(v, unit), lambda v: np.multiply(v, unit))
+        right = axes.secondary_yaxis("right", functions=functions)
         if axes.get_yscale() == "log":
             set_plain_ticks(right.yaxis)
         right.set_ylabel(spec.labels["right"])
         axes.spines["right"].set_visible(True)
 
 
+def _points(rows: pd.DataFrame, drawable: dict[str, Quantity]) -> pd.DataFrame:
+    """Return the points that have all values, with the observable along x, if any."""
+    points = rows[_has_all_values(drawable)[rows.index]]
+    return points.assign(**{_OBSERVED_X: drawable["x"].value}) if "x" in drawable else points
+
+
 def _fits(data: FigureData, rows: pd.DataFrame, drawable: dict[str, Quantity]) -> list[Fit]:
     if not data.spec.fit:
         return []
-    points = rows[_has_all_values(drawable)[rows.index]]
-    if "x" in drawable:
-        points = points.assign(**{_OBSERVED_X: drawable["x"].value})
-    keys = list(dict.fromkeys([*_keys(data), *data.spec.groups]))
+    points, keys = _points(rows, drawable), list(dict.fromkeys([*_keys(data), *data.spec.groups]))
     return fit_curves(data.spec.fit, points, drawable["y"], _along(data), keys)
 
 
@@ -152,10 +226,6 @@ def quantities_by_axis(data: FigureData) -> dict[str, Quantity]:
         return {"y": Quantity("relative_velocity", label, value, half_width)}
     each = quantities(data) if spec.quantities else [observed_quantity(data)]
     return across | {f"y{number or ''}": one for number, one in enumerate(each)}
-
-
-def _on_y(shown: dict[str, Quantity]) -> list[Quantity]:
-    return [quantity for axis, quantity in shown.items() if axis != "x"]
 
 
 def _has_all_values(shown: dict[str, Quantity]) -> pd.Series:
@@ -179,12 +249,9 @@ def _keys(data: FigureData) -> list[str]:
     With an observable on the x axis, numerical parameters that are not requested vary along curves.
     Points of a design have no curves.
     """
-    spec, keys = data.spec, curve_keys(data)
-    if spec.scattered:
-        return []
-    if not spec.second:
-        return list(keys)
-    return [name for name in keys if name in spec.by or not is_number(spec.system, name)]
+    spec, keys = data.spec, () if data.spec.scattered else curve_keys(data)
+    is_named = {name: not is_number(spec.system, name) or name in spec.by for name in keys}
+    return [name for name in keys if not spec.second or is_named[name]]
 
 
 def _parameters_along(data: FigureData) -> list[str]:
@@ -207,49 +274,34 @@ def _look(data: FigureData, measure: Measure | None = None) -> Look:
         is_named = spec.styles or spec.entry
         names = [name for name in spec.by if is_named or data.rows[name].nunique() > 1]
         return look_of(spec, names, measure)
-    look = shared_look(data, _keys(data))
-    is_joined = spec.axes or len(_parameters_along(data)) == 1
-    if is_joined and not (spec.scattered or spec.fit):
-        return look
+    shared = shared_look(data, _keys(data))
+    is_joined = bool(spec.axes) or len(_parameters_along(data)) == 1
 
-    def unjoined_look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
-        style, label = look(names, index)
-        return replace(style, dashes="none"), label
+    def look(names: dict[str, object], index: int) -> tuple[CurveStyle, str]:
+        style, label = shared(names, index)
+        is_line = is_joined and not (spec.scattered or spec.fit)
+        return style if is_line else replace(style, dashes="none"), label
 
-    return unjoined_look
+    return look
 
 
-def _set_axes(data: FigureData, shown: Panels, drawable: dict[str, Quantity]) -> None:
+def _set_axes(data: FigureData, axes: Axes, drawable: dict[str, Quantity]) -> None:
     """Set scales and limits, and put a tick at each value of the parameter that was run."""
-    spec, log = data.spec, data.spec.log
+    spec = data.spec
     chosen = _has_all_values(drawable) & (data.rows["completed"] > 0)
-    for axes, _ in shown:
-        for one in log:
-            set_log(axes, one)
-        axes.margins(x=0.07)
-        axes.autoscale_view()
-        for axis in {name[0] for name in drawable}:
-            limits = _limits(data, drawable, axis, chosen)
-            limit_axis(axes, axis, *limits, logarithmic=axis in log)
-        low, high = axes.get_ylim()
-        if low < 0 < high:
-            axes.axhline(0, color="#888888", linewidth=0.7, zorder=1)
-        if spec.axes:
-            mark_runs(axes, data.rows[_along(data)])
-
-
-def _limits(
-    data: FigureData, drawable: dict[str, Quantity], axis: str, chosen: pd.Series
-) -> tuple[pd.Series, pd.Series, pd.Series]:
-    each = [quantity for name, quantity in drawable.items() if name[0] == axis]
-    others = [foreign_values(data, axis)]
-    if axis == "y":
-        others.append(pd.Series(data.spec.levels, dtype=float))
-    return (
-        pd.concat([one.value[chosen] for one in each], ignore_index=True),
-        pd.concat([one.half_width[chosen] for one in each], ignore_index=True),
-        pd.concat(others, ignore_index=True),
-    )
+    for axis in spec.log:
+        set_log(axes, axis)
+    axes.margins(x=0.07)
+    axes.autoscale_view()
+    for along in {name[0] for name in drawable}:
+        values = [one.value[chosen] for name, one in drawable.items() if name[0] == along]
+        levels = pd.Series(spec.levels if along == "y" else [], dtype=float)
+        limit_axis(axes, along, *values, levels, foreign_values(data, along))
+    low, high = axes.get_ylim()
+    if low < 0 < high:
+        axes.axhline(0, color="#888888", linewidth=0.7, zorder=1)
+    if spec.axes:
+        mark_runs(axes, data.rows[_along(data)])
 
 
 def table(data: FigureData) -> pd.DataFrame:
@@ -269,15 +321,12 @@ def notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on intervals, lines and what is not drawn."""
     spec, drawable = data.spec, _drawable_quantities(data)
     completed = data.rows["completed"] > 0
-    chosen = completed & _has_all_values(drawable)
+    shown = data.rows[completed & _has_all_values(drawable)]
     with_values = int((completed & _has_all_values(quantities_by_axis(data))).sum())
     fits = _fits(data, data.rows[completed], drawable)
-    keys, shown = _keys(data), data.rows[chosen]
-    is_aside = spec.axes and not spec.quantities and keys and len(shown[keys].drop_duplicates()) > 1
     return [
         *point_notes(replace(data, rows=shown), list(drawable.values())),
         *([f"{_hint(len(data.rows))}."] if spec.scattered else []),
-        *(["Curves stand a little aside of each other."] if is_aside else []),
         *([] if fits else _notes_on_lines(data)),
         *fit_notes(data, fits),
         *not_drawn(int(completed.sum()) - with_values, "without a value"),

@@ -1,8 +1,8 @@
 """Turn a study's dataset into one row per point of a figure, and into the table of its data."""
 
-import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,12 +11,21 @@ import pandas as pd
 import xarray as xr
 
 from sim.base.errors import InputError
+from sim.base.files import file_version
 from sim.base.statistics import student_half_width
-from sim.dataset.replicates import OUTCOME, SCALARS, outcomes
+from sim.dataset.replicates import (
+    OUTCOME,
+    SCALARS,
+    answering_regime,
+    outcomes,
+    replicate_values,
+)
 from sim.dataset.results import Results
-from sim.parameters import NUMERICAL, SYSTEMS, field_info
+from sim.figures.units import parameter_heading
+from sim.parameters import NUMERICAL
 from sim.study.figure_spec import FigureSpec, Measure
-from sim.study.plot_contents import name_in_words, parameter_phrase
+from sim.study.plottable import numbers
+from sim.surrogates.answers import caveats_in, refusal_in
 
 #: Parameters that every table of velocities has in addition to those of its figure.
 _PROTOCOL = ("protocol", "target", "limit")
@@ -43,6 +52,42 @@ class FigureData:
             raise InputError(f"{self.spec.name}: drawn in the results of a study alone")
         return self.results.runs.parent / self.spec.answer.file
 
+    @property
+    def refusal(self) -> str:
+        """What stands in place of the answer, empty where there is one."""
+        return refusal_in(self.answer)
+
+    @property
+    def caveats(self) -> tuple[str, ...]:
+        """Caveats of the answer, the worst first."""
+        return caveats_in(self.answer)
+
+    @property
+    def flows_of_answer(self) -> pd.DataFrame:
+        """Completed points with the regimes that answers take them for.
+
+        Further columns are ``has_value``, of what the answer is about, and ``is_counted``.
+        """
+        rows, answer = self.rows[self.rows["completed"] > 0], self.spec.answer
+        observable = numbers(self.spec.system)[answer.observable]
+        values = replicate_values(self.results, observable, list(rows["point"]))
+        has_value = np.array([row.size > 0 for row in values], bool)
+        regimes = pd.Series(
+            map(answering_regime, rows.to_dict("records")), rows.index, dtype=object
+        )
+        is_counted = regimes.isin(answer.regimes) & has_value
+        return rows.assign(regime=regimes, has_value=has_value, is_counted=is_counted)
+
+    def read_answer(self, load: Callable[[Path], Any]) -> Any:
+        """Return the answer that the figure shows, as a function reads its file."""
+        return _read_once(load, self.answer, file_version(self.answer))
+
+
+@lru_cache(maxsize=8)
+def _read_once(load: Callable[[Path], Any], path: Path, version: tuple[int, ...]) -> Any:
+    """Return an answer for all functions of a picture that show it."""
+    return load(path)
+
 
 class Drawing(NamedTuple):
     """What draws a kind of plot where a module draws several: functions of the data of a figure."""
@@ -55,29 +100,16 @@ class Drawing(NamedTuple):
 
 def figure_data(results: Results, spec: FigureSpec) -> FigureData:
     """Return the points and boundaries that a figure shows."""
-    boundaries = results.boundaries
-    feeds_figure = np.array(
-        [spec.name in names.split() for names in boundaries["figures"]], dtype=bool
-    )
-    return FigureData(spec, summarize(results.dataset, spec), boundaries[feeds_figure], results)
+    found = results.boundaries
+    is_named = np.array([spec.name in names.split() for names in found["figures"]], bool)
+    return FigureData(spec, summarize(results.dataset, spec), found[is_named], results)
 
 
 def summarize(dataset: xr.Dataset, spec: FigureSpec) -> pd.DataFrame:
-    """Return one row per point of a figure.
+    """Return one row per point of a figure: all coordinates, and the columns of `outcomes`.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        A study's ``dataset.nc``.
-    spec : FigureSpec
-        The figure. It is fed by the points that name it; a plot that a study file defines is fed by
-        the points of its system and series.
-
-    Returns
-    -------
-    pandas.DataFrame
-        All coordinates of the points, the columns of `sim.dataset.replicates.outcome`, and
-        ``regimes``: a tuple of those of the completed replicates.
+    It is fed by the points that name it; a plot that a study file defines is fed by the points of
+    its system and series.
     """
     points = dataset[list(SCALARS)].isel(point=np.flatnonzero(_feeds_figure(dataset, spec)))
     columns = {
@@ -85,48 +117,25 @@ def summarize(dataset: xr.Dataset, spec: FigureSpec) -> pd.DataFrame:
         for name, values in points.coords.variables.items()
         if values.dims == ("point",)
     }
-    rows = pd.DataFrame(columns)
-    completed = points["status"].values == "completed"
-    regimes = [
-        tuple(row[is_completed])
-        for row, is_completed in zip(points["regime"].values, completed, strict=True)
-    ]
-    rows["regimes"] = pd.Series(regimes, dtype=object)
-    return pd.concat([rows, pd.DataFrame(outcomes(points), columns=list(OUTCOME))], axis=1)
+    found = pd.DataFrame(outcomes(points), columns=list(OUTCOME))
+    return pd.concat([pd.DataFrame(columns), found], axis=1)
 
 
 def _feeds_figure(dataset: xr.Dataset, spec: FigureSpec) -> np.ndarray:
     if not spec.series:
-        is_named = [spec.name in names.split() for names in dataset["figures"].values]
-        return np.array(is_named, dtype=bool)
-    is_in_series = [
-        not set(spec.series).isdisjoint(names.split()) for names in dataset["series"].values
-    ]
-    return np.array(is_in_series, dtype=bool) & (dataset["system"].values == spec.system)
+        return np.array([spec.name in names.split() for names in dataset["figures"].values], bool)
+    wanted, series = set(spec.series), dataset["series"].values
+    is_in_series = np.array([not wanted.isdisjoint(names.split()) for names in series], bool)
+    return is_in_series & (dataset["system"].values == spec.system)
 
 
 def split_curves(
     rows: pd.DataFrame, along: str, keys: Sequence[str], parameters: Sequence[str]
 ) -> list[tuple[dict[str, Any], pd.DataFrame]]:
-    """Split points into curves.
+    """Split points into curves: values that name each, and its points in the order of ``along``.
 
-    Parameters
-    ----------
-    rows : pandas.DataFrame
-        Points, as `summarize` returns them.
-    along : str
-        Parameter on the horizontal axis.
-    keys : sequence of str
-        Parameters that always name a curve.
-    parameters : sequence of str
-        All parameters of the system. A parameter that varies and changes the flow is added to the
-        keys unless it is ``along``, so that no curve mixes two flows. Parameters that an older
-        dataset lacks do not vary in it.
-
-    Returns
-    -------
-    list of (dict, pandas.DataFrame)
-        The values that name each curve, and its points in the order of ``along``.
+    ``keys`` always name a curve. Of the ``parameters`` of the system, those that vary and change
+    the flow are added to them, so that no curve mixes two flows.
     """
     varied = varying_parameters(rows, [name for name in parameters if name != along])
     names = list(dict.fromkeys([*keys, *varied]))
@@ -143,12 +152,10 @@ def varying_parameters(rows: pd.DataFrame, parameters: Sequence[str]) -> list[st
 
     ``friction_plane`` is left out where it equals ``friction`` everywhere.
     """
-    candidates = [name for name in parameters if name in rows and name not in NUMERICAL]
-    names = [name for name in candidates if rows[name].nunique() > 1]
-    plane = "friction_plane"
-    if plane in names and rows[plane].equals(rows["friction"].rename(plane)):
-        names.remove(plane)
-    return names
+    plane, friction = (rows.get(name, pd.Series()) for name in ("friction_plane", "friction"))
+    apart = {*NUMERICAL, *["friction_plane"] * plane.equals(friction)}
+    candidates = [name for name in parameters if name in rows and name not in apart]
+    return [name for name in candidates if rows[name].nunique() > 1]
 
 
 def parameter_columns(
@@ -157,18 +164,6 @@ def parameter_columns(
     """Return the ids of points and some of their parameters, units in the headings."""
     columns = {parameter_heading(system, name): rows[name] for name in names}
     return {"point": rows["point"]} | columns
-
-
-def parameter_unit(system: str, name: str) -> str:
-    """Return the unit of a parameter in study files, as in headings; empty for a choice."""
-    row = field_info(SYSTEMS[system])[name]
-    return row.scale or row.unit or ""
-
-
-def parameter_heading(system: str, name: str) -> str:
-    """Return the heading of a column with a parameter."""
-    unit = parameter_unit(system, name)
-    return f"{name} [{unit}]" if unit else name
 
 
 def velocity_table(data: FigureData) -> pd.DataFrame:
@@ -192,50 +187,12 @@ def velocity_table(data: FigureData) -> pd.DataFrame:
     )
 
 
-#: Natural unit by SI unit: powers of diameter, gravity and mass, and how it is written.
-_NATURAL = {
-    "m": ((1, 0, 0), "d"),
-    "s": ((0.5, -0.5, 0), "√(d/g)"),
-    "m s-1": ((0.5, 0.5, 0), "√(gd)"),
-    "m s-2": ((0, 1, 0), "g"),
-    "m2 s-2": ((1, 1, 0), "gd"),
-    "m-2": ((-2, 0, 0), "1/d²"),
-    "s-1": ((-0.5, 0.5, 0), "√(g/d)"),
-    "N": ((0, 1, 1), "mg"),
-    "J": ((1, 1, 1), "mgd"),
-    "W": ((0.5, 1.5, 1), "mg√(gd)"),
-    "Pa": ((-2, 1, 1), "mg/d²"),
-    "kg s-1": ((-0.5, 0.5, 1), "m√(g/d)"),
-    "kg m-1 s-1": ((-1.5, 0.5, 1), "m√(g/d)/d"),
-}
-
-#: What natural units have, and those by which a label can be divided without brackets.
-_NATURAL_UNIT, _ONE_FACTOR = re.compile("[σ⟨]|^m?g$"), re.compile(r"⟨d⟩|\w|√\([^()]*\)")
-
-#: SI units as axes show them.
-_AXIS_UNITS = {
-    "m s-1": "m/s",
-    "m s-2": "m/s²",
-    "m2 s-2": "m²/s²",
-    "m-2": "1/m²",
-    "s-1": "1/s",
-    "kg s-1": "kg/s",
-    "kg m-1 s-1": "kg/(m s)",
-}
-
-
 @dataclass(frozen=True)
 class Quantity:
-    """A quantity of every point of a figure.
+    """A quantity of every point of a figure, from the column or measure ``name``.
 
-    Attributes
-    ----------
-    name : str
-        Column or measure that is its source.
-    label : str
-        Its meaning and its unit: ``meaning [unit]``.
-    value, half_width : pandas.Series
-        Value and half width of its 95 % interval per row of the points; not-a-number if unknown.
+    ``label`` is ``meaning [unit]``. Value, and half width of its 95 % interval, are not-a-number
+    where unknown.
     """
 
     name: str
@@ -288,14 +245,7 @@ def quantity_table(
 ) -> pd.DataFrame:
     """Return parameters and quantities of points, one row each, units in the headings.
 
-    Parameters
-    ----------
-    data : FigureData
-        The data of the figure.
-    quantities : sequence of Quantity
-        Quantities of its rows.
-    along : dict, optional
-        Columns between parameters and quantities, by their headings.
+    ``along`` are columns between parameters and quantities, by their headings.
     """
     rows, spec, columns = data.rows, data.spec, dict(along or {})
     for quantity in quantities:
@@ -308,60 +258,3 @@ def quantity_table(
     states["quality of the mean"] = "quality"
     columns |= {heading: rows[name] for heading, name in states.items()}
     return pd.DataFrame(parameter_columns(rows, spec.system, names) | columns)
-
-
-def unit_of(unit: str, units: str, system: str) -> str:
-    """Return a unit as axes show it, empty for pure numbers.
-
-    >>> unit_of("m s-1", "si", "chute"), unit_of("m s-1", "natural", "chute")
-    ('m/s', '√(gσ)')
-    """
-    if unit == "1":
-        return ""
-    if units == "natural" and unit in _NATURAL:
-        return _NATURAL[unit][1].replace("d", _diameter(system))
-    return _AXIS_UNITS.get(unit, unit)
-
-
-def _diameter(system: str) -> str:
-    return field_info(SYSTEMS[system])["diameter"].symbol
-
-
-def scale_of(unit: str, units: str, rows: pd.DataFrame) -> pd.Series:
-    """Return the divisor of values in an SI unit, for each point; 1 for units ``"si"``."""
-    powers = _NATURAL[unit][0] if units == "natural" and unit in _NATURAL else (0, 0, 0)
-    length, gravity, mass = powers
-    scale = rows["diameter"] ** length * rows["gravity"] ** gravity * rows["mass"] ** mass
-    return pd.Series(scale, rows.index, dtype=float)
-
-
-def parameter_text(system: str, name: str) -> str:
-    """Return the label of a parameter, in the unit of study files.
-
-    >>> parameter_text("belt", "amplitude")
-    'amplitude A_z/⟨d⟩'
-    """
-    row = field_info(SYSTEMS[system])[name]
-    return label_with_unit(parameter_phrase(system, name), row.scale or row.unit_text.strip())
-
-
-def observable_text(name: str, unit: str, units: str, system: str) -> str:
-    """Return the label of an observable in an SI unit: its name and its unit, as of `unit_of`."""
-    return label_with_unit(name_in_words(name), unit_of(unit, units, system))
-
-
-def label_with_unit(text: str, unit: str) -> str:
-    """Return a label with its unit, if any; a quantity is divided by a natural unit.
-
-    The space before a unit in brackets does not break.
-
-    >>> label_with_unit("height z", "⟨d⟩"), label_with_unit("stress", "mg/σ²")
-    ('height z/⟨d⟩', 'stress/(mg/σ²)')
-    >>> label_with_unit("height z", "m") == "height z\N{NO-BREAK SPACE}(m)"
-    True
-    """
-    if not unit:
-        return text
-    if not _NATURAL_UNIT.search(unit):
-        return f"{text}\N{NO-BREAK SPACE}({unit})"
-    return f"{text}/{unit if _ONE_FACTOR.fullmatch(unit) else f'({unit})'}"

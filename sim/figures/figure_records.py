@@ -20,15 +20,7 @@ TAIL = 128
 
 
 class FigureRecord(BaseModel):
-    """The record of a drawn figure.
-
-    Attributes
-    ----------
-    source : str
-        Hash of dataset, entry of the catalogue and code.
-    files : dict
-        SHA-256 of each of its files, by suffix.
-    """
+    """The hash of what a figure was drawn from, and the SHA-256 of its files by suffix."""
 
     source: str
     files: dict[str, str]
@@ -76,12 +68,8 @@ def current_record(
 def require_unchanged(specs: Iterable[FigureSpec], folder: Path) -> None:
     """Raise an error unless the files of all figures are those that were drawn.
 
-    Raises
-    ------
-    InputError
-        Where a file is missing.
-    DamagedError
-        For the first file that has changed or has no record; it is set aside.
+    It is ``InputError`` where a file is missing, and ``DamagedError`` for the first one that has
+    changed or has no record, which is set aside.
     """
     records = read_records(folder)
     for spec in specs:

@@ -35,20 +35,10 @@ _STEPS = 200
 class Fit:
     """A law that was fitted to one curve.
 
-    Attributes
-    ----------
-    names : mapping
-        Values of the parameters that tell the curve apart.
-    rows : pandas.Index
-        Rows of the points that it was fitted to.
-    problem : str
-        Why there is no fit; else empty.
-    numbers : dict
-        Value and half width of the 95 % interval of each number of the law, by its letter.
-    line : pandas.Series
-        The law over the range of the points, with x as its index.
-    weighted : bool
-        Whether the points have weights from their intervals.
+    ``names`` are the parameters that tell the curve apart, ``rows`` those of its points.
+    ``problem`` is why there is no fit, else empty. ``numbers`` are value and half width of the 95 %
+    interval of each number of the law, by its letter, and ``line`` is the law over the range of the
+    points, by x. ``weighted`` points have weights from their intervals.
     """
 
     names: Mapping[str, Any]
@@ -62,21 +52,9 @@ class Fit:
 def fit_curves(
     law: str, points: pd.DataFrame, quantity: Quantity, along: str, keys: Sequence[str]
 ) -> list[Fit]:
-    """Fit a law to each curve.
+    """Fit one of `LAWS` to the quantity of each curve along a column.
 
-    Parameters
-    ----------
-    law : str
-        One of `LAWS`.
-    points : pandas.DataFrame
-        Points with values, as `sim.figures.data.summarize` returns them. Those of flows that
-        accelerate are left out.
-    quantity : Quantity
-        The quantity along y.
-    along : str
-        Column along x.
-    keys : sequence of str
-        Parameters that tell curves apart.
+    ``keys`` tell curves apart. Flows that accelerate are left out.
     """
     value, half = quantity.value, quantity.half_width
     return [

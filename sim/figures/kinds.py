@@ -60,6 +60,7 @@ with attribute_additions_to(TALUS):
     )
     _declare(
         "time_series",
+        "replicates:TIME_SERIES",
         observable="y",
         shows=series,
         log=("x", "y"),

@@ -9,22 +9,18 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FixedLocator, NullFormatter
 
 from sim.dataset import replicates
 from sim.figures.data import (
     FigureData,
     Quantity,
-    observable_text,
     parameter_columns,
-    parameter_text,
     replicate_means,
-    scale_of,
-    unit_of,
     varying_parameters,
 )
 from sim.figures.style import escape_label, settings, with_subscript
+from sim.figures.units import observable_text, parameter_text, scale_of, unit_of
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import PROTOCOLS
 from sim.study.plot_contents import name_in_words
@@ -36,17 +32,19 @@ SINGLE_SIZE, PANEL_SIZE, MOST_COLUMNS = (5.6, 3.9), (2.8, 2.6), 3
 #: Pairs of the axes of a panel and the points (rows) that it shows.
 Panels = list[tuple[Axes, pd.DataFrame]]
 
-#: Most characters in a line of an axis label.
-_LABEL_WIDTH = 44
+#: Most characters in a line of an axis label, and of a message.
+_LABEL_WIDTH, _MESSAGE_WIDTH = 44, 62
 
-#: Most characters in a line of a message.
-_MESSAGE_WIDTH = 62
+
+def one_panel(size: tuple[float, float] = SINGLE_SIZE) -> tuple[Figure, Axes]:
+    """Return a new figure and its only axes."""
+    figure = Figure(figsize=size, layout="constrained")
+    return figure, figure.subplots()
 
 
 def message_figure(text: str) -> Figure:
     """Return a figure with a message, where there is nothing else to show."""
-    figure = Figure(figsize=SINGLE_SIZE)
-    axes = figure.subplots()
+    figure, axes = one_panel()
     axes.set_axis_off()
     lines = textwrap.fill(text, _MESSAGE_WIDTH)
     axes.text(0.5, 0.5, lines, ha="center", va="center", transform=axes.transAxes)
@@ -143,8 +141,8 @@ def panels(data: FigureData) -> tuple[Figure, Panels]:
     """Return a new figure and its panels: axes, each with the points that it shows."""
     rows, name = data.rows, data.spec.panels
     if not name:
-        figure = Figure(figsize=SINGLE_SIZE, layout="constrained")
-        return figure, [(figure.subplots(), rows)]
+        figure, axes = one_panel()
+        return figure, [(axes, rows)]
     protocols = PROTOCOLS[data.spec.system] if name == "protocol" else {}
     values = sorted(set(rows[name]), key=list(protocols).index if protocols else None)
     down = -(-len(values) // MOST_COLUMNS)
@@ -216,16 +214,15 @@ def write_no_data(shown: Panels, noun: str) -> None:
 # Foreign data in a plot, not simulated by the study: grey markers and dashed lines.
 
 
-#: Column of the plotted data with the label of foreign rows; empty for rows of the study.
-FOREIGN_COLUMN = "not of this study"
-
-#: Column of the plotted data with the errors of foreign rows.
-ERROR_COLUMN = "error, not of this study"
+#: Columns of the plotted data with the label of foreign rows (empty for those of the study), and
+#: with their errors.
+FOREIGN_COLUMN, ERROR_COLUMN = "not of this study", "error, not of this study"
 
 #: Bars of errors; markers and lines, one per label; no curve or regime of a study has the same.
 _MARKERS = ("+", (6, 2, 0), "1", "2", "3", "4")
 _DASHES = ((2, 1), (9, 3), (9, 2, 2, 2))
 _BARS: dict[str, Any] = {"color": "#555555", "linewidth": 0.9, "zorder": 1.9}
+_MARK: dict[str, Any] = {"markersize": 6.5, "markeredgewidth": 1.3, "zorder": 4}
 _LINES = tuple((colour, (0, dash)) for colour in ("#666666", "#aaaaaa") for dash in _DASHES)
 
 
@@ -234,23 +231,15 @@ def draw_foreign_data(data: FigureData, shown: Panels) -> dict[str, Line2D]:
     entries = {}
     markers, lines = iter(_MARKERS), iter(_LINES)
     for label, points, joined in data.spec.foreign:
-        look = _line(*next(lines)) if joined else _marker(next(markers))
+        colour, dashes = next(lines) if joined else ("#555555", "none")
+        look: dict[str, Any] = {"color": colour, "linestyle": dashes, "linewidth": 1.8}
+        look |= {"zorder": 1.8} if joined else _MARK | {"marker": next(markers)}
         x, y, *errors = zip(*points, strict=True)
         for axes, _ in shown:
             (entries[escape_label(label)],) = axes.plot(x, y, **look)
             if errors:
                 axes.vlines(x, *np.add(y, [[-1], [1]] * np.array(errors)), **_BARS)
     return entries
-
-
-def _line(colour: str, dashes: object) -> dict[str, Any]:
-    return {"color": colour, "linestyle": dashes, "linewidth": 1.8, "zorder": 1.8}
-
-
-def _marker(marker: object) -> dict[str, Any]:
-    look = {"color": "#555555", "linestyle": "none", "marker": marker, "zorder": 4}
-    edge = withStroke(linewidth=3.2, foreground="white")
-    return look | {"markersize": 6.5, "markeredgewidth": 1.3, "path_effects": [edge]}
 
 
 def foreign_values(data: FigureData, axis: str) -> pd.Series:
@@ -279,7 +268,5 @@ def append_foreign_data(data: FigureData, table: pd.DataFrame, x: str, y: str) -
     if not rows:
         return table
     errors = [ERROR_COLUMN] if any(ERROR_COLUMN in row for row in rows) else []
-    study_rows = [
-        {str(name): value for name, value in row.items()} for row in table.to_dict("records")
-    ]
-    return pd.DataFrame([*study_rows, *rows], columns=[FOREIGN_COLUMN, *table.columns, *errors])
+    columns = [FOREIGN_COLUMN, *table.columns, *errors]
+    return pd.DataFrame([*table.to_dict("records"), *rows], columns=columns)

@@ -9,12 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim.base.statistics import student_half_width
-from sim.figures.axes import NONE, limit_axis, set_log
 from sim.figures.caption import not_drawn
-from sim.figures.data import FigureData, label_with_unit, unit_of
+from sim.figures.data import FigureData
 from sim.figures.plot import (
-    Panels,
-    above_zero,
     append_foreign_data,
     completed_rows,
     curve_keys,
@@ -27,7 +24,8 @@ from sim.figures.plot import (
     scale_of_point,
     write_no_data,
 )
-from sim.figures.style import PALE, PALE_LINE, CurveStyle, name_protocols
+from sim.figures.style import PALE_LINE, CurveStyle, limit_axis, name_protocols, set_log
+from sim.figures.units import label_with_unit, unit_of
 from sim.figures.variables import groups, is_prescribed, legend
 from sim.study.plottable import SHARE, Observable, profiles
 
@@ -36,9 +34,6 @@ MIN_REPLICATES = 3
 
 #: Number density (1/⟨d⟩²) of the emptiest slice at the top of a flat profile.
 THIN = 0.01
-
-#: Sizes of the markers of means and of single replicates, points.
-_MEAN_SIZE, _REPLICATE_SIZE = 3.8, 2.2
 
 
 def observables(data: FigureData) -> dict[str, Observable]:
@@ -50,9 +45,8 @@ def observables(data: FigureData) -> dict[str, Observable]:
 def slices(data: FigureData, row: Mapping[str, Any]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Return heights (slice,) and values by axis (replicate, slice), in the units of the plot.
 
-    The slices end at the height below which the share `SHARE` of the particles lies; the option
-    ``between`` narrows them further. Of two observables, slices are left out in which no replicate
-    has both, and values are not-a-number where a replicate lacks either.
+    The slices end at the height below which the share `SHARE` of the particles lies, and are within
+    ``between``. Of two observables, values are not-a-number where a replicate lacks either.
     """
     if data.spec.flat:
         filling, height = data.results.profile(row["point"], "number_density")
@@ -106,105 +100,77 @@ def _is_drawable(data: FigureData, rows: pd.DataFrame) -> pd.Series:
 
 
 def draw(data: FigureData) -> Figure:
-    """Draw the mean of each point, and its interval or, for few replicates, all of these."""
+    """Draw the mean of each point with its interval."""
     spec, shown_observables = data.spec, observables(data)
-    draw_point = _draw_slices if "y" in shown_observables else _draw_line
     figure, shown = panels(data)
     drawn = [
-        draw_point(axes, data, row, style, label)
+        _draw_point(axes, data, row, style, label)
         for axes, rows in shown
         for style, label, row in groups(data, rows)
     ]
     names = " and ".join(one.name for one in shown_observables.values())
     write_no_data(shown, names + _height_range_suffix(data))
     foreign = draw_foreign_data(data, shown)
+    places = pd.concat([*drawn, pd.DataFrame({name: [np.nan] for name in ("x", "y", "height")})])
     for axes, _ in shown:
         for axis in spec.log:
             set_log(axes, axis)
+        axes.autoscale_view()
+        for along, name in zip("xy", _columns(data), strict=True):
+            limit_axis(axes, along, places[name], foreign_values(data, along))
+            if name == "height" and not spec.between:
+                # Panels share their axes, and set limits do not follow later data.
+                first = min([0.0, *foreign_values(data, along)])
+                shown[0][0].set(**{f"{along}lim": (first, None)})
     height = label_with_unit("height z", unit_of("m", spec.units, spec.system))
-    labels = [observable_label(data, one) for one in shown_observables.values()]
-    usual = [*labels, height][:: -1 if spec.flat else 1][:2]
-    x, y = usual
+    labels = {axis: observable_label(data, one) for axis, one in shown_observables.items()}
+    x, y = (({"height": height} | labels)[name] for name in _columns(data))
     label_axes(figure, shown, spec.labels.get("x", x), spec.labels.get("y", y))
-    if "y" in shown_observables:
-        _limit_axes(data, shown, pd.concat(drawn) if drawn else pd.DataFrame())
-    elif spec.flat:
-        _limit_flat(shown, pd.concat(drawn or [pd.DataFrame({"x": []})])["x"])
-    elif not spec.between:
-        # Panels share their axes, and set limits do not follow later data.
-        shown[0][0].set_ylim(bottom=min([0.0, *foreign_values(data, "y")]))
-    if is_prescribed(spec) and data.rows["protocol"].nunique() > 1:
+    if _is_beside(data):
         name_protocols(shown[0][0], spec.system)
     legend(data, figure, shown, spec.by if spec.flat else curve_keys(data), foreign)
     return figure
 
 
-def _draw_line(
+def _columns(data: FigureData) -> tuple[str, str]:
+    """Return the columns of `means` on the axes."""
+    if data.spec.second:
+        return "x", "y"
+    return ("height", "x") if data.spec.flat else ("x", "height")
+
+
+def _is_beside(data: FigureData) -> bool:
+    """Return whether curves of the converged protocol are pale beside the published ones."""
+    return is_prescribed(data.spec) and data.rows["protocol"].nunique() > 1
+
+
+def _draw_point(
     axes: Axes, data: FigureData, row: Mapping[str, Any], style: CurveStyle, label: str
 ) -> pd.DataFrame:
-    """Draw a line over the height, with a band or pale lines; return what it shows."""
-    rows, (_, values) = means(data, row), slices(data, row)
-    rows["x"] = rows["x"].where(_is_drawable(data, rows))
+    """Draw a line with a band over the height, or a marker per slice; return what it shows.
+
+    There are no intervals of few replicates.
+    """
+    rows, (x, y) = means(data, row), _columns(data)
+    rows = rows.where(_is_drawable(data, rows))
     if rows["x"].isna().all():
         return rows
-    mean, half, height = rows["x"], rows["x_half"], rows["height"]
+    if row["completed"] < MIN_REPLICATES and not data.spec.flat:
+        rows[rows.columns[rows.columns.str.endswith("_half")]] = np.nan
+    mean, half = rows["x"], rows["x_half"]
+    if data.spec.second:
+        look: dict[str, Any] = {"fmt": style.marker, "markersize": 3.8, "elinewidth": 0.6}
+        look |= {"color": style.colour, "capsize": 0, "zorder": 3, "label": label}
+        axes.errorbar(mean, rows["y"], rows["y_half"], half, **look)
+        return rows
     line: dict[str, Any] = {"color": style.colour, "linestyle": style.dashes, "label": label}
+    if _is_beside(data) and row["protocol"] == "converged":
+        line |= PALE_LINE | {"label": None}
+    axes.plot(rows[x], rows[y], **line)
+    fill = axes.fill_between if data.spec.flat else axes.fill_betweenx
     band: dict[str, Any] = {"color": style.colour, "alpha": 0.15, "linewidth": 0}
-    if data.spec.flat:
-        # The converged protocol is pale beside the published one.
-        beside = is_prescribed(data.spec) and data.rows["protocol"].nunique() > 1
-        if beside and row["protocol"] == "converged":
-            line |= PALE_LINE | {"label": None}
-        axes.plot(height, mean, **line)
-        axes.fill_between(height, mean - half, mean + half, **band)
-        return rows
-    axes.plot(mean, height, **line)
-    if row["completed"] < MIN_REPLICATES:
-        each = above_zero(data, "x", values["x"].T)
-        axes.plot(each, height, color=style.colour, alpha=PALE, linewidth=0.7, zorder=1.5)
-    else:
-        axes.fill_betweenx(height, mean - half, mean + half, **band)
+    fill(rows["height"], mean - half, mean + half, **band)
     return rows
-
-
-def _draw_slices(
-    axes: Axes, data: FigureData, row: Mapping[str, Any], style: CurveStyle, label: str
-) -> pd.DataFrame:
-    """Draw a marker per slice, with bars or pale markers; return what it shows."""
-    rows = means(data, row)
-    rows = rows[_is_drawable(data, rows)]
-    if rows.empty:
-        return rows
-    has_few = row["completed"] < MIN_REPLICATES
-    if has_few:
-        _, values = slices(data, row)
-        pale: dict[str, Any] = {"color": style.colour, "alpha": PALE, "zorder": 1.5}
-        axes.plot(*map(np.ravel, values.values()), style.marker, markersize=_REPLICATE_SIZE, **pale)
-    look: dict[str, Any] = {"color": style.colour, "marker": style.marker, "markersize": _MEAN_SIZE}
-    look |= {"linestyle": "none", "zorder": 3}
-    has_bar = rows["x_half"].notna() & (not has_few)
-    barred, others = rows[has_bar], rows[~has_bar]
-    ends = {f"{axis}err": barred[f"{axis}_half"] for axis in "xy"}
-    axes.errorbar(barred["x"], barred["y"], **ends, elinewidth=0.6, capsize=0, **look)
-    axes.plot(others["x"], others["y"], **look)
-    axes.plot([], [], style.marker, color=style.colour, label=label)
-    return rows
-
-
-def _limit_flat(shown: Panels, means: pd.Series) -> None:
-    """Let axes begin at zero and follow the means, however wide their bands are."""
-    low, high = min(0.0, means.min()), max(0.0, means.max())
-    room = 0.08 * (high - low) if high > low else 1.0
-    for axes, _ in shown:
-        axes.set(xlim=(0, None), ylim=(low - room if low else 0.0, high + room))
-
-
-def _limit_axes(data: FigureData, shown: Panels, drawn: pd.DataFrame) -> None:
-    for axes, _ in shown:
-        axes.autoscale_view()
-        for axis in {"x", "y"} - set(data.spec.log):
-            shown_values = drawn.get(axis, NONE), drawn.get(f"{axis}_half", NONE)
-            limit_axis(axes, axis, *shown_values, foreign_values(data, axis))
 
 
 def table(data: FigureData) -> pd.DataFrame:
@@ -240,10 +206,10 @@ def notes(data: FigureData) -> list[str]:
     with_values = [rows[rows["x"].notna()] for rows in of_points]
     omitted = sum(int((~_is_drawable(data, rows)).sum()) for rows in with_values)
     what = "A marker per slice of the height" if data.spec.second else "Lines over the height"
-    few = f"; of fewer than {MIN_REPLICATES}, each is pale"
+    few = f" where there are {MIN_REPLICATES} or more"
     extent = f"They end where {100 * SHARE:g} % of the particles are below."
     if data.spec.flat:
-        few = " where there are several, which may go beyond the axes"
+        few = " where there are several"
         extent = (
             "z is measured from the present position of the belt, in slices of ⟨d⟩, up to the last "
             f"one with {THIN:g} beads per ⟨d⟩² or more; one that is empty in a replicate has no "

@@ -1,12 +1,10 @@
 """Write the four files of a figure from a dataset: PNG, SVG or GIF, data and caption."""
 
-import re
 import sys
 import textwrap
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
-from dataclasses import dataclass
 from functools import lru_cache
 from multiprocessing import get_context
 from pathlib import Path
@@ -16,10 +14,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 import pandas as pd
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from PIL import Image
-from PIL.PngImagePlugin import PngInfo
 
 from sim.base.errors import Allowed, InputError
 from sim.base.files import atomic_write, file_version
@@ -29,45 +24,20 @@ from sim.dataset.results import Results, load_results, require_known_options
 from sim.figures.caption import caption, point_notes
 from sim.figures.data import Drawing, FigureData, figure_data, point_table
 from sim.figures.figure_records import current_record, read_records, write_records
+from sim.figures.pictures import Animation, save_animation, save_picture, settle
 from sim.figures.plot import message_figure
 from sim.figures.style import DOUBTFUL, SETTINGS, escape_label
 from sim.study.figure_spec import FIGURES, FigureSpec
 from sim.study.load import load_study
 from sim.study.plottable import ROLES, find_kind
-from sim.surrogates.answers import Refusal, caveats_in, require_answer, sentence, with_caveats
-
-#: Resolution of the first picture of an animation, dots per inch.
-POSTER = 150
-
-#: Resolution of the frames of a GIF (dots per inch), and the number of colours that they share.
-DPI = 72
-PALETTE = 64
-
-#: A number with more digits than a picture shows, except a scale.
-_LONG_NUMBER = re.compile(r"(?<!scale\()(?<![\w.#])(-?\d+\.\d\d)\d{2,}(?![\w.])")
+from sim.surrogates.answers import sentence, with_caveats
 
 #: Letters of a caveat beneath a picture, for each inch of its width.
 _LETTERS = 17
 
-#: Most passes of the layout.
-PASSES = 6
-
 #: Largest number that is drawn: axes cannot hold all that a computer can.
 LARGEST = 1e100
 _TOO_LARGE = f"a number of its data is beyond {LARGEST:g}"
-
-
-@dataclass(frozen=True)
-class Animation:
-    """A moving figure with ``frames`` frames; ``show(number)`` puts it into the state of one.
-
-    ``duration`` is how long each frame is shown, ms.
-    """
-
-    figure: Figure
-    frames: int
-    show: Callable[[int], None]
-    duration: int = 70
 
 
 def drawing_of(kind: str) -> Drawing:
@@ -92,27 +62,10 @@ def find_spec(name: str, plots: Mapping[str, FigureSpec] | None = None) -> Figur
 
 
 def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
-    """Draw one figure of a study into files.
+    """Draw one figure from a study's ``dataset.nc`` into files in a folder, made if absent.
 
-    Parameters
-    ----------
-    spec : FigureSpec
-        Its specification.
-    dataset_path : Path
-        The study's ``dataset.nc``.
-    folder : Path
-        Folder for the files; made if absent.
-
-    Returns
-    -------
-    list of Path
-        ``<name>.png``, ``.svg``, ``.csv`` (the plotted data) and ``.caption.txt``. An animation has
-        ``.gif`` instead of ``.svg``.
-
-    Raises
-    ------
-    InputError
-        For a missing dataset, or one without points for the figure.
+    They are ``<name>.png``, ``.svg``, of an animation ``.gif``, ``.csv`` (the plotted data) and
+    ``.caption.txt``. Raises ``InputError`` for a missing dataset, or one without points for it.
     """
     results = _load_once(dataset_path, file_version(dataset_path))
     require_known_options(results.dataset, dataset_path)
@@ -128,16 +81,9 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
         still, other, csv, text = (stack.enter_context(atomic_write(file)) for file in files)
         stack.enter_context(mpl.rc_context(SETTINGS))
         drawn, figure = _draw(data, kind)
-        # Without a date, the same data give the same bytes.
         if isinstance(drawn, Animation):
-            _save_gif(drawn, other)
-        else:
-            _keep_layout(figure)
-            figure.savefig(other, format="svg", metadata={"Title": spec.title, "Date": None})
-            svg = with_short_numbers(other.read_text(encoding="utf-8"))
-            other.write_text(svg, encoding="utf-8")
-        figure.savefig(still, format="png", dpi=POSTER if spec.animated else None)
-        _save_small(still, spec.title)
+            save_animation(drawn, other, "GIF")
+        save_picture(figure, spec.title, None if spec.animated else other, still)
         for file, content in zip((csv, text), _texts(data, kind, table), strict=True):
             file.write_text(content, encoding="utf-8")
     return files
@@ -147,15 +93,6 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
 def _load_once(dataset_path: Path, version: tuple[int, ...]) -> Results:
     """Return a dataset for all figures that a process draws from it."""
     return load_results(dataset_path)
-
-
-def with_short_numbers(svg: str) -> str:
-    """Return an SVG picture with places to a hundredth of a point; scales keep their digits.
-
-    >>> with_short_numbers('<use x="56.870777" transform="scale(0.015625)"/>')
-    '<use x="56.87" transform="scale(0.015625)"/>'
-    """
-    return _LONG_NUMBER.sub(r"\1", svg)
 
 
 def draw(spec: FigureSpec, results: Results) -> Figure:
@@ -176,26 +113,6 @@ def _draw(data: FigureData, kind: Drawing) -> tuple[Figure | Animation, Figure]:
     return drawn, figure
 
 
-def settle(figure: Figure) -> None:
-    """Repeat the layout of a figure until its axes stay in place.
-
-    The first pass does not know the final size of axes with a fixed aspect, and may leave their
-    labels beyond the edges.
-    """
-    engine, bounds = figure.get_layout_engine(), None
-    for _ in range(PASSES):
-        previous, bounds = bounds, [axes.get_position().bounds for axes in figure.axes]
-        if engine is None or (previous and np.allclose(previous, bounds, atol=1e-3)):
-            break
-        engine.execute(figure)
-
-
-def _keep_layout(figure: Figure) -> None:
-    """Let a figure keep its layout: each file would lay it out, and draw it for that, once more."""
-    with mpl.rc_context({"figure.constrained_layout.use": False, "figure.autolayout": False}):
-        figure.set_layout_engine(None)
-
-
 def derive_texts(spec: FigureSpec, results: Results) -> tuple[str, str]:
     """Return the data (CSV) and the caption of a figure as texts, without drawing it."""
     return _texts(*_contents(spec, results))
@@ -208,14 +125,10 @@ def _contents(spec: FigureSpec, results: Results) -> tuple[FigureData, Drawing, 
     """
     data, kind = figure_data(results, spec), drawing_of(spec.kind)
     if spec.answer.file and results.runs:
-        path = results.runs.parent / spec.answer.file
-        kind = kind_of_answer(kind, path)
-        try:
-            require_answer(path)
-        except Refusal as refusal:
-            table = pd.DataFrame({"refusal": [str(refusal)]})
-            return data, _message_kind(kind, str(refusal)), table
-        kind = with_doubts(kind, caveats_in(path))
+        if data.refusal:
+            table = pd.DataFrame({"refusal": [data.refusal]})
+            return data, _message_kind(kind, data.refusal), table
+        kind = _kind_of_answer(kind, data.answer, data.caveats)
     if data.rows.empty:
         return data, kind, data.rows
     data = kind.select(data)
@@ -226,34 +139,29 @@ def _contents(spec: FigureSpec, results: Results) -> tuple[FigureData, Drawing, 
     return data, kind, table
 
 
-def kind_of_answer(kind: Drawing, path: Path) -> Drawing:
-    """Return a kind of plot whose errors, on an answer from elsewhere, name its file in a line."""
-    guard = checked_read(path, "whole answer", replaceable=False)
-    roles = {role: guard(getattr(kind, role)) for role in ("draw", "table", "notes")}
-    return kind._replace(**roles)
-
-
-def with_doubts(kind: Drawing, caveats: Sequence[str]) -> Drawing:
+def _kind_of_answer(kind: Drawing, answer: Path, caveats: Sequence[str]) -> Drawing:
     """Return a kind of plot that tells the caveats of the answer it shows.
 
-    They stand beneath the picture, in the first paragraph of its caption, and in its data.
+    They stand beneath the picture, in the first paragraph of its caption, and in its data. Errors
+    on an answer from elsewhere name its file in a line.
     """
-    if not caveats:
-        return kind
+    guard = checked_read(answer, "whole answer", replaceable=False)
 
+    @guard
     def draw(data: FigureData) -> Figure | Animation:
         drawn = kind.draw(data)
         figure = drawn.figure if isinstance(drawn, Animation) else drawn
-        line = textwrap.fill(
-            escape_label(sentence(caveats[:1])), int(_LETTERS * figure.get_figwidth())
-        )
+        width = int(_LETTERS * figure.get_figwidth())
+        line = textwrap.fill(escape_label(sentence(caveats[:1])), width)
         figure.supxlabel(line, fontsize=7, color=DOUBTFUL)
         return drawn
 
+    @guard
     def notes(data: FigureData) -> list[str]:
         first, *others = kind.notes(data) or [""]
         return [f"{first} {sentence(caveats)}".strip(), *others]
 
+    @guard
     def table(data: FigureData) -> pd.DataFrame:
         return with_caveats(kind.table(data), caveats)
 
@@ -261,7 +169,6 @@ def with_doubts(kind: Drawing, caveats: Sequence[str]) -> Drawing:
 
 
 def _message_kind(kind: Drawing, text: str) -> Drawing:
-
     def draw_message(data: FigureData) -> Figure | Animation:
         figure = message_figure(escape_label(text))
         return Animation(figure, 1, lambda number: None) if data.spec.animated else figure
@@ -274,44 +181,6 @@ def _texts(data: FigureData, kind: Drawing, table: pd.DataFrame) -> tuple[str, s
     return csv, caption(data, kind.notes(data)) + "\n"
 
 
-def _save_small(picture: Path, title: str) -> None:
-    """Rewrite a PNG with 256 colours, a third of its size, and with its title."""
-    with Image.open(picture) as image:
-        small = image.convert("RGB").quantize(256, dither=Image.Dither.NONE)
-    metadata = PngInfo()
-    metadata.add_itxt("Title", title)
-    small.save(picture, format="PNG", optimize=True, pnginfo=metadata, dpi=image.info.get("dpi"))
-
-
-def _save_gif(animation: Animation, path: Path) -> None:
-    """Write an endless GIF and leave the figure in the state of its last frame.
-
-    All frames share one palette, taken from a few of them, so that none flickers.
-    """
-    figure = animation.figure
-    canvas = FigureCanvasAgg(figure)
-    figure.set_dpi(DPI)
-    # All frames have the layout of the first: texts that change would move the axes.
-    animation.show(0)
-    figure.draw_without_rendering()
-    _keep_layout(figure)
-    frames = []
-    for number in range(animation.frames):
-        animation.show(number)
-        canvas.draw()
-        frames.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
-    sample = Image.fromarray(np.concatenate(frames[:: max(1, len(frames) // 4)]))
-    # This method keeps colours that only a few pixels have, like those of lines.
-    coverage = Image.Quantize.MAXCOVERAGE
-    palette = sample.quantize(PALETTE, method=coverage, dither=Image.Dither.NONE)
-    images = [
-        Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
-        for frame in frames
-    ]
-    options = {"save_all": True, "loop": 0, "duration": animation.duration}
-    images[0].save(path, format="GIF", append_images=images[1:], **options)
-
-
 def draw_figures(
     names: Sequence[str],
     dataset_path: Path,
@@ -322,27 +191,12 @@ def draw_figures(
 ) -> None:
     """Draw figures of a study in parallel; a failed figure does not stop the others.
 
-    Parameters
-    ----------
-    names : sequence of str
-        Names of `FIGURES`, or of the study's own plots.
-    dataset_path : Path
-        The study's ``dataset.nc``.
-    out_folder : Path
-        Folder for the files; made if absent.
-    processes : int
-        Number of processes.
-    code : str
-        Hash of the code that draws. If given, figures are skipped whose files are unchanged since
-        this code drew them from this dataset and their entry of the catalogue.
-    study_path : Path, optional
-        The study file, which defines the study's own plots.
+    They are named in the catalogue, or in the file of the study, whose ``dataset.nc`` they show.
+    Given the hash of the ``code`` that draws, figures are skipped whose files are unchanged since
+    this code drew them from this dataset and their entry of the catalogue.
 
-    Raises
-    ------
-    InputError
-        For an unknown figure, a missing dataset, or one without points for a figure. Of several
-        errors the first is raised, and the others are printed on standard error.
+    Raises ``InputError`` for an unknown figure, a missing dataset, or one without points for a
+    figure. Of several errors the first is raised; the others are printed on standard error.
     """
     plots = load_study(study_path, None).plots if study_path else None
     specs = {name: find_spec(name, plots) for name in names}
@@ -360,10 +214,8 @@ def draw_figures(
         }
         problems = {name: future.exception() for name, future in futures.items()}
     if code and outdated and out_folder.is_dir():
-        for name, problem in problems.items():
-            if not problem and (
-                record := current_record(specs[name], dataset_path, out_folder, code)
-            ):
+        for name in (name for name, problem in problems.items() if not problem):
+            if record := current_record(specs[name], dataset_path, out_folder, code):
                 records[name] = record
         write_records(out_folder, records)
     if failures := [problem for problem in problems.values() if problem]:

@@ -1,6 +1,5 @@
 """A chute flow as in Walton's Figs. 1.1 to 1.6: profiles of velocity and packing, and spheres."""
 
-from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
@@ -25,24 +24,14 @@ _REPLICATE: dict[str, Any] = {"alpha": PALE, "linewidth": 0.7, "zorder": 1.5}
 
 def notes(data: FigureData) -> list[str]:
     """Return what the caption says of each flow that is drawn."""
-    flows = _flows(data)
-    sentences = [
-        f"Pale: single replicates; instantaneous profiles and (c): the first flow ({label})."
-        for label, _ in flows[:1]
-    ]
-    for label, row in flows:
-        count = int(row["completed"])
-        replicates = f"{count} replicates, {_regimes(row)}" if count > 1 else "one replicate"
-        sentences.append(
+    return [
+        "Pale: single replicates; instantaneous profiles and (c) are of the first flow.",
+        *(
             f"{label[0].upper()}{label[1:]}: mean velocity {velocity_text(row)} (95 % interval), "
-            f"{row['regime']}; {replicates}."
-        )
-    return sentences
-
-
-def _regimes(row: Mapping[str, Any]) -> str:
-    counts = Counter(row["regimes"]).most_common()
-    return ", ".join(f"{count} {regime}" for regime, count in counts)
+            f"{row['regime']}; replicates: {row['completed']:g}."
+            for label, row in _flows(data)
+        ),
+    ]
 
 
 def _flows(data: FigureData) -> list[tuple[str, dict[str, Any]]]:
@@ -54,14 +43,11 @@ def _flows(data: FigureData) -> list[tuple[str, dict[str, Any]]]:
     chute, flows = SYSTEMS["chute"], []
     candidates = (*start_parameters(chute), "stiffness")
     varied = [name for name in candidates if rows[name].nunique() > 1]
-    for names, points in split_curves(
-        rows, "point", ("protocol", *varied), tuple(chute.model_fields)
-    ):
-        extra = "".join(
-            f", {setting('chute', *item)}" for item in names.items() if item[0] != "protocol"
-        )
-        label = PROTOCOLS["chute"][names["protocol"]] + extra
-        flows += [(label, row) for row in points.to_dict("records")]
+    keys = ("protocol", *varied)
+    for names, points in split_curves(rows, "point", keys, tuple(chute.model_fields)):
+        protocol, *others = (setting("chute", *item) for item in names.items())
+        protocol = PROTOCOLS["chute"][names["protocol"]]
+        flows += [(", ".join([protocol, *others]), row) for row in points.to_dict("records")]
 
     def order(flow: tuple[str, dict[str, Any]]) -> tuple[bool, int]:
         row = flow[1]

@@ -10,9 +10,8 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
 from sim.base.statistics import student_half_width
-from sim.figures.axes import NONE, limit_axis
 from sim.figures.caption import not_drawn, point_notes
-from sim.figures.data import Drawing, FigureData, parameter_unit, quantity_table
+from sim.figures.data import Drawing, FigureData, quantity_table
 from sim.figures.plot import (
     MOST_COLUMNS,
     PANEL_SIZE,
@@ -24,7 +23,8 @@ from sim.figures.plot import (
     panels,
     write_no_data,
 )
-from sim.figures.style import COLOURS, PALE, explain_markers, is_undecided
+from sim.figures.style import COLOURS, PALE, explain_markers, is_undecided, limit_axis
+from sim.figures.units import parameter_unit
 from sim.figures.variables import Variable, colour, legend, observable, parameter, rows_with_values
 from sim.study.plottable import REGIME, numbers
 
@@ -53,9 +53,7 @@ def draw(data: FigureData) -> Figure:
             variable.scale(axes, axis)
             if not variable.log and not variable.choices:
                 values = variable.values[drawable(data, data.rows).index]
-                of = variable.quantity
-                half_widths = of.half_width[values.index] if of else NONE
-                limit_axis(axes, axis, values, half_widths, foreign_values(data, axis))
+                limit_axis(axes, axis, values, foreign_values(data, axis))
     label_axes(figure, shown, x.label, y.label)
     legend(data, figure, shown, foreign=foreign)
     return figure
@@ -64,11 +62,8 @@ def draw(data: FigureData) -> Figure:
 def coordinates(data: FigureData) -> list[Variable]:
     """Return what is on x and on y."""
     spec = data.spec
-    if spec.axes:
-        x = parameter(data, spec.axes[0], log="x" in spec.log)
-    else:
-        x = observable(data, "second", "x")
-    return [x, observable(data, "show", "y")]
+    across = [parameter(data, name, log="x" in spec.log) for name in spec.axes[:1]]
+    return [*(across or [observable(data, "second", "x")]), observable(data, "show", "y")]
 
 
 def drawable(data: FigureData, rows: pd.DataFrame) -> pd.DataFrame:
@@ -90,11 +85,10 @@ def has_mean(rows: pd.DataFrame, x: Variable) -> bool:
 def _draw_bars(axes: Axes, data: FigureData, rows: pd.DataFrame) -> None:
     x, y = coordinates(data)
     for key, quantity in (("xerr", x.quantity), ("yerr", y.quantity)):
-        half = quantity.half_width[rows.index].dropna() if quantity else NONE
-        if len(half):
+        if quantity:
             look: dict[str, Any] = {"ecolor": "#9a9a9a", "elinewidth": 0.6, "capsize": 0}
-            look |= {key: half, "fmt": "none", "zorder": 1.5}
-            axes.errorbar(x.values[half.index], y.values[half.index], **look)
+            look |= {key: quantity.half_width[rows.index], "fmt": "none", "zorder": 1.5}
+            axes.errorbar(x.values[rows.index], y.values[rows.index], **look)
 
 
 def draw_points(
@@ -173,21 +167,10 @@ GROUPS = "groups of points that are neighbours along x"
 def binned_means(x: pd.Series, y: pd.Series, *, log: bool = False) -> pd.DataFrame:
     """Return the mean of ``y`` in groups of points that are neighbours in ``x``.
 
-    There are about as many groups as points in each. Where x has few values, each is a group.
-
-    Parameters
-    ----------
-    x, y : pandas.Series
-        Coordinates of points; those without both are left out.
-    log : bool
-        Whether the means are those of the logarithm.
-
-    Returns
-    -------
-    pandas.DataFrame
-        A row per group in the order of x: ``from``, ``to`` and the mean ``x``, the ``mean`` with
-        the ends ``low`` and ``high`` of Student's 95 % interval (not-a-number for one point), and
-        the number of ``points``.
+    There are about as many groups as points in each. Where x has few values, each is a group. A row
+    per group has ``from``, ``to`` and the mean ``x``, the ``mean`` (with ``log`` of the logarithm)
+    with the ends ``low`` and ``high`` of Student's 95 % interval, not-a-number for one point, and
+    the number of ``points``.
     """
     points = pd.DataFrame({"x": x, "y": np.log(y) if log else y}).dropna()
     if points["x"].nunique() * _OF_ONE_VALUE <= len(points):

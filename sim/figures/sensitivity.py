@@ -1,16 +1,16 @@
 """Pictures of what matters: bars of Sobol' indices and interactions, and Morris' screening."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from sim.figures.data import Drawing, FigureData, label_with_unit, unit_of
-from sim.figures.plot import SINGLE_SIZE, wrap_label
+from sim.figures.data import Drawing, FigureData
+from sim.figures.plot import SINGLE_SIZE, one_panel, wrap_label
 from sim.figures.style import COLOURS, LEVEL, cycle_style, escape_label, legend_above
+from sim.figures.units import label_with_unit, unit_of
 from sim.study.plot_contents import parameter_phrase
 from sim.surrogates.answers import MANY_BLOCKS
 from sim.surrogates.indices import NEGLIGIBLE
@@ -22,22 +22,20 @@ _ROW, _FRAME = 0.42, 1.3
 #: Most pairs of parameters that a picture has room for.
 _MOST_PAIRS = 15
 
+#: Columns of the parameters of a pair.
+_PAIR = ("parameter", "other")
+
 
 def _draw_indices(data: FigureData) -> Figure:
     """Draw a bar of the first-order and of the total index of each parameter."""
     table = _table(data)
     total, first = (_of(table, index) for index in ("total", "first"))
     names = total.sort_values("value", ascending=False, na_position="last")["parameter"].tolist()
-    figure, axes = _bars(len(names))
-    for shift, rows, label, colour in (
-        (-0.19, first, "first order: alone", COLOURS[1]),
-        (0.19, total, "total: with all interactions", COLOURS[2]),
-    ):
-        _draw_bars(axes, rows.set_index("parameter").loc[names], shift, 0.36, colour, label)
-    _name_rows(axes, [parameter_phrase(data.spec.system, name) for name in names])
-    axes.set_xlabel("share of the variance")
-    legend_above(figure, *axes.get_legend_handles_labels())
-    return figure
+    phrases = [parameter_phrase(data.spec.system, name) for name in names]
+    bars = {"first order: alone": first, "total: with all interactions": total}
+    return _bars(
+        phrases, {label: rows.set_index("parameter").loc[names] for label, rows in bars.items()}
+    )
 
 
 def _indices_table(data: FigureData) -> pd.DataFrame:
@@ -77,13 +75,11 @@ def _negligible_note(table: pd.DataFrame) -> list[str]:
 def _draw_interactions(data: FigureData) -> Figure:
     """Draw a bar of the second-order index of each pair of parameters, the largest first."""
     rows = _of(_table(data), "interaction").sort_values("value", ascending=False)[:_MOST_PAIRS]
-    figure, axes = _bars(len(rows))
-    _draw_bars(axes, rows, 0.0, 0.6, COLOURS[3], None)
-    system = data.spec.system
     pairs = zip(rows["parameter"], rows["other"], strict=True)
-    _name_rows(axes, [" × ".join(parameter_phrase(system, one) for one in pair) for pair in pairs])
-    axes.set_xlabel("share of the variance")
-    return figure
+    phrases = [
+        " × ".join(parameter_phrase(data.spec.system, one) for one in pair) for pair in pairs
+    ]
+    return _bars(phrases, {"": rows})
 
 
 def _interactions_table(data: FigureData) -> pd.DataFrame:
@@ -92,12 +88,9 @@ def _interactions_table(data: FigureData) -> pd.DataFrame:
 
 def _interactions_notes(data: FigureData) -> list[str]:
     table = _table(data)
-    pairs = len(_of(table, "interaction"))
-    more = [f"The largest {_MOST_PAIRS} of {pairs} pairs."] if pairs > _MOST_PAIRS else []
     return [
         "Share of the variance that a pair of parameters explains beyond what each explains alone. "
-        "Values below zero are zero within their intervals.",
-        *more,
+        f"Values below zero are zero within their intervals. Drawn are the largest {_MOST_PAIRS}.",
         *_sample_notes(table),
     ]
 
@@ -106,21 +99,14 @@ def _draw_screening(data: FigureData) -> Figure:
     """Draw mean size against deviation of the effects of each parameter."""
     table = _table(data)
     means, deviations = (_of(table, index).set_index("parameter") for index in ("mu_star", "sigma"))
-    figure = Figure(figsize=SINGLE_SIZE, layout="constrained")
-    axes = figure.subplots()
+    figure, axes = one_panel()
     for number, name in enumerate(means.sort_values("value", ascending=False).index):
-        x, y, style = means.loc[name], deviations.loc[name], cycle_style(number)
-        axes.errorbar(
-            x["value"],
-            y["value"],
-            xerr=[[x["value"] - x["low"]], [x["high"] - x["value"]]],
-            yerr=[[y["value"] - y["low"]], [y["high"] - y["value"]]],
-            color=style.colour,
-            marker=style.marker,
-            linestyle="none",
-            elinewidth=0.9,
-            label=escape_label(parameter_phrase(data.spec.system, name)),
-        )
+        style, label = cycle_style(number), escape_label(parameter_phrase(data.spec.system, name))
+        both = [one.loc[name, ["low", "value", "high"]] for one in (means, deviations)]
+        (_, x, _), (_, y, _) = both
+        xerr, yerr = (np.abs(np.diff(one.to_numpy(float)))[:, None] for one in both)
+        look: dict[str, Any] = {"fmt": style.marker, "color": style.colour, "label": label}
+        axes.errorbar(x, y, yerr, xerr, elinewidth=0.9, **look)
     ends = pd.concat([means, deviations])[["value", "high"]]
     end = 1.05 * np.nanmax(ends) or 1.0
     axes.plot([0, end], [0, end], **LEVEL, label="σ = μ*")
@@ -147,34 +133,34 @@ def _screening_notes(data: FigureData) -> list[str]:
 
 
 def _table(data: FigureData) -> pd.DataFrame:
-    return load_table(data.answer)
+    table: pd.DataFrame = data.read_answer(load_table)
+    return table
 
 
 def _of(table: pd.DataFrame, index: str) -> pd.DataFrame:
     return table[table["index"] == index]
 
 
-def _bars(rows: int) -> tuple[Figure, Axes]:
-    figure = Figure(figsize=(SINGLE_SIZE[0], _FRAME + _ROW * max(rows, 2)), layout="constrained")
-    return figure, figure.subplots()
+def _bars(names: Sequence[str], each: Mapping[str, pd.DataFrame]) -> Figure:
+    """Draw horizontal bars with intervals, a row of them for each name from the top.
 
-
-def _draw_bars(
-    axes: Axes, rows: pd.DataFrame, shift: float, height: float, colour: str, label: str | None
-) -> None:
-    """Draw horizontal bars with intervals, from the top, ``shift`` rows lower."""
-    places = np.arange(len(rows)) + shift
-    half = [rows["value"] - rows["low"], rows["high"] - rows["value"]]
-    axes.barh(places, rows["value"], height, color=colour, label=label)
-    look: dict[str, Any] = {"fmt": "none", "ecolor": "black", "elinewidth": 0.9, "capsize": 2}
-    axes.errorbar(rows["value"], places, xerr=half, **look)
+    ``each`` are the values of the rows by their entry in the legend, empty for none.
+    """
+    figure, axes = one_panel((SINGLE_SIZE[0], _FRAME + _ROW * max(len(names), 2)))
+    height = 0.74 / len(each)
+    for number, (label, rows) in enumerate(each.items()):
+        places = np.arange(len(rows)) + height * (number - (len(each) - 1) / 2)
+        half = [rows["value"] - rows["low"], rows["high"] - rows["value"]]
+        look: dict[str, Any] = {"color": COLOURS[number + 1], "label": label}
+        axes.barh(places, rows["value"], 0.95 * height, xerr=half, capsize=2, **look)
     axes.axvline(0, color="#444444", linewidth=0.8)
-
-
-def _name_rows(axes: Axes, names: Sequence[str]) -> None:
     axes.set_yticks(range(len(names)), [escape_label(name) for name in names])
-    axes.set_ylim(len(names) - 0.4, -0.6)
+    axes.invert_yaxis()
     axes.grid(visible=False, axis="y")
+    axes.set_xlabel("share of the variance")
+    if len(each) > 1:
+        legend_above(figure, *axes.get_legend_handles_labels())
+    return figure
 
 
 def _sample_notes(table: pd.DataFrame) -> list[str]:

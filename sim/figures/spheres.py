@@ -26,9 +26,9 @@ AZIMUTH, ELEVATION = -16.0, 14.0
 
 _FLOOR, _GLUED = (0.86, 0.84, 0.80), (0.6, 0.6, 0.6, 1.0)
 
-_TEXT: dict[str, Any] = {"color": DARK, "fontsize": 8.5}
 _ARROW: dict[str, Any] = {
-    **{"arrowstyle": "-|>", "color": DARK, "linewidth": 1.2, "shrinkA": 0, "shrinkB": 0}
+    **{"color": DARK, "fontsize": 8.5, "annotation_clip": False},
+    "arrowprops": {"arrowstyle": "-|>", "color": DARK, "linewidth": 1.2, "shrinkA": 0},
 }
 
 
@@ -42,20 +42,10 @@ def draw_particles(
     shaded: bool = False,
     **look: Any,
 ) -> EllipseCollection:
-    """Draw particles to scale.
+    """Draw particles to scale: centres (N, 2), diameters (N,) and colours (N, 4).
 
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw; its unit is that of places and sizes.
-    place, size, colour : numpy.ndarray
-        Centres (N, 2), diameters (N,), and colours (N, 4), red, green, blue and opacity.
-    depth : numpy.ndarray, optional
-        How near to the viewer they are (N,); the nearer ones hide the others.
-    shaded : bool
-        Whether they look like spheres in a light, not like discs.
-    **look
-        Options of the circles, as their edges.
+    ``depth`` (N,) is how near to the viewer they are; the nearer ones hide the others. ``shaded``
+    particles look like spheres in a light. ``look`` are options of the circles, as their edges.
     """
     if depth is not None:
         order = np.argsort(depth, kind="stable")
@@ -96,13 +86,8 @@ def across_sides(x: np.ndarray, size: np.ndarray, period: float) -> tuple[np.nda
 def view_from(azimuth: float, elevation: float, slope: float = 0.0) -> np.ndarray:
     """Return the unit vectors (3, 3) to the right and up in a picture, and toward the viewer.
 
-    Parameters
-    ----------
-    azimuth, elevation : float
-        Angle of the viewer, who looks along y with z up, round towards negative x, and angle above
-        the horizontal, degrees.
-    slope : float
-        Angle by which x points below the horizontal of the picture, degrees.
+    Angles are in degrees: of the viewer, who looks along y with z up, round towards negative x, and
+    above the horizontal; ``slope`` is how far x points below the horizontal of the picture.
     """
     a, e, s = np.radians([azimuth, elevation, slope])
     right = np.array([np.cos(a), -np.sin(a), 0.0])
@@ -114,16 +99,8 @@ def view_from(azimuth: float, elevation: float, slope: float = 0.0) -> np.ndarra
 class Scene:
     """The view, the shown part of the cell, and the colours that all pictures of a flow share.
 
-    Parameters
-    ----------
-    row : mapping
-        Parameters of the point.
-    state : xarray.Dataset
-        Its particles, see `sim.dataset.results.Results.particles`.
-    heights : numpy.ndarray
-        Heights (m) for which the pictures need room, of any shape.
-    speeds : numpy.ndarray
-        Velocities down the slope (m/s) that span the range of colours, of any shape.
+    ``row`` and ``state`` are a point and its particles, ``heights`` (m) those for which pictures
+    need room, and ``speeds`` (m/s) the velocities down the slope that span the range of colours.
     """
 
     def __init__(
@@ -139,9 +116,8 @@ class Scene:
         self.top = float(heights.max(initial=0.0)) / self.diameter
         # The least range gives spheres at rest one colour despite rounding errors.
         slow, fast = np.percentile(speeds, (1, 99))
-        fast = max(fast, slow + 0.05 * np.sqrt(row["gravity"] * self.diameter))
-        self.range = float(slow), float(fast)
-        self.norm = Normalize(*self.range)
+        least = 0.05 * np.sqrt(row["gravity"] * self.diameter)
+        self.norm = Normalize(float(slow), float(max(fast, slow + least)))
 
     def draw(self, axes: Axes, position: np.ndarray, speed: np.ndarray) -> EllipseCollection:
         """Draw spheres at ``position`` (N, 3), m, coloured by ``speed`` (N,), m/s.
@@ -158,7 +134,7 @@ class Scene:
         )
 
     def prepare(self, axes: Axes) -> None:
-        """Draw the plane, arrows of flow and gravity, scale bar and colour bar, in units of σ."""
+        """Draw the plane, arrows of flow and gravity, and a colour bar, in units of σ."""
         axes.set(xticks=[], yticks=[], anchor="W", aspect="equal")
         axes.spines[:].set_visible(False)
         axes.grid(visible=False)
@@ -167,26 +143,15 @@ class Scene:
         axes.fill(*ground[:, :2].T, color=_FLOOR, zorder=1)
         above = ground + self.top * self.view[:, 2]
         corners = np.concatenate([ground, above])[:, :2]
-        self._draw_arrows(axes, *(corners.min(axis=0) - 0.5), *(corners.max(axis=0) + 0.5))
+        (left, bottom), (right, top) = corners.min(axis=0) - 0.5, corners.max(axis=0) + 0.5
+        length = 0.17 * max(right - left, top - bottom)
+        # In front of the plane, and at the right.
+        start, end = (np.array([(0, -2.3, 0), (length, -2.3, 0)]) @ self.view.T)[:, :2]
+        aside = right - 0.3 * length
+        axes.annotate("flow", end, start, ha="right", va="top", **_ARROW)
+        axes.annotate("g", (aside, top - length), (aside, top), ha="center", **_ARROW)
+        axes.set(xlim=(min(left, start[0] - length), right), ylim=(bottom - 0.7 * length, top))
         shades = ScalarMappable(self.norm, COLOURS)
         look: dict[str, Any] = {"shrink": 0.55, "aspect": 22}
         label = "velocity of spheres u (m/s)"
         axes.figure.colorbar(shades, ax=axes, pad=0.02, label=label, **look)
-
-    def _draw_arrows(
-        self, axes: Axes, left: float, bottom: float, right: float, top: float
-    ) -> None:
-        """Draw arrows of the flow (in front of the plane) and of gravity, and a bar of 5 σ."""
-        length = 0.17 * max(right - left, top - bottom)
-        path = np.array([(0, -2.3, 0), (length, -2.3, 0)]) @ self.view.T
-        (x0, y0, _), (x1, y1, _) = path
-        axes.annotate("", (x1, y1), (x0, y0), arrowprops=_ARROW, annotation_clip=False)
-        axes.text(x0, y0 - 0.02 * length, "flow ", ha="right", va="top", **_TEXT)
-        aside = right - 0.3 * length
-        axes.annotate("", (aside, top - length), (aside, top), arrowprops=_ARROW)
-        axes.text(aside, top - 0.5 * length, " g", ha="left", va="center", **_TEXT)
-        low = bottom - 0.1 * length
-        axes.plot([right - 5, right], [low, low], color=DARK, linewidth=2, solid_capstyle="butt")
-        axes.text(right - 2.5, low - 0.1 * length, "5 σ", ha="center", va="top", **_TEXT)
-        axes.set_xlim(min(left, x0 - 0.8 * length), right)
-        axes.set_ylim(low - 0.7 * length, top)

@@ -10,8 +10,10 @@ from typing import Any
 import pandas as pd
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 from matplotlib.transforms import offset_copy
 
 from sim.parameters import SYSTEMS, field_info
@@ -26,19 +28,12 @@ NAMED = dict(zip(("black", "blue", "red", "green", "pink", "sky", "orange"), COL
 DASHES = ("-", (0, (5, 2)), (0, (5, 2, 1, 2)), (0, (1, 1.5)), (0, (5, 2, 1, 2, 1, 2)))
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "p")
 
-SHORT_DASH = (0, (3, 1.5))
-LONG_DASH = DASHES[1]
-DOTTED = DASHES[3]
-DASH_DOT = (0, (6, 2, 1, 2))
+SHORT_DASH, DASH_DOT = (0, (3, 1.5)), (0, (6, 2, 1, 2))
+LONG_DASH, DOTTED = DASHES[1], DASHES[3]
 
 #: Dash patterns by their names in the figures of papers.
-PATTERNS = {
-    "solid": "-",
-    "short_dash": SHORT_DASH,
-    "long_dash": LONG_DASH,
-    "dash_dot": DASH_DOT,
-    "dotted": DOTTED,
-    "none": "none",
+PATTERNS = {"solid": "-", "short_dash": SHORT_DASH, "long_dash": LONG_DASH} | {
+    **{"dash_dot": DASH_DOT, "dotted": DOTTED, "none": "none"}
 }
 
 #: matplotlib settings in force while a figure is drawn and saved.
@@ -62,26 +57,16 @@ SETTINGS: dict[Any, Any] = {
     "errorbar.capsize": 2,
 }
 
-
 #: Opacity of what is pale.
 PALE = 0.3
 
-#: Legend entries of markers that are pale, open or have a ring.
-MEANINGS = "may be steady (short run)", "not steady", "one replicate"
-PALE_MEANS, OPEN_MEANS, RING_MEANS = MEANINGS
+#: Legend entries of markers that are pale or open.
+MEANINGS = PALE_MEANS, OPEN_MEANS = "may be steady (short run)", "not steady"
 
-#: Look of the ring around a point of one replicate where others have bars.
-RING: dict[str, Any] = {
-    **{"marker": "o", "markersize": 8.5, "markerfacecolor": "none", "markeredgewidth": 0.8},
-    **{"linestyle": "none", "color": "#666666", "zorder": 3.2},
-}
-
-#: Style of a line of the converged protocol beside the published one.
+#: Style of a line of the converged protocol beside the published one, and size of its markers where
+#: no line joins them.
 PALE_LINE: dict[str, Any] = {"linewidth": 3.4, "alpha": 0.4, "zorder": 1.9}
-
-#: Size of the markers of the converged protocol where no line joins them.
 PALE_MARKER_SIZE = 7.0
-
 
 #: A letter, or a difference, with a subscript.
 _SUBSCRIPT = re.compile(r"(?<![\w$])(Δ?[^\W\d_])_([^\W_]+)(?![\w$])")
@@ -92,10 +77,8 @@ _IN_BRACKETS = re.compile(r"^(\S+) = (\S+) (⟨\w⟩)$")
 #: Colour of a caveat beneath a picture.
 DOUBTFUL = "#9c2a2a"
 
-#: Style of a level with which values are compared.
+#: Style of a level with which values are compared, and of a line of theory.
 LEVEL: dict[str, Any] = {"color": "#888888", "linestyle": ":", "linewidth": 0.9, "zorder": 1}
-
-#: Style of a line of theory.
 THEORY: dict[str, Any] = {"color": "#444444", "linestyle": DASHES[3], "linewidth": 1.3, "zorder": 2}
 
 
@@ -219,16 +202,9 @@ Look = Callable[[dict[str, object], int], tuple[CurveStyle, str]]
 def look_of(spec: FigureSpec, keys: Sequence[str], measure: Measure | None = None) -> Look:
     """Return a function that returns style and legend entry of each curve of a paper's figure.
 
-    Parameters
-    ----------
-    spec : FigureSpec
-        The figure.
-    keys : sequence of str
-        Parameters that name a curve. The legend entry ends with the settings of all other
-        parameters that distinguish curves.
-    measure : Measure, optional
-        One of several measures: it has a style of its own, and its ``entry`` follows the settings;
-        or ``dashes`` alone instead of those of the curve.
+    ``keys`` name a curve; its entry ends with the settings of all others that tell curves apart.
+    A ``measure`` has a style of its own, and its ``entry`` follows the settings; or ``dashes``
+    alone instead of those of the curve.
     """
     styles = {style.at: style for style in spec.styles}
 
@@ -252,6 +228,26 @@ def look_of(spec: FigureSpec, keys: Sequence[str], measure: Measure | None = Non
     return look
 
 
+def labels_and_styles(
+    curves: Sequence[dict[str, Any]], look: Look
+) -> tuple[list[str], dict[str, CurveStyle]]:
+    """Return the legend entry of each curve, and the style of each entry.
+
+    ``curves`` are the values that name each curve.
+    """
+    labels: list[str] = []
+    styles: dict[str, CurveStyle] = {}
+    for names in curves:
+        parameters = {name: value for name, value in names.items() if name != "protocol"}
+        style, label = look(parameters, len(styles))
+        if label not in styles and style in styles.values():
+            # These curves differ in a parameter that the paper's styles do not distinguish.
+            style = cycle_style(len(styles) + len(MARKERS) // 2)
+        styles.setdefault(label, style)
+        labels.append(label)
+    return labels, styles
+
+
 def settings(system: str, values: Iterable[tuple[str, object]]) -> str:
     """Write values of parameters for a legend: ``e = 0.85, K1 = 100 N/m``.
 
@@ -270,3 +266,60 @@ def _setting(system: str, name: str, value: object) -> str:
     if isinstance(value, str) and value:
         return setting(system, name, value).replace(f"{name} ", f"{name_in_words(name)}: ", 1)
     return _IN_BRACKETS.sub(r"\1/\3 = \2", setting(system, name, value))
+
+
+#: Ratio of the ends of a logarithmic axis from which only powers of ten have ticks.
+_DECADES_FROM = 300
+
+#: Most room beyond the values, relative to their range; on a logarithmic axis as a factor.
+_MARGIN, _FACTOR = 0.8, 3.0
+
+
+def set_log(axes: Axes, axis: str) -> None:
+    """Make the axis ``"x"`` or ``"y"`` logarithmic, with plain numbers at its ticks."""
+    getattr(axes, f"set_{axis}scale")("log")
+    set_plain_ticks(axes.xaxis if axis == "x" else axes.yaxis)
+
+
+def set_plain_ticks(axis: Axis) -> None:
+    """Put plain numbers at the ticks of a logarithmic axis, powers of ten where they are long."""
+    axis.set_major_locator(_Steps())
+    axis.set_major_formatter(lambda value, _: _plain(value))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def _plain(value: float) -> str:
+    """Write the number at a tick.
+
+    >>> _plain(0.5), _plain(1e-5), _plain(2e6)
+    ('0.5', '$10^{-5}$', '$2×10^{6}$')
+    """
+    mantissa, exponent, power = f"{value:g}".partition("e")
+    if not exponent:
+        return mantissa
+    return f"${'' if mantissa == '1' else mantissa + '×'}10^{{{int(power)}}}$"
+
+
+class _Steps(LogLocator):
+    """Ticks at 1, 2 and 5 times each power of ten; over many powers at the powers alone."""
+
+    def tick_values(self, vmin: float, vmax: float) -> Sequence[float]:
+        self.set_params(subs=(1, 2, 5) if vmax < _DECADES_FROM * vmin else (1,))
+        return super().tick_values(vmin, vmax)
+
+
+def limit_axis(axes: Axes, axis: str, *values: pd.Series) -> None:
+    """Limit the axis ``"x"`` or ``"y"`` to a margin around values: bars may go far beyond it."""
+    places = pd.concat(values).dropna()
+    if places.empty:
+        return
+    first, last = places.min(), places.max()
+    if getattr(axes, f"get_{axis}scale")() == "log":
+        least, most = first / _FACTOR, last * _FACTOR
+    else:
+        room = _MARGIN * (last - first or abs(last) or 1.0)
+        least, most = first - room, last + room
+        # Where no value is below zero, there is but room for a marker.
+        least = least if first < 0 else max(least, -0.04 * last)
+    low, high = getattr(axes, f"get_{axis}lim")()
+    getattr(axes, f"set_{axis}lim")(max(low, least), min(high, most))

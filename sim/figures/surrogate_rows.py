@@ -1,17 +1,14 @@
 """What the pictures of a surrogate show, as tables: sections, maps, runs, and sentences on them."""
 
-from functools import lru_cache
 from itertools import islice, product
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from sim.base.errors import upper_first
-from sim.base.files import file_version
 from sim.base.statistics import MANY, student
-from sim.figures.data import FigureData, parameter_heading
+from sim.figures.data import FigureData
+from sim.figures.units import parameter_heading
 from sim.parameters.words import setting
 from sim.study.design import Axis
 from sim.surrogates.fit import counted_probability
@@ -29,20 +26,12 @@ NEAR = 0.25
 _MOST_SETTINGS = 4
 
 
-def find_surrogate(data: FigureData) -> Surrogate:
-    """Return the surrogate that a figure shows."""
-    return _load(data.answer, file_version(data.answer))
-
-
-@lru_cache(maxsize=4)
-def _load(path: Path, version: tuple[int, ...]) -> Surrogate:
-    return load_surrogate(path)
-
-
-def find_axis(data: FigureData, option: str) -> Axis:
-    """Return the parameter that an option of a figure names."""
-    name = getattr(data.spec.answer, option)
-    return next(axis for axis in find_surrogate(data).axes if axis.name == name)
+def find_surrogate(data: FigureData) -> tuple[Surrogate, list[Axis]]:
+    """Return the surrogate that a figure shows, and the parameters on its axes."""
+    surrogate: Surrogate = data.read_answer(load_surrogate)
+    answer = data.spec.answer
+    axes = {axis.name: axis for axis in surrogate.axes}
+    return surrogate, [axes[name] for name in (answer.x, answer.y) if name]
 
 
 def shown_settings(surrogate: Surrogate) -> list[dict[str, Any]]:
@@ -146,11 +135,6 @@ def with_units(surrogate: Surrogate, rows: pd.DataFrame) -> pd.DataFrame:
     headings |= {name: parameter_heading(surrogate.system, name) for name in names}
     headings["probability"] = f"probability of {' or '.join(surrogate.mean_regimes)}"
     return rows.rename(columns=headings)
-
-
-def basis_note(surrogate: Surrogate, *shown: str) -> str:
-    """Return the sentences on points and error of the mean, and on parameters on no axis."""
-    return f"{upper_first(surrogate.basis)}. {held_note(surrogate, *shown)}".strip()
 
 
 def held_note(surrogate: Surrogate, *shown: str) -> str:

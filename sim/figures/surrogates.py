@@ -1,27 +1,23 @@
 """Pictures of a surrogate: sections along a parameter, maps over two, and predicted against run."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from sim.base.errors import percent
-from sim.figures.axes import set_log
-from sim.figures.data import Drawing, FigureData, observable_text
-from sim.figures.plot import SINGLE_SIZE, parameter_label, wrap_label
+from sim.base.errors import percent, upper_first
+from sim.figures.data import Drawing, FigureData
+from sim.figures.plot import SINGLE_SIZE, one_panel, parameter_label, wrap_label
 from sim.figures.spheres import COLOURS
-from sim.figures.style import LEVEL, cycle_style, legend_above, settings
+from sim.figures.style import LEVEL, cycle_style, legend_above, limit_axis, set_log, settings
 from sim.figures.surrogate_rows import (
     MAP_STEPS,
     NEAR,
     agreement_rows,
-    basis_note,
-    find_axis,
     find_surrogate,
+    held_note,
     near_rows,
     regime_note,
     run_rows,
@@ -30,16 +26,17 @@ from sim.figures.surrogate_rows import (
     surface_rows,
     with_units,
 )
+from sim.figures.units import observable_text
+from sim.study.design import Axis
 from sim.surrogates.answers import EVEN
 from sim.surrogates.surrogate import Surrogate
 
-#: Looks of error bars in sections, of error bars of predictions, and of the line of a regime.
+#: Looks of error bars in sections, and of error bars of predictions.
 _RUNS: dict[str, Any] = {
     **{"fmt": "o", "markersize": 3.5, "markerfacecolor": "white", "zorder": 3},
     **{"elinewidth": 0.8, "capsize": 1.5},
 }
 _AGREEMENT: dict[str, Any] = {"fmt": "o", "markersize": 3.5, "elinewidth": 0.7, "alpha": 0.85}
-_BOUNDARY: dict[str, Any] = {"color": "black", "linewidth": 1.8}
 
 #: Width of a panel of a map where there are several, relative to a single one; most bands.
 _PANEL, _MOST_BANDS = 0.7, 13
@@ -47,9 +44,8 @@ _PANEL, _MOST_BANDS = 0.7, 13
 
 def _draw_section(data: FigureData) -> Figure:
     """Draw the mean along a parameter with its 95 % band, and the runs near it."""
-    surrogate, axis = find_surrogate(data), find_axis(data, "x")
-    figure = Figure(figsize=SINGLE_SIZE, layout="constrained")
-    axes = figure.subplots()
+    surrogate, (axis,) = find_surrogate(data)
+    figure, axes = one_panel()
     for index, chosen in enumerate(shown_settings(surrogate)):
         colour, label = cycle_style(index).colour, settings(surrogate.system, chosen.items())
         rows = section_rows(surrogate, axis, chosen)
@@ -60,10 +56,7 @@ def _draw_section(data: FigureData) -> Figure:
         axes.plot(x, mean.where(~likely), color=colour, dashes=(4, 2), linewidth=1)
         near = near_rows(surrogate, axis, chosen)
         axes.errorbar(near[axis.name], near["mean"], near["half_width"], color=colour, **_RUNS)
-    if axis.scale == "log":
-        set_log(axes, "x")
-    axes.set_xlim(axis.low, axis.high)
-    axes.set_xlabel(parameter_label(surrogate.system, axis.name))
+    _set_axis(axes, "x", axis, surrogate)
     axes.set_ylabel(_label(surrogate))
     handles, labels = axes.get_legend_handles_labels()
     if any(labels):
@@ -71,32 +64,49 @@ def _draw_section(data: FigureData) -> Figure:
     return figure
 
 
+def _set_axis(axes: Axes, along: str, axis: Axis, surrogate: Surrogate) -> None:
+    """Set scale, limits and label of an axis with a parameter."""
+    if axis.scale == "log":
+        set_log(axes, along)
+    label = parameter_label(surrogate.system, axis.name)
+    axes.set(**{f"{along}lim": (axis.low, axis.high), f"{along}label": label})
+
+
 def _section_table(data: FigureData) -> pd.DataFrame:
-    surrogate, axis = find_surrogate(data), find_axis(data, "x")
+    surrogate, (axis,) = find_surrogate(data)
     parts = []
     for chosen in shown_settings(surrogate):
         parts.append(section_rows(surrogate, axis, chosen).assign(of="surrogate"))
         parts.append(near_rows(surrogate, axis, chosen).assign(of="run"))
     rows = pd.concat([part for part in parts if len(part)], ignore_index=True)
-    names = ["of", *(one.name for one in surrogate.axes), "mean", "half_width", "probability"]
-    return with_units(surrogate, rows[names])
+    return with_units(surrogate, rows[["of", *_columns(surrogate)]])
+
+
+def _columns(surrogate: Surrogate) -> list[str]:
+    return [*(one.name for one in surrogate.axes), "mean", "half_width", "probability"]
 
 
 def _section_notes(data: FigureData) -> list[str]:
-    surrogate, axis = find_surrogate(data), find_axis(data, "x")
+    surrogate, _ = find_surrogate(data)
     runs = "Circles: the runs with their 95 % intervals."
     if len(surrogate.numeric) > 1:
         runs = (
             f"Circles: runs whose other parameters are within {100 * NEAR:g} % of the ranges of "
             "these values, moved here by what the surrogate says, with their 95 % intervals."
         )
-    dashed = regime_note(surrogate, "The line is dashed where")
-    return [basis_note(surrogate, axis.name), runs, dashed]
+    return [_basis_note(data), runs, regime_note(surrogate, "The line is dashed where")]
+
+
+def _basis_note(data: FigureData) -> str:
+    """Return the sentences on points and error of the mean, and on parameters on no axis."""
+    surrogate, shown = find_surrogate(data)
+    held = held_note(surrogate, *(axis.name for axis in shown))
+    return f"{upper_first(surrogate.basis)}. {held}".strip()
 
 
 def _draw_surface(data: FigureData) -> Figure:
     """Draw the mean over two parameters, a panel for each choice, with runs and regimes."""
-    surrogate, x, y = find_surrogate(data), find_axis(data, "x"), find_axis(data, "y")
+    surrogate, (x, y) = find_surrogate(data)
     every = shown_settings(surrogate)
     width = SINGLE_SIZE[0] * (1 if len(every) == 1 else _PANEL * len(every))
     figure = Figure(figsize=(width, SINGLE_SIZE[1]), layout="constrained")
@@ -104,91 +114,75 @@ def _draw_surface(data: FigureData) -> Figure:
     grids = [surface_rows(surrogate, x, y, chosen) for chosen in every]
     values = pd.concat([rows["mean"] for rows in grids])
     levels = MaxNLocator(_MOST_BANDS).tick_values(values.min(), values.max())
+    entries: dict[str, Any] = {}
     for axes, chosen, rows in zip(panels, every, grids, strict=True):
-        columns = (x.name, y.name, "mean", "probability")
-        parts = (rows[name].to_numpy().reshape(MAP_STEPS, MAP_STEPS) for name in columns)
-        across, up, mean, chance = parts
+        names = (x.name, y.name, "mean", "probability")
+        across, up, mean, chance = (
+            rows[name].to_numpy().reshape(MAP_STEPS, MAP_STEPS) for name in names
+        )
         filled = axes.contourf(across, up, mean, levels=levels, cmap=COLOURS)
+        for is_in_mean, runs in run_rows(surrogate, chosen).groupby("in_mean"):
+            look = {"color": "black", "markerfacecolor": "black" if is_in_mean else "white"}
+            look |= {"label": "run" if is_in_mean else "run left out of the mean"}
+            axes.plot(runs[x.name], runs[y.name], "o", markersize=3.6, clip_on=False, **look)
         if chance.min() < EVEN < chance.max():
             axes.contour(across, up, chance, [EVEN], colors="black", linewidths=1.8)
-        for is_in_mean, runs in run_rows(surrogate, chosen).groupby("in_mean"):
-            axes.plot(runs[x.name], runs[y.name], clip_on=False, **_dot(bool(is_in_mean)))
+            label = f"probability of {' or '.join(surrogate.mean_regimes)} 1/2"
+            axes.plot([], [], color="black", linewidth=1.8, label=label)
         if chosen:
             axes.set_title(settings(surrogate.system, chosen.items()), fontsize=9)
-        for name, one in (("x", x), ("y", y)):
-            if one.scale == "log":
-                set_log(axes, name)
-        axes.set(xlim=(x.low, x.high), ylim=(y.low, y.high))
-        axes.set_xlabel(parameter_label(surrogate.system, x.name))
         axes.grid(visible=False)
-    panels[0].set_ylabel(parameter_label(surrogate.system, y.name))
+        for along, one in (("x", x), ("y", y)):
+            _set_axis(axes, along, one, surrogate)
+        axes.label_outer()
+        handles, labels = axes.get_legend_handles_labels()
+        entries |= dict(zip(labels, handles, strict=True))
     figure.colorbar(filled, ax=list(panels), pad=0.02, label=_label(surrogate))
-    _explain_marks(figure, panels, surrogate)
+    legend_above(figure, list(entries.values()), list(entries))
     return figure
 
 
-def _dot(is_in_mean: bool) -> dict[str, Any]:
-    """Return the look of a run in a map: filled where it is part of the mean."""
-    face = "black" if is_in_mean else "white"
-    edge = {"markeredgecolor": "black", "markeredgewidth": 0.7}
-    return {"marker": "o", "linestyle": "", "markersize": 3.6, "markerfacecolor": face, **edge}
-
-
-def _explain_marks(figure: Figure, panels: Sequence[Axes], surrogate: Surrogate) -> None:
-    """Put a legend above a map: dots, and the line where another regime becomes likelier."""
-    entries = {"run": Line2D([], [], **_dot(True))}
-    if not surrogate.in_mean.all():
-        entries["run left out of the mean"] = Line2D([], [], **_dot(False))
-    if any(len(axes.collections) > 1 for axes in panels):
-        label = f"probability of {' or '.join(surrogate.mean_regimes)} 1/2"
-        entries[label] = Line2D([], [], **_BOUNDARY)
-    legend_above(figure, list(entries.values()), list(entries))
-
-
 def _surface_table(data: FigureData) -> pd.DataFrame:
-    surrogate, x, y = find_surrogate(data), find_axis(data, "x"), find_axis(data, "y")
+    surrogate, (x, y) = find_surrogate(data)
     parts = [surface_rows(surrogate, x, y, chosen) for chosen in shown_settings(surrogate)]
-    names = [*(one.name for one in surrogate.axes), "mean", "half_width", "probability"]
-    return with_units(surrogate, pd.concat(parts, ignore_index=True)[names])
+    return with_units(surrogate, pd.concat(parts, ignore_index=True)[_columns(surrogate)])
 
 
 def _surface_notes(data: FigureData) -> list[str]:
-    surrogate = find_surrogate(data)
-    basis = basis_note(surrogate, data.spec.answer.x, data.spec.answer.y)
+    surrogate, _ = find_surrogate(data)
     dots = "Dots: all runs, wherever their other parameters are."
-    line = regime_note(surrogate, "Across the line")
-    return [basis, dots, line]
+    return [_basis_note(data), dots, regime_note(surrogate, "Across the line")]
 
 
 def _draw_agreement(data: FigureData) -> Figure:
     """Draw each run against what the others predict of it."""
-    surrogate = find_surrogate(data)
+    surrogate, _ = find_surrogate(data)
     rows = agreement_rows(surrogate)
-    figure = Figure(figsize=(4.4, 4.2), layout="constrained")
-    axes, colour = figure.subplots(), cycle_style(1).colour
+    figure, axes = one_panel((4.4, 4.2))
     bars = rows["run_half_width"], rows["predicted_half_width"]
+    colour = cycle_style(1).colour
     axes.errorbar(rows["predicted"], rows["run"], *bars, color=colour, **_AGREEMENT)
     both = pd.concat([rows["predicted"], rows["run"]])
-    room = 0.05 * (both.max() - both.min() or abs(both.max()) or 1.0)
-    low, high = both.min() - room, both.max() + room
     if surrogate.process.is_log and both.min() > 0:
-        low, high = 0.85 * both.min(), both.max() / 0.85
-        for name in "xy":
-            set_log(axes, name)
-    axes.plot([low, high], [low, high], **LEVEL | {"linestyle": "-"})
-    axes.set(xlim=(low, high), ylim=(low, high), aspect="equal")
+        for along in "xy":
+            set_log(axes, along)
+    for along in "xy":
+        limit_axis(axes, along, both)
+    ends = *axes.get_xlim(), *axes.get_ylim()
+    axes.set(xlim=(min(ends), max(ends)), ylim=(min(ends), max(ends)), aspect="equal")
+    axes.plot([0, 1], [0, 1], transform=axes.transAxes, **LEVEL | {"linestyle": "-"})
     axes.set_xlabel(f"predicted {_label(surrogate)}")
     axes.set_ylabel(f"{_label(surrogate)} of the run")
     return figure
 
 
 def _agreement_table(data: FigureData) -> pd.DataFrame:
-    surrogate = find_surrogate(data)
+    surrogate, _ = find_surrogate(data)
     return with_units(surrogate, agreement_rows(surrogate))
 
 
 def _agreement_notes(data: FigureData) -> list[str]:
-    surrogate = find_surrogate(data)
+    surrogate, _ = find_surrogate(data)
     scatter = (
         "Too few points have two replicates: how far initial states differ is estimated from how "
         "far the runs are from a smooth surface."

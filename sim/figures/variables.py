@@ -16,9 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from sim.figures.axes import set_log
 from sim.figures.data import FigureData, Quantity
-from sim.figures.family import labels_and_styles
 from sim.figures.plot import (
     Panels,
     curve_keys,
@@ -34,9 +32,11 @@ from sim.figures.style import (
     Look,
     cycle_style,
     escape_label,
+    labels_and_styles,
     legend_above,
     legend_title,
     look_of,
+    set_log,
     settings,
 )
 from sim.parameters import SYSTEMS
@@ -61,18 +61,8 @@ REGIME_COLOURS = {
 class Variable:
     """A parameter, an observable or the regime of all points of a figure.
 
-    Attributes
-    ----------
-    name, label : str
-        Its name, and the label of its axis with the unit.
-    values : pandas.Series
-        Its values; of a choice their numbers in ``choices``. Not-a-number where unknown.
-    choices : tuple of str
-        The values of a choice; empty for numbers.
-    log : bool
-        Whether its axis is logarithmic.
-    quantity : Quantity or None
-        Of an observable: its intervals and its heading.
+    ``label`` is that of its axis. ``values`` are not-a-number where unknown, and of a choice their
+    numbers in ``choices``, which are empty for numbers. An observable has a ``quantity``.
     """
 
     name: str
@@ -227,19 +217,9 @@ def legend(
 ) -> None:
     """Put one legend above all panels, with each label once; none where no curve has a label.
 
-    Parameters
-    ----------
-    data : FigureData
-        The data of the figure.
-    figure : matplotlib.figure.Figure
-        The figure; it grows where the legend has more than a few lines.
-    shown : list
-        Its panels. Of more curves than `MOST_ENTRIES`, the legend only gives their number, or a
-        colour bar shows the number that tells them apart.
-    named : sequence of str
-        Parameters that identify curves; the title says what their symbols mean.
-    foreign : mapping, optional
-        Entries of foreign data, by label, which may equal those of curves.
+    Of more curves than `MOST_ENTRIES`, it only gives their number, or a colour bar shows the number
+    that tells them apart. ``named`` are the parameters that identify curves; the title says what
+    their symbols mean. ``foreign`` are entries of foreign data, which may equal those of curves.
     """
     entries: dict[str, Any] = {}
     for axes, _ in shown:

@@ -9,7 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from sim.dataset.replicates import UNSOUND_SHARE, outcomes
-from sim.figures.data import label_with_unit
+from sim.figures.units import label_with_unit
 from sim.parameters import SYSTEMS, Parameters, default_of, field_info
 from sim.parameters.roles import amount_parameters
 from sim.parameters.variables import VARIABLES

@@ -20,7 +20,7 @@ from sim.study.figure_spec import FIGURES, FigureSpec
 from sim.study.load import load_study
 from sim.study.plottable import Keys, find_kind, kinds, study_kinds
 from tests import conformance  # noqa: F401  (loads the plug-ins)
-from tests.figures import made_belt, made_chute
+from tests.figures import made_papers
 from tests.made.figures import make_built_regimes, make_built_study
 from tests.made.netcdf import edit_file
 from tests.made.once import once
@@ -83,15 +83,14 @@ def make_own(folder: Path) -> tuple[Path, Path]:
     )
     for number, point in enumerate(load_study(path, folder).points.values()):
         parameters, velocity = point.parameters, (0.4 + number) * np.array([1, 1.1, 1.2])
-        arrays = made_chute.made_profiles(parameters)
+        arrays = made_papers.chute_profiles(parameters)
         write_run(folder / "own" / "runs", parameters, velocity, arrays=arrays)
     return path, build(path, folder)
 
 
 MADE = (
     make_own,
-    made_belt.make_dataset,
-    made_chute.make_dataset,
+    made_papers.make_dataset,
     make_built_study,
     make_built_regimes,
 )
@@ -210,8 +209,7 @@ def test_a_number_that_no_axis_holds_is_told(wanted, value, found, tmp_path):
 
 
 def test_every_kind_is_drawn():
-    # Kinds of answers have no keys of plots; tests/figures/test_surrogates.py and test_answers.py
-    # draw them.
+    # Kinds of answers have no keys of plots; tests/figures/test_answers.py draws them.
     of_answers = {name for name, kind in kinds().items() if kind.keys == Keys()}
     assert {wanted.split()[0] for wanted in FORMS} == set(kinds()) - of_answers
     assert {"section", "indices", "posterior"} <= of_answers

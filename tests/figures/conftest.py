@@ -1,17 +1,12 @@
-"""The made-up studies of the belt and of the chute, built once."""
+"""The made-up study of belt and chute, built once."""
 
 from pathlib import Path
 
 import pytest
 
-from tests.figures import made_belt, made_chute
+from tests.figures import made_papers
 
 
 @pytest.fixture(scope="session")
-def belt_dataset(tmp_path_factory) -> Path:
-    return made_belt.make_dataset(tmp_path_factory.mktemp("made-belt"))[1]
-
-
-@pytest.fixture(scope="session")
-def chute_dataset(tmp_path_factory) -> Path:
-    return made_chute.make_dataset(tmp_path_factory.mktemp("made-chute"))[1]
+def made_dataset(tmp_path_factory) -> Path:
+    return made_papers.make_dataset(tmp_path_factory.mktemp("made-papers"))[1]

@@ -13,7 +13,8 @@ from matplotlib.lines import Line2D
 
 from sim.dataset.results import Results, load_results
 from sim.figures.data import FigureData, figure_data
-from sim.figures.render import Animation, derive_texts, drawing_of, find_spec, render
+from sim.figures.pictures import Animation
+from sim.figures.render import derive_texts, drawing_of, find_spec, render
 from sim.figures.style import SETTINGS
 from sim.study.figure_spec import FIGURES
 

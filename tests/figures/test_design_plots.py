@@ -13,7 +13,6 @@ from tests.figures.made_plots import drawn
 from tests.made.results import MadePoint, made_point
 
 UNSTEADY = {"regime": "accelerating", "acceleration": 2.0}
-SHORT = {"independent_samples": 4.0, "quality": "short"}
 
 
 def design(number: int, unsteady: int = 0, **options) -> list[MadePoint]:
@@ -32,13 +31,8 @@ def design(number: int, unsteady: int = 0, **options) -> list[MadePoint]:
 
 
 def grid(columns: int, lines: int, **scalars) -> list[MadePoint]:
-    return [
-        made_point(
-            "chute", {"velocity": 1.0 + x + y} | scalars, friction=0.3 + x / 50, angle=15 + y
-        )
-        for x in range(columns)
-        for y in range(lines)
-    ]
+    at = [(x, y, {"velocity": 1.0 + x + y} | scalars) for x in range(columns) for y in range(lines)]
+    return [made_point("chute", one, friction=0.3 + x / 50, angle=15 + y) for x, y, one in at]
 
 
 def test_means_are_those_of_groups_of_neighbours():
@@ -48,12 +42,9 @@ def test_means_are_those_of_groups_of_neighbours():
     assert means[["from", "to"]].to_numpy().tolist()[0] == [0, 3]
     half = student_half_width(np.array([0.0, 2, 4, 6]))
     assert means["high"][0] - means["mean"][0] == pytest.approx(half)
-    of_values = binned_means(pd.Series([1.0, 1, 1, 4, 4, 4]), pd.Series([1.0, 10, 100, 2, 2, 2]))
-    assert of_values["x"].tolist() == [1, 4] and of_values["mean"].tolist() == [37, 2]
-    (first, _) = binned_means(
-        pd.Series([1.0, 1, 1, 4, 4, 4]), pd.Series([1.0, 10, 100, 2, 2, 2]), log=True
-    )["mean"]
-    assert first == pytest.approx(10)
+    of_values = pd.Series([1.0, 1, 1, 4, 4, 4]), pd.Series([1.0, 10, 100, 2, 2, 2])
+    assert binned_means(*of_values)["mean"].tolist() == [37, 2]
+    assert binned_means(*of_values, log=True)["mean"][0] == pytest.approx(10)
 
 
 @pytest.mark.parametrize(
@@ -69,22 +60,20 @@ def test_a_wide_range_filled_evenly_in_its_logarithm_is_logarithmic(values, is_l
     assert has_logarithmic_values(pd.Series(values)) is is_log
 
 
-@pytest.mark.parametrize(("number", "has_band"), [(11, False), (12, True)])
-def test_many_scattered_points_have_a_running_mean(number, has_band):
-    figure, rows, data = drawn({"kind": "scatter", "x": "friction"}, design(number))
+@pytest.mark.parametrize(("number", "unsteady", "has_band"), [(14, 3, False), (14, 2, True)])
+def test_many_points_have_a_running_mean_of_those_that_do_not_accelerate(
+    number, unsteady, has_band
+):
+    plot = {"kind": "scatter", "x": "friction", "colour": "regime"}
+    figure, rows, data = drawn(plot, design(number, unsteady))
     (axes,) = figure.axes
-    assert len(rows) == number and bool(axes.lines) is has_band
-    assert ("Line: mean over groups" in notes(data)) is has_band
-
-
-def test_points_that_accelerate_are_open_and_no_part_of_the_running_mean():
-    points = design(14, unsteady=3)
-    figure, _, data = drawn({"kind": "scatter", "x": "friction", "colour": "regime"}, points)
-    (axes,) = figure.axes
-    (markers,) = (one for one in axes.collections if len(one.get_offsets()) == 14)
-    assert (markers.get_facecolor() == 1).all(axis=1).sum() == 3
+    means = [line for line in axes.lines if line.get_linewidth() == 1.6]
+    assert len(rows) == number and bool(means) is has_band
+    (markers,) = (one for one in axes.collections if len(one.get_offsets()) == number)
+    assert (markers.get_facecolor() == 1).all(axis=1).sum() == unsteady
     assert [text.get_text() for text in figure.legends[0].texts] == ["accelerating", "steady"]
-    assert "band" not in notes(data) and "Pale and open markers" in notes(data)
+    assert ("Line: mean over groups" in notes(data)) is has_band
+    assert "Pale and open markers" in notes(data)
 
 
 @pytest.mark.parametrize(
@@ -118,34 +107,24 @@ MAP = {"kind": "map", "x": "friction", "y": "angle", "colour": "velocity"}
 
 
 def test_cells_of_a_small_grid_have_their_values_and_hatches_where_not_steady():
-    figure, _, data = drawn(MAP, [*grid(3, 2)[:-2], *grid(3, 2, **UNSTEADY)[-2:]])
+    figure, _, _ = drawn(MAP, [*grid(3, 2)[:-2], *grid(3, 2, **UNSTEADY)[-2:]])
     axes = figure.axes[0]
     values = [text.get_text() for text in axes.texts]
-    assert sorted(values) == ["1.00", "2.00", "2.00", "3.00", "3.00", "4.00"]
-    hatched = [patch for patch in axes.patches if not patch.get_label()]
-    assert [patch.get_hatch() for patch in hatched] == ["////"] * 2
+    assert sorted(values) == ["1", "2", "2", "3", "3", "4"]
+    hatched = [one for one in axes.collections if one.get_hatch()]
+    assert [(one.get_hatch(), len(one.get_paths())) for one in hatched] == [("////", 1)] * 2
     assert [text.get_text() for text in figure.legends[0].texts] == ["not steady"]
     assert axes.get_xlim() == pytest.approx((0.29, 0.35)) and axes.get_ylim() == pytest.approx(
         (14.5, 16.5)
     )
-    assert "Hatched: not shown to be steady" in notes(data)
 
 
 def test_contours_lie_between_scattered_points_unless_more_varies():
     figure, _, data = drawn(MAP, design(20))
     contours = [one for one in figure.axes[0].collections if isinstance(one, ContourSet)]
     assert len(contours) == 2 and "triangulation" in notes(data)
-    points = [
-        made_point(
-            "chute",
-            {"velocity": 1.0 + n},
-            friction=0.3 + 0.01 * (n * 7 % 20),
-            angle=16 + n / 10,
-            depth=2 + n,
-        )
-        for n in range(20)
-    ]
-    figure, _, data = drawn(MAP, points)
+    deeper = made_point("chute", {"velocity": 1.0}, friction=0.31, angle=19.9, depth=7)
+    figure, _, data = drawn(MAP, [*design(19), deeper])
     assert not [one for one in figure.axes[0].collections if isinstance(one, ContourSet)]
     assert "without contours: they also differ in depth n" in notes(data)
 

@@ -1,7 +1,6 @@
 """Plots of a study's own: every kind, from made-up points to picture, data and caption."""
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -9,13 +8,15 @@ import pytest
 
 from sim.base.errors import InputError
 from sim.base.statistics import student_half_width
+from sim.dataset.build import build
 from sim.dataset.results import load_results
-from sim.figures.data import scale_of, unit_of
 from sim.figures.render import derive_texts, render
+from sim.figures.units import scale_of, unit_of
 from sim.study.load import load_study
 from tests.figures.drawing import notes
-from tests.figures.made_plots import GRID, SIZE, SPEED, courses, drawn, flows
+from tests.figures.made_plots import GRID, SIZE, SPEED, drawn, flows
 from tests.made.results import MadePoint, made_point
+from tests.made.runs import write_run
 
 
 def labels(axes) -> list[str]:
@@ -74,34 +75,21 @@ def test_a_cloud_of_points_is_not_joined_and_choices_tell_curves_apart():
     figure, _, data = drawn({"x": "shear_depth"}, points)
     (axes,) = figure.axes
     assert not lines(axes) and not figure.legends
-    assert sum(len(bars.lines[0].get_xdata()) for bars in axes.containers) == 6
+    assert sum(len(line.get_xdata()) for line in axes.lines if line.get_zorder() == 3) == 6
     # Of one replicate the velocity alone has bars, which are upright.
-    ends = [part.get_segments() for bars in axes.containers for part in bars.lines[2]]
-    assert all(low[0] == high[0] for each in ends for low, high in each)
+    assert sorted(bars_of(axes)) == [0, 6]
     text = notes(data)
     assert "Points that differ in friction μ and angle θ are not joined." in text
-    assert "of measures none where one replicate is known." in text
 
 
-def test_what_is_not_above_zero_has_no_place_on_a_logarithmic_axis():
-    points = flows_of_depths({0.3: (3, 3.1), 0.4: (0, 0), 0.6: (2, 2.1)}, angles=(16,))
-    points += flows_of_depths({0.3: (1, 1.1), 0.4: (1, 1.1), 0.6: (1, 1.1)}, angles=(17,))
-    figure, rows, data = drawn({"x": "shear_depth", "panels": "angle", "log": ["x"]}, points)
-    assert figure.axes[0].get_xscale() == "log"
-    assert [len(one) for axes in figure.axes for one in lines(axes) if len(one)] == [2, 3]
-    assert "on a logarithmic axis: 1." in notes(data)
-    assert len(rows) == 6
-
-
-@pytest.mark.parametrize("number, shape", [(3, (1, 3)), (5, (2, 3))])
-def test_panels_fill_their_rows_evenly(number, shape):
+def test_panels_fill_their_rows_evenly():
     points = [
         made_point("chute", {"velocity": 1.0}, friction=friction, angle=15 + angle)
         for friction in (0.3, 0.4)
-        for angle in range(number)
+        for angle in range(5)
     ]
     figure, _, _ = drawn({"x": "friction", "panels": "angle"}, points)
-    assert figure.axes[0].get_gridspec().get_geometry() == shape
+    assert figure.axes[0].get_gridspec().get_geometry() == (2, 3)
 
 
 def test_natural_units_divide_by_what_diameter_gravity_and_mass_make():
@@ -128,9 +116,7 @@ def test_profiles_end_above_the_last_particles():
     assert list(rows["friction [1]"].unique()) == GRID["friction"]
 
 
-def sliced(
-    replicates: int, lone: int = 0, surface: float = 0.5, scalars: Sequence[Mapping] = ({}, {})
-) -> list[MadePoint]:
+def sliced(replicates: int, lone: int = 0) -> list[MadePoint]:
     """Return a flow whose packing is a tenth of its granular temperature, which falls upwards.
 
     Above 3 diameters only the first ``lone`` replicates know the temperature.
@@ -138,27 +124,26 @@ def sliced(
     height = (np.arange(20) + 0.5) * 0.25 * SIZE
     factors = 1 + 0.1 * np.arange(replicates)[:, None]
     cold = factors * (5 - height / SIZE)
-    hot = np.where(height < 4.5 * SIZE, cold, surface)
+    hot = np.where(height < 4.5 * SIZE, cold, 0.5)
     unknown = (np.arange(replicates)[:, None] >= lone) & (height > 3 * SIZE)
     profiles = {
         "packing_profile": cold / 10,
         "granular_temperature_profile": np.where(unknown, np.nan, hot),
     }
+    options = {"replicates": replicates, "height": height, "angle": 16}
     return [
-        made_point(
-            "chute",
-            {"velocity": 0.5} | dict(others),
-            profiles,
-            replicates=replicates,
-            height=height,
-            friction=friction,
-            angle=16,
-        )
-        for friction, others in zip((0.3, 0.4), scalars, strict=True)
+        made_point("chute", {"velocity": 0.5}, profiles, friction=friction, **options)
+        for friction in (0.3, 0.4)
     ]
 
 
 SLICES = {"kind": "profiles", "x": "granular_temperature", "y": "packing", "curves": "friction"}
+
+
+def bars_of(axes) -> list[int]:
+    """Return the number of bars of each collection of them."""
+    parts = [part.get_segments() for bars in axes.containers for part in bars.lines[2]]
+    return [sum(len(one) > 0 for one in segments) for segments in parts]
 
 
 def test_profiles_against_each_other_have_a_marker_with_bars_in_every_slice():
@@ -167,11 +152,8 @@ def test_profiles_against_each_other_have_a_marker_with_bars_in_every_slice():
     assert axes.get_xlabel().startswith("granular temperature") and axes.get_ylabel() == "packing"
     assert [text.get_text() for text in figure.legends[0].texts] == ["μ = 0.3", "μ = 0.4"]
     # Above 3 diameters one replicate alone knows both, and there is no bar.
-    assert [len(bars.lines[0].get_xdata()) for bars in axes.containers] == [12, 12]
-    ends = [part.get_segments() for bars in axes.containers for part in bars.lines[2]]
-    assert [len(each) for each in ends] == [12] * 4
-    bare = [len(line.get_xdata()) for line in axes.lines if line.get_zorder() == 3]
-    assert bare == [7, 7]
+    assert [len(bars.lines[0].get_xdata()) for bars in axes.containers] == [19, 19]
+    assert bars_of(axes) == [12] * 4
     heat, packing = (rows.filter(regex=f"^{name} ").iloc[:, 0] for name in ("gran.*", "packing"))
     low = heat > 0.6
     assert packing[low].tolist() == pytest.approx((heat / 10)[low].tolist())
@@ -185,26 +167,10 @@ def test_profiles_against_each_other_leave_out_slices_that_are_not_known_or_not_
     figure, rows, data = drawn(SLICES | {"between": [1, 4], "units": "natural"}, sliced(2))
     assert rows["height [σ]"].min() == 1.125 and rows["height [σ]"].max() == 2.875
     (axes,) = figure.axes
-    assert not [1 for bars in axes.containers for part in bars.lines[2] if part.get_segments()]
-    single = [line for line in axes.lines if len(line.get_xdata()) == 2 * 8]
-    assert len(single) == 2
+    assert bars_of(axes) == [0] * 4, "of two replicates"
     text = notes(data)
     assert "Heights shown: 1 to 4 diameters above the base." in text
-    assert "of fewer than 3, each is pale." in text
-    plain = {"kind": "profiles", "x": "packing", "curves": "friction", "between": [1, 4]}
-    _, rows, data = drawn(plain | {"units": "natural"}, sliced(3))
-    assert rows["height [σ]"].min() == 1.125 and rows["height [σ]"].max() == 3.875
-    assert "1 to 4 diameters" in notes(data)
-
-
-@pytest.mark.parametrize("options", [{"kind": "profiles"}, {"kind": "distribution"}, {}])
-def test_where_no_run_has_finished_nothing_is_said_twice(options):
-    """The file of the figure says it."""
-    lost = {"status": "failed", "reason": "blown up", "velocity": np.nan}
-    points = [made_point("chute", lost, friction=mu) for mu in GRID["friction"]]
-    x = "velocity" if options.get("kind") == "profiles" else "friction"
-    figure, _, data = drawn({"x": x} | options, points)
-    assert not data.rows["completed"].any() and not figure.axes[0].texts
+    assert "(Student) where there are 3 or more." in text
 
 
 def test_a_distribution_has_a_dot_for_every_replicate():
@@ -222,15 +188,17 @@ def test_what_no_run_knows_is_said():
     assert len(rows) == 6
 
 
-@pytest.fixture
-def run_study(tmp_path) -> tuple[Path, Path]:
-    """Return study file and dataset of a study with time series, made of made-up run files."""
-    return courses(tmp_path, "units: natural", velocity=[0.4, 0.5])
-
-
-def test_time_series_are_read_from_run_files(run_study, tmp_path):
-    study_path, dataset = run_study
-    study = load_study(study_path, tmp_path)
+def test_time_series_are_read_from_run_files(tmp_path):
+    path = tmp_path / "own.yaml"
+    path.write_text(
+        "study: own\nseries: [{name: flows, system: chute, base: {replicates: 2},\n"
+        "  grid: {friction: [0.3, 0.4]}}]\n"
+        "plots: [{name: courses, kind: time_series, curves: friction, units: natural}]\n"
+    )
+    study = load_study(path, tmp_path)
+    for point in study.points.values():
+        write_run(tmp_path / "own" / "runs", point.parameters, velocity=[0.4, 0.5])
+    dataset = build(path, tmp_path)
     spec = study.plots["courses"]
     files = render(spec, dataset, tmp_path / "figures")
     assert [path.suffix for path in files] == [".png", ".svg", ".csv", ".txt"]
@@ -242,3 +210,52 @@ def test_time_series_are_read_from_run_files(run_study, tmp_path):
     (dataset.parent / "runs" / f"{next(iter(study.points))}.nc").unlink()
     with pytest.raises(InputError, match="no such run file"):
         derive_texts(spec, load_results(dataset))
+
+
+# Logarithmic axes: what has no place there is not drawn, and the caption counts it.
+
+
+DEPTHS = {"x": "friction", "y": "shear_depth"}
+
+
+@pytest.mark.parametrize(
+    ("plot", "said"),
+    [
+        (DEPTHS | {"log": ["y"]}, "Not drawn, not above 0 on a logarithmic axis: 1."),
+        (DEPTHS, ""),
+        (
+            {"kind": "distribution", "x": "friction", "log": ["y"]},
+            "replicates not above 0 on a logarithmic axis: 3.",
+        ),
+        (
+            {"kind": "profiles", "curves": "friction", "log": ["x"]},
+            "slices not above 0 on a logarithmic axis: 16.",
+        ),
+    ],
+)
+def test_what_is_not_above_zero_has_no_place_on_a_logarithmic_axis(plot, said):
+    profiles = {
+        "packing_profile": lambda height: np.where(height < 5 * SIZE, 0.6, 0.0),
+        "velocity_profile": lambda height: np.where(height < 2 * SIZE, -1.0, 1.0),
+    }
+    points = [
+        made_point(
+            "chute", {"velocity": values, "shear_depth": values}, profiles, friction=friction
+        )
+        for friction, values in ((0.3, [1.0, -1.0, 2.0]), (0.4, [1.0, 0.0, -1.0]))
+    ]
+    _, rows, data = drawn(plot, points)
+    assert said in notes(data) and len(rows) >= len(points)
+    assert said or "logarithmic" not in notes(data)
+
+
+@pytest.mark.parametrize(("powers", "are_alone"), [(2, False), (5, True)])
+def test_ticks_of_many_powers_are_powers_alone(powers, are_alone):
+    """Others would touch each other in small panels."""
+    points = [
+        made_point("chute", {"velocity": 10.0**-power}, friction=0.3 + power / 10)
+        for power in range(powers)
+    ]
+    figure, _, _ = drawn({"x": "friction", "log": ["y"]}, points)
+    digits = {f"{tick:e}"[0] for tick in figure.axes[0].get_yticks()}
+    assert (digits == {"1"}) is are_alone

@@ -40,47 +40,38 @@ def folder(dataset, tmp_path):
     return made
 
 
-def times(folder):
-    return {
-        path.name: path.stat().st_mtime_ns for path in folder.iterdir() if path.name != RECORD_FILE
-    }
+def redrawn(folder, *arguments, **options):
+    """Draw again; return the figures whose files have been written or were not there."""
+
+    def times():
+        files = [path for path in folder.iterdir() if path.name != RECORD_FILE]
+        return {path.name: path.stat().st_mtime_ns for path in files}
+
+    before = times()
+    draw_figures(*arguments, folder, **options)
+    return {name.partition(".")[0] for name, time in times().items() if before.get(name) != time}
 
 
-def redrawn(before, folder):
-    """Return the figures whose files have been written since."""
-    return {name.partition(".")[0] for name, time in times(folder).items() if before[name] != time}
-
-
-def test_the_same_is_not_drawn_again(folder, dataset):
-    before = times(folder)
-    draw_figures(NAMES, dataset, folder, code="a")
-    assert redrawn(before, folder) == set()
-
-
-@pytest.mark.parametrize("code", ["b", ""])
-def test_other_code_or_none_draws_all(folder, dataset, code):
-    before = times(folder)
-    draw_figures(NAMES, dataset, folder, code=code)
-    assert redrawn(before, folder) == set(NAMES)
-
-
-def test_a_file_that_was_lost_or_changed_is_drawn_again(folder, dataset):
-    before = times(folder)
-    (folder / "gallas_6.csv").write_text("changed")
-    draw_figures(NAMES, dataset, folder, code="a")
-    assert redrawn(before, folder) == {"gallas_6"}
-    (folder / "gallas_2b.png").unlink()
-    before = times(folder)
-    draw_figures(NAMES, dataset, folder, code="a")
-    assert redrawn(before | {"gallas_2b.png": 0}, folder) == {"gallas_2b"}
-
-
-def test_a_changed_entry_of_the_catalogue_is_drawn_again(folder, dataset, monkeypatch):
-    before = times(folder)
+def change_entry(folder, dataset, monkeypatch):
     changed = FIGURES["gallas_6"].model_copy(update={"title": "another"})
     monkeypatch.setitem(FIGURES, "gallas_6", changed)
-    draw_figures(NAMES, dataset, folder, code="a")
-    assert redrawn(before, folder) == {"gallas_6"}
+
+
+@pytest.mark.parametrize(
+    ("change", "code", "expected"),
+    [
+        (lambda *_: None, "a", set()),
+        (lambda *_: None, "b", set(NAMES)),
+        (lambda *_: None, "", set(NAMES)),
+        (lambda folder, *_: (folder / "gallas_6.csv").write_text("changed"), "a", {"gallas_6"}),
+        (lambda folder, *_: (folder / "gallas_2b.png").unlink(), "a", {"gallas_2b"}),
+        (change_entry, "a", {"gallas_6"}),
+        (lambda _, dataset, *__: dataset.write_text("other"), "a", set(NAMES)),
+    ],
+)
+def test_what_has_changed_is_drawn_again(folder, dataset, monkeypatch, change, code, expected):
+    change(folder, dataset, monkeypatch)
+    assert redrawn(folder, NAMES, dataset, code=code) == expected
 
 
 def test_a_changed_plot_of_the_study_is_drawn_again_alone(dataset, tmp_path):
@@ -90,19 +81,12 @@ def test_a_changed_plot_of_the_study_is_drawn_again_alone(dataset, tmp_path):
     text += "- {name: one, x: frequency}\n- {name: two, x: frequency, y: backflow}\n"
     study.write_text(text)
     draw_figures(("one", "two"), dataset, made, code="a", study_path=study)
-    before = times(made)
     study.write_text(text.replace("backflow", "path_drift"))
-    draw_figures(("one", "two"), dataset, made, code="a", study_path=study)
-    assert redrawn(before, made) == {"two"}
+    assert redrawn(made, ("one", "two"), dataset, code="a", study_path=study) == {"two"}
     with pytest.raises(InputError, match="a plot of a study needs --study"):
         draw_figures(("one",), dataset, made)
-
-
-def test_another_dataset_draws_all(folder, dataset):
-    dataset.write_text("other")
-    before = times(folder)
-    draw_figures(NAMES, dataset, folder, code="a")
-    assert redrawn(before, folder) == set(NAMES)
+    with pytest.raises(InputError, match=r"got 'velocity'; allowed: one of walton_"):
+        draw_figures(["velocity"], dataset, made, study_path=study)
 
 
 def test_one_that_cannot_be_drawn_keeps_no_other_from_it(dataset, folder):
@@ -110,12 +94,3 @@ def test_one_that_cannot_be_drawn_keeps_no_other_from_it(dataset, folder):
     with pytest.raises(InputError, match="no point feeds walton_2"):
         draw_figures(("walton_2", "gallas_6"), dataset, folder, code="a")
     assert (folder / "gallas_6.svg").exists()
-
-
-def test_a_name_that_is_unknown_without_a_study_may_be_a_plot_of_one(dataset, folder, tmp_path):
-    with pytest.raises(InputError, match=r"got 'velocity'; .*; a plot of a study needs --study"):
-        draw_figures(["velocity"], dataset, folder)
-    study = tmp_path / "own.yaml"
-    study.write_text("study: own\nseries: [{name: one, system: chute, cases: [{}]}]\n")
-    with pytest.raises(InputError, match=r"got 'velocity'; allowed: one of walton_"):
-        draw_figures(["velocity"], dataset, folder, study_path=study)

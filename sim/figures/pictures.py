@@ -1,0 +1,117 @@
+"""Pictures as files: their layout, small PNGs and SVGs, and animations as GIF or WebP."""
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from PIL import Image
+from PIL.PngImagePlugin import PngInfo
+
+#: Resolution of the first picture of an animation, dots per inch.
+_POSTER = 150
+
+#: Resolution of the frames of an animation (dots per inch) by its format, and the number of colours
+#: that those of a GIF share.
+_DPI, _PALETTE = {"GIF": 72, "WebP": 100}, 64
+
+#: A number with more digits than a picture shows, except a scale.
+_LONG_NUMBER = re.compile(r"(?<!scale\()(?<![\w.#])(-?\d+\.\d\d)\d{2,}(?![\w.])")
+
+#: Most passes of the layout.
+_PASSES = 6
+
+
+@dataclass(frozen=True)
+class Animation:
+    """A moving figure with ``frames`` frames; ``show(number)`` puts it into the state of one.
+
+    ``duration`` is how long each frame is shown, ms.
+    """
+
+    figure: Figure
+    frames: int
+    show: Callable[[int], None]
+    duration: int = 70
+
+
+def with_short_numbers(svg: str) -> str:
+    """Return an SVG picture with places to a hundredth of a point; scales keep their digits.
+
+    >>> with_short_numbers('<use x="56.870777" transform="scale(0.015625)"/>')
+    '<use x="56.87" transform="scale(0.015625)"/>'
+    """
+    return _LONG_NUMBER.sub(r"\1", svg)
+
+
+def settle(figure: Figure) -> None:
+    """Repeat the layout of a figure until its axes stay in place.
+
+    The first pass does not know the final size of axes with a fixed aspect, and may leave their
+    labels beyond the edges.
+    """
+    engine, bounds = figure.get_layout_engine(), None
+    for _ in range(_PASSES):
+        previous, bounds = bounds, [axes.get_position().bounds for axes in figure.axes]
+        if engine is None or (previous and np.allclose(previous, bounds, atol=1e-3)):
+            break
+        engine.execute(figure)
+
+
+def keep_layout(figure: Figure) -> None:
+    """Let a figure keep its layout: each file would lay it out, and draw it for that, once more."""
+    with mpl.rc_context({"figure.constrained_layout.use": False, "figure.autolayout": False}):
+        figure.set_layout_engine(None)
+
+
+def save_picture(figure: Figure, title: str, svg: Path | None, png: Path) -> None:
+    """Write a picture with its title; the PNG has 256 colours, a third of its size.
+
+    Without a date, the same data give the same bytes. Without ``svg`` it is one of an animation.
+    """
+    if svg:
+        keep_layout(figure)
+        figure.savefig(svg, format="svg", metadata={"Title": title, "Date": None})
+        text = with_short_numbers(svg.read_text(encoding="utf-8"))
+        svg.write_text(text, encoding="utf-8")
+    figure.savefig(png, format="png", dpi=None if svg else _POSTER)
+    with Image.open(png) as image:
+        small = image.convert("RGB").quantize(256, dither=Image.Dither.NONE)
+    metadata = PngInfo()
+    metadata.add_itxt("Title", title)
+    small.save(png, format="PNG", optimize=True, pnginfo=metadata, dpi=image.info.get("dpi"))
+
+
+def save_animation(animation: Animation, file: Path | BinaryIO, kind: str) -> None:
+    """Write an endless ``"GIF"`` or ``"WebP"`` and leave the figure in the state of its last frame.
+
+    All frames of a GIF share one palette, taken from a few of them, so that none flickers.
+    """
+    figure = animation.figure
+    canvas = FigureCanvasAgg(figure)
+    figure.set_dpi(_DPI[kind])
+    # All frames have the layout of the first: texts that change would move the axes.
+    animation.show(0)
+    settle(figure)
+    keep_layout(figure)
+    images = []
+    for number in range(animation.frames):
+        animation.show(number)
+        canvas.draw()
+        images.append(Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy()))
+    options: dict[str, Any] = {"quality": 75}
+    if kind == "GIF":
+        few = [np.asarray(image) for image in images[:: max(1, len(images) // 4)]]
+        sample = Image.fromarray(np.concatenate(few))
+        # This method keeps colours that only a few pixels have, like those of lines.
+        no_dither, coverage = Image.Dither.NONE, Image.Quantize.MAXCOVERAGE
+        palette = sample.quantize(_PALETTE, method=coverage, dither=no_dither)
+        images = [image.quantize(palette=palette, dither=no_dither) for image in images]
+        options = {}
+    options |= {"save_all": True, "loop": 0, "duration": animation.duration}
+    images[0].save(file, format=kind, append_images=images[1:], **options)
