@@ -45,7 +45,7 @@ class Offer:
         return f"{self.question}: {noun} of {points}, {self.hours:.2g} core hours"
 
 
-def decide(study_path: Path, results: Path, cores: int | None) -> list[str] | int:
+def decide(study_path: Path, cores: int | None, results: Path = Path("results")) -> list[str] | int:
     """Buy the amounts of the next round; with ``cores``, run study and rounds until none is left.
 
     Returns

@@ -24,7 +24,7 @@ def predict(
     of: str | None,
     extrapolate: bool,
     format: str,
-    results: Path,
+    results: Path = Path("results"),
 ) -> str:
     """Return mean, half width and probabilities at some values, as ``table`` or ``json``.
 

@@ -1,18 +1,22 @@
-"""Rows of the tables of runs, boundaries and parameters, and counts of the points by result."""
+"""Rows of the tables of runs, boundaries and parameters, counts of points, and a run as text."""
 
+import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
+import netCDF4
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from sim.dataset.replicates import UNSOUND_SHARE, outcomes
+from sim.dataset.replicates import UNSOUND_SHARE, caveat_of_run, layer_orders, outcomes
+from sim.engine.stored_run import RunFile, open_run_file, parameters_of, summary_of
 from sim.figures.data import label_with_unit
-from sim.parameters import SYSTEMS, Parameters, default_of, field_info
+from sim.parameters import SYSTEMS, Parameters, as_yaml, complete_values, default_of, field_info
 from sim.parameters.roles import amount_parameters
-from sim.parameters.variables import VARIABLES
+from sim.parameters.variables import SCALARS, VARIABLES
 from sim.parameters.words import setting
 from sim.report.numbers import finite_or_none, value_with_interval
 from sim.study.load import Study
@@ -224,3 +228,74 @@ def _amount_to_raise(run: Mapping[str, Any]) -> str:
     if run["protocol"] == "published":
         return "average"
     return "limit" if "limit" in run["stopped"] else "target"
+
+
+#: Attributes of a run file that tell its origin.
+_PROVENANCE = [
+    "engine_version",
+    "numerics",
+    "source_hash",
+    "created",
+    "versions",
+    "machine",
+    "command",
+]
+
+
+def describe_run(path: Path, as_point: bool = False) -> str:
+    """Return what a run file holds, or with ``as_point`` the text of the point file that makes it.
+
+    Raises
+    ------
+    InputError
+        When there is no such file, or it is not a run file.
+    """
+    with open_run_file(path) as file:
+        parameters = parameters_of(file, path)
+        if as_point:
+            return as_yaml(parameters).rstrip()
+        orders = layer_orders(RunFile(file), parameters)
+        known = {name: file.getncattr(name) for name in file.ncattrs()}
+        known["caveat"] = caveat_of_run(summary_of(path), parameters, orders)
+        sizes = [f"{name} {len(one)}" for name, one in file.dimensions.items()]
+        told = [f"{name}: {known[name]}" for name in ("reason", "caveat") if known[name]]
+        if "adopted" in known:
+            told.append(f"only its row of dataset {known['adopted']}, which was adopted")
+        tables = {
+            "parameters": _parameter_rows(parameters),
+            "replicates": _replicate_rows(file),
+            "provenance": [(name, known[name]) for name in _PROVENANCE if name in known],
+        }
+    head = [
+        *(known["point_id"], f"status: {known['status']}", *told),
+        *(f"particles: {parameters.particles:,}", f"dimensions: {', '.join(sizes)}"),
+    ]
+    sections = ["\n".join(head)]
+    for heading, rows in tables.items():
+        width = max(len(name) for name, _ in rows)
+        lines = (f"  {name:<{width}}  {text}".rstrip() for name, text in rows)
+        sections.append("\n".join([heading, *lines]))
+    return "\n\n".join(sections)
+
+
+def _parameter_rows(parameters: Parameters) -> list[tuple[str, str]]:
+    values, rows = complete_values(parameters), []
+    for name, row in field_info(parameters).items():
+        value, unit = values[name], row.scale or row.unit
+        text = f"{value:g}" if isinstance(value, float) else json.dumps(value).strip('"')
+        rows.append((name, text if unit in ("", "1") else f"{text} {unit}"))
+    limits = parameters.limits.items()
+    return rows + [(name, f"{value:.6g} m s-2") for name, (value, _) in limits]
+
+
+def _replicate_rows(file: netCDF4.Dataset) -> list[tuple[str, str]]:
+    rows = []
+    for name in SCALARS:
+        if name != "replicate_seed" and name in file.variables:
+            variable = file.variables[name]
+            values = [v if isinstance(v, str) else f"{v:.6g}" for v in variable[:].tolist()]
+            unit = getattr(variable, "units", "")
+            if any(values):
+                heading = name if unit in ("", "1") else f"{name} ({unit})"
+                rows.append((heading, " | ".join(values)))
+    return rows

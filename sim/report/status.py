@@ -5,7 +5,7 @@ import re
 import socket
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from functools import cache
@@ -159,14 +159,7 @@ class StudyStatus:
 
 
 def survey(study: Study, results: str | Path = "results") -> StudyStatus:
-    """Return the progress of a study; before its start, all points are waiting.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-    results : str or Path
-        Folder of all results.
+    """Return the progress of a study in a folder of results; before its start, all points wait.
 
     Raises
     ------
@@ -179,10 +172,7 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
     parameters = points_of_rounds(study, folder)
     runs = folder / "runs"
     starts = starts_to_run(runs, parameters, study.need)
-    try:
-        present = {path.name for path in runs.iterdir()}
-    except OSError:
-        present = set()
+    present = {path.name for path in runs.iterdir()} if runs.is_dir() else set()
     points = {
         key: _point_status(key, value, runs, present, None if key in starts else study.need(key))
         for key, value in parameters.items()
@@ -191,10 +181,6 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
     for key, run in find_runs(runs, waiting).items():
         points[key] = replace(points[key], shared=run)
     to_come = rounds_to_come(study, folder)
-    stored = {match[1] or match[2] for name in present if (match := RUN_FILES.fullmatch(name))}
-    every = (twins(study, other).values() for other in other_engines().values())
-    known = points.keys() | set(map(point_id, chain.from_iterable(every)))
-    orphans = () if to_come else tuple(sorted(stored - known))
     budget = None
     if study.decide:
         hours = sum(point.core_seconds for point in points.values()) / 3600
@@ -207,18 +193,24 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
         points,
         _core_seconds_left(points, parameters),
         to_come,
-        orphans,
+        () if to_come else _orphans(study, points, present),
         budget,
         answers=tuple(summary_lines(study, folder)),
     )
+
+
+def _orphans(study: Study, points: Iterable[str], present: Iterable[str]) -> tuple[str, ...]:
+    """Return the points of files that are neither of the study nor twins by another engine."""
+    stored = {match[1] or match[2] for name in present if (match := RUN_FILES.fullmatch(name))}
+    every = (twins(study, other).values() for other in other_engines().values())
+    return tuple(sorted(stored - {*points, *map(point_id, chain.from_iterable(every))}))
 
 
 def _point_status(
     key: str, parameters: Parameters, runs: Path, present: set[str], need: Need | None
 ) -> PointStatus:
     """Return the status of one point; a running run takes precedence over an earlier run file."""
-    cores = parameters.cores
-    path = runs / f"{key}.nc"
+    cores, path = parameters.cores, runs / f"{key}.nc"
     progress = read_progress(path) if progress_file(path).name in present else None
     if progress and progress.point != key:
         progress = None
@@ -255,33 +247,25 @@ def _read_ended(path: Path, changed: int, parameters: Parameters, need: Need | N
     ``changed`` (ns) is the time of the file. It is part of the cache key, so that each version of a
     file is opened once.
     """
-    cores = parameters.cores
+    cores, caveat = parameters.cores, ""
     try:
         run = summary_of(path, amounts(parameters))
         attributes, caveat = run.attrs, caveat_of_run(run, parameters)
-        wall_time = float(attributes.get("wall_time", 0.0))
+        core_seconds = max(0.0, float(attributes.get("wall_time", 0.0))) * cores
     except UNREADABLE as error:
         if is_of_system(error):
             raise
         attributes = {}
-    if attributes.get("point_id") != path.stem or attributes.get("status") not in (
-        "completed",
-        "failed",
-    ):
+    state = {"completed": "done", "failed": "failed"}.get(str(attributes.get("status")))
+    if attributes.get("point_id") != path.stem or not state:
         reason = f"{path}: not the run file of this point; delete it and rerun"
         return PointStatus("failed", cores, reason)
     outdated = numerics_of(attributes) != NUMERICS
     if not outdated and not has_enough(path, parameters, need):
         # The run must still grow.
         return PointStatus("waiting", cores)
-    return PointStatus(
-        "done" if attributes["status"] == "completed" else "failed",
-        cores,
-        reason=str(attributes.get("reason", "")),
-        core_seconds=max(0.0, wall_time) * cores,
-        outdated=outdated,
-        caveat=caveat,
-    )
+    reason = str(attributes.get("reason", ""))
+    return PointStatus(state, cores, reason, None, core_seconds, outdated, caveat)
 
 
 def _core_seconds_left(
@@ -300,11 +284,11 @@ def _core_seconds_left(
 
 def show(
     study_path: Path | None,
-    results: Path,
     format: str,
     watch: float | None,
     orphans: bool = False,
     remove: bool = False,
+    results: Path = Path("results"),
 ) -> list[str] | None:
     """Print the progress of a study as ``text`` or ``json``; every ``watch`` seconds until its end.
 
@@ -313,12 +297,10 @@ def show(
     Raises
     ------
     InputError
-        When ``watch`` is out of range, or ``results`` is not a folder.
+        When ``watch`` is out of range.
     """
     if watch is not None and not 1 <= watch <= DAY:
         raise InputError.of_value("--watch", "", watch, f"a number in [1, {DAY}]")
-    if results.exists() and not results.is_dir():
-        raise InputError.of_value("--results", "", str(results), "a folder")
     if remove and not orphans:
         raise InputError.of_value("--remove", "", remove, "with --orphans")
     study = load_study(study_path or DEFAULT_STUDY, results if orphans else None)
@@ -381,14 +363,7 @@ def _point_entry(key: str, point: PointStatus) -> dict[str, Any]:
 def list_orphans(study: Study, results: Path, remove: bool) -> list[str]:
     """Return a line per orphaned run of a study with its size, and a line with the total.
 
-    Parameters
-    ----------
-    study : Study
-        The study.
-    results : Path
-        Folder of all results.
-    remove : bool
-        Also remove run files, states and logs of these points.
+    With ``remove`` run files, states and logs of these points are removed.
 
     Raises
     ------

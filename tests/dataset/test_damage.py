@@ -28,7 +28,7 @@ from tests.engine.test_states import assert_same
 from tests.engine_motion.points import belt_point
 from tests.figures.drawing import draw
 from tests.made.figures import make_figures
-from tests.made.processes import program, refusal, start_run, wait_until
+from tests.made.processes import ROOT, program, refusal, start_run, wait_until
 
 POINT = belt_point(beads=20, width=5, transient=1, average=3)
 LONG = belt_point(beads=200, transient=2, average=10)
@@ -130,13 +130,14 @@ def study_results(tmp_path) -> tuple[Path, Path]:
     return make_figures(tmp_path)
 
 
-def test_all_damaged_runs_of_a_study_are_set_aside_at_once(study_results, capsys):
+def test_all_damaged_runs_of_a_study_are_set_aside_at_once(study_results, monkeypatch, capsys):
     study, results = study_results
+    monkeypatch.chdir(results.parent)
     runs = sorted((results / "made" / "runs").iterdir())
     before = (results / "made" / "dataset.nc").read_bytes()
     runs[0].write_bytes(runs[0].read_bytes()[:1000])
     runs[3].write_bytes(b"")
-    line = refusal(capsys, "dataset", study, "--results", results)
+    line = refusal(capsys, "dataset", study)
     assert "rerun the study" in line and "1 more" in line
     assert not runs[0].exists() and not runs[3].exists()
     assert all(run.exists() for run in (*runs[1:3], *runs[4:]))
@@ -187,14 +188,15 @@ def test_a_full_disk_is_told_with_the_name_of_the_file(study_results, command, n
     study, results = study_results
     path = results / "made" / name
     words = {
-        "dataset": [str(study), "--results", str(results)],
+        "dataset": [str(study)],
         "figure": ["walton_2", str(results / "made/dataset.nc"), "--output", str(path.parent)],
     }
     before = {file: file.read_bytes() for file in results.rglob("*") if file.is_file()}
     done = program(
         *(command, *words[command]),
         # Compiled modules would be cut off, too, and stay so.
-        env=os.environ | {"PYTHONDONTWRITEBYTECODE": "1"},
+        env=os.environ | {"PYTHONDONTWRITEBYTECODE": "1", "PYTHONPATH": str(ROOT)},
+        cwd=results.parent,
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)),
     )
     assert done.returncode == 1

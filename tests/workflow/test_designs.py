@@ -23,7 +23,7 @@ def test_a_design_grows_from_32_to_64_points_without_a_run_lost(tmp_path):
     after = load_study(study, None).points.keys()
     assert before < after
     assert len(after) == 64
-    text = show(study, tree / "results", "table")
+    text = show(study, "table", results=tree / "results")
     assert f"32 of 64 points have been run in {tree}/results/spread; core time of" in text
     process = snakemake(tree, "runs", study=STUDY)
     assert process.returncode == 0, process.stderr
