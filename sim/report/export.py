@@ -2,7 +2,9 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import partial
+from importlib.util import find_spec
 from itertools import product
 from pathlib import Path
 from typing import IO, NamedTuple
@@ -25,6 +27,18 @@ from sim.study.load import load_study
 _TRAJECTORY_VARIABLES = ("trajectory_position", "trajectory_velocity", "trajectory_spin")
 _END_VARIABLES = ("position", "particle_velocity", "particle_spin")
 
+#: Å in a metre, ps in a second.
+ANGSTROM, PICOSECOND = 1e10, 1e12
+
+#: Most frames of an animation.
+MOST_FRAMES = 60
+
+#: Longest part of the name of a file that tells a point of a study apart.
+MOST_LETTERS = 60
+
+#: Indices of the corners of a box (x varies slowest) in the order of VTK.
+_HEXAHEDRON = np.array([[0, 4, 6, 2, 1, 5, 7, 3]])
+
 
 class Frame(NamedTuple):
     """A state of the particles: ``time`` (s), ``position`` (m), ``velocity`` (m/s) and ``spin``
@@ -38,7 +52,7 @@ class Frame(NamedTuple):
 
 @dataclass(frozen=True)
 class Frames:
-    """The frames of a replicate, read one by one.
+    """The frames of a replicate; ``read`` reads one by its number.
 
     ``radius`` (N,) are the radii of the particles (m); ``kind`` (N,) is 1 for moving particles and
     2 for those glued to the plane. ``low`` and ``high`` (3,) are corners of the cell (m), and
@@ -53,40 +67,23 @@ class Frames:
     periodic: tuple[bool, bool, bool]
     times: np.ndarray
     steps: np.ndarray
-    _variables: tuple[netCDF4.Variable | None, ...]
-    _places: tuple[tuple[int, int], ...]
-    _columns: list[int]
-
-    @property
-    def has_spin(self) -> bool:
-        """Whether the particles rotate."""
-        return self._variables[-1] is not None
+    has_spin: bool
+    read: Callable[[int], Frame]
 
     def __iter__(self) -> Iterator[Frame]:
-        for time, place in zip(self.times, self._places, strict=True):
-            position, velocity, spin = (
-                None if variable is None else self._to_space(variable[place])
-                for variable in self._variables
-            )
-            assert position is not None and velocity is not None, "every run file has both"
-            yield Frame(float(time), self._wrap(position), velocity, spin)
+        return map(self.read, range(len(self.times)))
 
-    def _wrap(self, position: np.ndarray) -> np.ndarray:
-        """Return positions wrapped into the cell; a run wraps its own only now and then."""
-        length = np.where(self.periodic, self.high - self.low, np.inf)
-        return position - np.where(self.periodic, length, 0.0) * np.floor(position / length)
 
-    def _to_space(self, vectors: np.ndarray) -> np.ndarray:
-        """Return vectors (N, D) as (N, 3), with zeros along missing axes."""
-        padded = np.zeros((len(vectors), 3), vectors.dtype)
-        padded[:, self._columns] = vectors
-        return padded
+#: Writes the head of a frame, and returns the format of the lines of its particles, whose arguments
+#: are number, kind, position, velocity, radius and spin.
+_Head = Callable[[IO[str], Frames, Frame, int], str]
 
 
 def frames_of(file: netCDF4.Dataset, parameters: Parameters, replicate: int) -> Frames:
     """Return the frames of a replicate: its trajectory, or without one its first and last state.
 
-    States with positions that are not finite, after a blow-up, are left out.
+    States with positions that are not finite, after a blow-up, are left out. A run wraps positions
+    into the cell only now and then; here all are.
 
     Parameters
     ----------
@@ -108,32 +105,43 @@ def frames_of(file: netCDF4.Dataset, parameters: Parameters, replicate: int) -> 
         raise InputError.of_value("--replicate", "", replicate, allowed)
     has_trajectory = "trajectory_position" in file.variables
     names = _TRAJECTORY_VARIABLES if has_trajectory else _END_VARIABLES
-    variables = tuple(file.variables.get(name) for name in names)
-    times = file["trajectory_time"][:] if has_trajectory else _times_of_ends(file, replicate)
+    samples = np.isfinite(file["mean_velocity"][replicate]).sum()
+    ends = np.array([0.0, file["time"][samples - 1] if samples else 0.0])
     radius, height = file["radius"][replicate], file[names[0]][replicate, :, :, -1]
-    finite_frames = np.flatnonzero(np.isfinite(height).all(axis=1))
-    if not finite_frames.size:
+    places = np.flatnonzero(np.isfinite(height).all(axis=1))
+    if not places.size:
         allowed = "a replicate that did not blow up before the first frame of its trajectory"
         raise InputError.of_value("--replicate", "", replicate, allowed)
-    low, high, periodic = _cell(parameters, radius, height[finite_frames])
-    glued = file["fixed"][replicate] if "fixed" in file.variables else np.zeros(len(radius))
+    low, high, periodic = _cell(parameters, radius, height[places])
+    times = (file["trajectory_time"][:] if has_trajectory else ends)[places]
+    has_spin, columns = names[-1] in file.variables, ["xyz".index(axis) for axis in file["axis"][:]]
+
+    def vectors(name: str, number: int) -> np.ndarray:
+        held = file[name][replicate, int(places[number])]
+        padded = np.zeros((len(held), 3), held.dtype)
+        padded[:, columns] = held
+        return padded
+
+    def read(number: int) -> Frame:
+        position, velocity = (vectors(name, number) for name in names[:2])
+        length = np.where(periodic, high - low, np.inf)
+        position = position - np.where(periodic, length, 0.0) * np.floor(position / length)
+        spin = vectors(names[-1], number) if has_spin else None
+        return Frame(float(times[number]), position, velocity, spin)
+
     return Frames(
         radius=radius,
-        kind=np.where(glued, 2, 1),
+        kind=np.where(file["fixed"][replicate], 2, 1)
+        if "fixed" in file.variables
+        else np.ones(len(radius), int),
         low=low,
         high=high,
         periodic=periodic,
-        times=times[finite_frames],
-        steps=np.round(times[finite_frames] / parameters.time_step).astype(int),
-        _variables=variables,
-        _places=tuple((replicate, int(place)) for place in finite_frames),
-        _columns=["xyz".index(axis) for axis in file["axis"][:]],
+        times=times,
+        steps=np.round(times / parameters.time_step).astype(int),
+        has_spin=has_spin,
+        read=read,
     )
-
-
-def _times_of_ends(file: netCDF4.Dataset, replicate: int) -> np.ndarray:
-    samples = np.isfinite(file["mean_velocity"][replicate]).sum()
-    return np.array([0.0, file["time"][samples - 1] if samples else 0.0])
 
 
 def _cell(
@@ -147,23 +155,6 @@ def _cell(
     thick = float(radius.max())
     high = np.array([side, thick, top])
     return np.array([0.0, -thick, bottom]), high, (True, False, False)
-
-
-#: Å in a metre, ps in a second.
-ANGSTROM, PICOSECOND = 1e10, 1e12
-
-#: Most frames of an animation.
-MOST_FRAMES = 60
-
-#: Longest part of the name of a file that tells a point of a study apart.
-MOST_LETTERS = 60
-
-#: Indices of the corners of a box (x varies slowest) in the order of VTK.
-_HEXAHEDRON = np.array([[0, 4, 6, 2, 1, 5, 7, 3]])
-
-#: Writes the head of a frame, and returns the format of the lines of its particles, whose arguments
-#: are number, kind, position, velocity, radius and spin.
-_Head = Callable[[IO[str], Frames, Frame, int], str]
 
 
 def export(path: Path, to: str | None, output: Path | None, replicate: int) -> str:
@@ -193,7 +184,9 @@ def export(path: Path, to: str | None, output: Path | None, replicate: int) -> s
         When a run file cannot be read, has no such replicate, or the output cannot be written.
     """
     if to is None:
-        fitting = [name for name, (endings, _) in FORMATS.items() if _has_ending(output, endings)]
+        fitting = [
+            name for name, (ends, _) in FORMATS.items() if output and output.suffix.lower() in ends
+        ]
         if not fitting:
             allowed = f"one of {', '.join(FORMATS)}, or -o FILE that ends as files of a format do"
             raise InputError.of_value("--to", "", None, allowed)
@@ -203,17 +196,13 @@ def export(path: Path, to: str | None, output: Path | None, replicate: int) -> s
     return (_export_study if path.is_dir() else _export_run)(path, to, output, replicate)
 
 
-def _has_ending(output: Path | None, endings: tuple[str, ...]) -> bool:
-    return output is not None and output.suffix.lower() in endings
-
-
 def _export_study(results: Path, to: str, output: Path | None, replicate: int) -> str:
     """Export all runs in a folder of results into a folder, which appears when it is complete."""
     runs = sorted((results / "runs").glob(f"*{RUN_FILE}"))
     if not runs:
         raise InputError.of_value("export", "", str(results), "a run file, or results with runs")
     output = output or Path(f"{results.resolve().name}-{to}")
-    if output.exists() or not output.name:
+    if output.exists():
         raise InputError.of_value("--output", "", str(output), "a folder that is not there")
     require_writable(output.parent, "--output")
     output.parent.mkdir(parents=True, exist_ok=True)
@@ -239,16 +228,20 @@ def _short_names(ids: Sequence[str]) -> list[str]:
 
 def _export_run(path: Path, to: str, output: Path | None, replicate: int) -> str:
     endings, write = FORMATS[to]
-    if not path.name or (output and not output.name):
-        raise InputError.of_value("export", "", str(output or path), "the name of a file")
-    output = Path(path.with_suffix(endings[0]).name) if output is None else output
+    output = output or Path(path.with_suffix(endings[0]).name)
     if output.is_dir():
         allowed = f"the name of a file; {output} is a folder"
         raise InputError.of_value("--output", "", str(output), allowed)
-    if not _has_ending(output, endings):
+    if output.suffix.lower() not in endings:
         allowed = f"a name that ends in {' or '.join(endings)}, as {to} does"
         raise InputError.of_value("--output", "", str(output), allowed)
-    _require_new(output, to)
+    if to == "vtk" and not find_spec("meshio"):
+        allowed = "another format, or vtk once meshio is there (pip install meshio)"
+        raise InputError.of_value("--to", "", "vtk", allowed)
+    for one in (output, output.with_suffix("")) if to == "vtk" else (output,):
+        if one.exists():
+            raise InputError.of_value("--output", "", str(one), "a name that nothing has")
+    require_writable(output.parent, "--output")
     with ExitStack() as opened:
         with checked_read(path, "run file", replaceable=False, sealed=True):
             file = opened.enter_context(netCDF4.Dataset(path))
@@ -262,17 +255,6 @@ def _export_run(path: Path, to: str, output: Path | None, replicate: int) -> str
             # The library raises this on a full disk.
             raise OSError(f"{output}: cannot be written: {error}") from None
     return f"{output}: {len(frames.times):,} frames of {len(frames.radius):,} particles"
-
-
-def _require_new(output: Path, to: str) -> None:
-    outputs = [output]
-    if to == "vtk":
-        _require_meshio()
-        outputs.append(_vtk_folder(output))
-    for path in outputs:
-        if path.exists():
-            raise InputError.of_value("--output", "", str(path), "a name that nothing has")
-    require_writable(output.parent, "--output")
 
 
 def write_amber(path: Path, frames: Frames) -> None:
@@ -331,20 +313,8 @@ def _define_amber(file: netCDF4.Dataset, frames: Frames) -> None:
         file.createVariable(name, kind, dimensions).units = unit
 
 
-def write_extxyz(path: Path, frames: Frames) -> None:
-    """Write extended XYZ: all particles of species X, those glued to the plane of ``kind`` 2.
-
-    The cell is in ``Lattice``, ``Origin`` and ``pbc``, the time (s) in ``Time``.
-    """
-    _write_text(path, frames, _begin_extxyz)
-
-
-def write_lammps_dump(path: Path, frames: Frames) -> None:
-    """Write a dump of LAMMPS in its units ``si``; particles glued to the plane have type 2."""
-    _write_text(path, frames, _begin_dump, "ITEM: UNITS\nsi\n")
-
-
 def _write_text(path: Path, frames: Frames, begin: _Head, title: str = "") -> None:
+    """Write a text file with a head and a line per particle for each frame."""
     labels = np.stack([np.arange(1, len(frames.kind) + 1), frames.kind], axis=1).tolist()
     with atomic_write(path) as temporary, temporary.open("w", encoding="ascii") as file:
         file.write(title)
@@ -360,6 +330,10 @@ def _write_text(path: Path, frames: Frames, begin: _Head, title: str = "") -> No
 
 
 def _begin_extxyz(file: IO[str], frames: Frames, frame: Frame, step: int) -> str:
+    """Extended XYZ: all particles of species X, those glued to the plane of ``kind`` 2.
+
+    The cell is in ``Lattice``, ``Origin`` and ``pbc``, the time (s) in ``Time``.
+    """
     x, y, z = frames.high - frames.low
     origin = " ".join(f"{value:.9g}" for value in frames.low)
     periodic = " ".join("T" if is_periodic else "F" for is_periodic in frames.periodic)
@@ -374,6 +348,7 @@ def _begin_extxyz(file: IO[str], frames: Frames, frame: Frame, step: int) -> str
 
 
 def _begin_dump(file: IO[str], frames: Frames, frame: Frame, step: int) -> str:
+    """A dump of LAMMPS in its units ``si``; particles glued to the plane have type 2."""
     edges = " ".join("pp" if is_periodic else "ff" for is_periodic in frames.periodic)
     bounds = zip(frames.low, frames.high, strict=True)
     spin = "" if frame.spin is None else " omegax omegay omegaz"
@@ -395,19 +370,6 @@ def _numbers(frame: Frame) -> str:
     return " ".join(f"{{{place}:.9g}}" for place in range(2, last))
 
 
-def _vtk_folder(path: Path) -> Path:
-    return path.with_suffix("")
-
-
-def _require_meshio() -> None:
-    """Raise `InputError` where the library that writes VTU is not installed."""
-    try:
-        import meshio  # noqa: F401
-    except ImportError:
-        allowed = "another format, or vtk once meshio is there (pip install meshio)"
-        raise InputError.of_value("--to", "", "vtk", allowed) from None
-
-
 def write_vtk(path: Path, frames: Frames) -> None:
     """Write a PVD file, and beside it a folder of the same name with a VTU file per frame.
 
@@ -415,7 +377,7 @@ def write_vtk(path: Path, frames: Frames) -> None:
     """
     import meshio
 
-    folder = _vtk_folder(path)
+    folder = path.with_suffix("")
     root = ElementTree.Element("VTKFile", type="Collection", version="0.1")
     collection = ElementTree.SubElement(root, "Collection")
     vertices = [("vertex", np.arange(len(frames.radius))[:, None])]
@@ -430,15 +392,11 @@ def write_vtk(path: Path, frames: Frames) -> None:
             meshio.Mesh(frame.position, vertices, data).write(new_folder / name)
             attributes = {"timestep": f"{frame.time:.9g}", "file": f"{folder.name}/{name}"}
             ElementTree.SubElement(collection, "DataSet", attributes)
-        meshio.Mesh(_corners(frames), [("hexahedron", _HEXAHEDRON)]).write(new_folder / "cell.vtu")
+        corners = np.array(list(product(*zip(frames.low, frames.high, strict=True))))
+        meshio.Mesh(corners, [("hexahedron", _HEXAHEDRON)]).write(new_folder / "cell.vtu")
         with atomic_write(path) as temporary:
             ElementTree.ElementTree(root).write(temporary, encoding="utf-8", xml_declaration=True)
             new_folder.rename(folder)
-
-
-def _corners(frames: Frames) -> np.ndarray:
-    """Return the corners of the cell (8, 3); x varies slowest."""
-    return np.array(list(product(*zip(frames.low, frames.high, strict=True))))
 
 
 def write_webp(path: Path, frames: Frames) -> None:
@@ -446,8 +404,7 @@ def write_webp(path: Path, frames: Frames) -> None:
     from sim.figures.animation import ParticleFrames, run_animation
 
     chosen = np.unique(np.linspace(0, len(frames.times) - 1, MOST_FRAMES).astype(int))
-    places = tuple(frames._places[number] for number in chosen)
-    shown = [*replace(frames, times=frames.times[chosen], _places=places)]
+    shown = [frames.read(int(number)) for number in chosen]
     diameter = 2 * float(frames.radius.mean())
     content = run_animation(
         ParticleFrames(
@@ -464,8 +421,11 @@ def write_webp(path: Path, frames: Frames) -> None:
 #: Suffixes of the files of each format, the usual one first, and the function that writes one.
 FORMATS: dict[str, tuple[tuple[str, ...], Callable[[Path, Frames], None]]] = {
     "amber": ((".ncdf", ".nc"), write_amber),
-    "extxyz": ((".xyz", ".extxyz"), write_extxyz),
-    "lammps-dump": ((".dump", ".lammpstrj"), write_lammps_dump),
+    "extxyz": ((".xyz", ".extxyz"), partial(_write_text, begin=_begin_extxyz)),
+    "lammps-dump": (
+        (".dump", ".lammpstrj"),
+        partial(_write_text, begin=_begin_dump, title="ITEM: UNITS\nsi\n"),
+    ),
     "vtk": ((".pvd",), write_vtk),
     "webp": ((".webp",), write_webp),
 }

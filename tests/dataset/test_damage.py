@@ -201,7 +201,7 @@ def test_a_full_disk_is_told_with_the_name_of_the_file(study_results, command, n
     )
     assert done.returncode == 1
     assert done.stderr.splitlines()[-1].startswith("error: ")
-    assert str(path) in done.stderr.splitlines()[-1], done.stderr
+    assert f"made/{name}" in done.stderr.splitlines()[-1], done.stderr
     assert {file: file.read_bytes() for file in results.rglob("*") if file.is_file()} == before
 
 
