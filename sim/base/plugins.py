@@ -10,8 +10,6 @@ import os
 import re
 import sys
 from collections.abc import Callable, Collection, Iterable
-from contextlib import chdir
-from contextvars import copy_context
 from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
@@ -75,14 +73,8 @@ def places() -> list[str]:
 def load(names: Iterable[str], folder: Path, source: str) -> tuple[Plugin, ...]:
     """Load those plug-ins that are not loaded yet, and return all of them.
 
-    Parameters
-    ----------
-    names : iterable of str
-        Files in ``folder``, with their suffix, folders there, and names of installed plug-ins.
-    folder : Path
-        Folder of the files and folders.
-    source : str
-        File and key that name them, for messages: ``study.yaml: plugins``.
+    They are files in ``folder``, with their suffix, folders there, and names of installed plug-ins.
+    ``source`` is the file and key that name them, for messages: ``study.yaml: plugins``.
 
     Raises
     ------
@@ -153,18 +145,15 @@ def load_plugins(*names: str | Path) -> None:
 class _SourceCode(NamedTuple):
     """The code of a plug-in: its ``file``, the name of its ``module``, and its ``text``.
 
-    The text of an installed plug-in is None: Python imports it.
+    The text of an installed plug-in is None: Python imports it. Lines of errors are sought in the
+    ``place``, the file or the folder.
     """
 
     plugin: Plugin
     file: Path
     module: str
+    place: Path
     text: bytes | None = None
-
-    @property
-    def place(self) -> Path:
-        """Where lines of errors are sought: the file, or the folder."""
-        return Path(self.plugin.place) if self.plugin.files else self.file
 
 
 def _find(name: str, folder: Path, error_of: Callable[[str], InputError]) -> _SourceCode:
@@ -175,8 +164,16 @@ def _find(name: str, folder: Path, error_of: Callable[[str], InputError]) -> _So
     entries = entry_points(group=GROUP)
     if name not in entries.names:
         if (path / _INIT).is_file():
-            contents = (one for one in sorted(path.rglob("*")) if one.is_file())
-            visible = tuple(one for one in contents if _is_content(one.relative_to(path)))
+            # What is hidden or made by Python does not count.
+            visible = tuple(
+                one
+                for one in sorted(path.rglob("*"))
+                if one.is_file()
+                and not any(
+                    part.startswith(".") or part == "__pycache__"
+                    for part in one.relative_to(path).parts
+                )
+            )
             return _beside_study(path, path / _INIT, visible, error_of)
         installed = near(name, sorted(entries.names)) or "none"
         raise error_of(f"installed: {installed}")
@@ -191,12 +188,7 @@ def _find(name: str, folder: Path, error_of: Callable[[str], InputError]) -> _So
         code = _hash((path.name, read_regular(path)) for path in sorted(files))
     except (OSError, ValueError, AttributeError) as error:
         raise error_of(f"{module}: {error}") from None
-    return _SourceCode(Plugin(name, name, code), file, module)
-
-
-def _is_content(path: Path) -> bool:
-    """Return whether a file within a folder counts: it is neither hidden nor made by Python."""
-    return not any(part.startswith(".") or part == "__pycache__" for part in path.parts)
+    return _SourceCode(Plugin(name, name, code), file, module, file)
 
 
 def _beside_study(
@@ -211,7 +203,8 @@ def _beside_study(
     code = _hash((str(one.relative_to(root)), text) for one, text in texts.items())
     # Each content has its own module name, by which types of compiled code are told apart.
     module = f"talus_plugin_{re.sub('[^a-zA-Z0-9]', '_', place.stem)}_{code}"
-    return _SourceCode(Plugin(place.name, str(place), code, files), file, module, texts[file])
+    plugin = Plugin(place.name, str(place), code, files)
+    return _SourceCode(plugin, file, module, place, texts[file])
 
 
 def _hash(files: Iterable[tuple[str, bytes]]) -> str:
@@ -224,9 +217,8 @@ def _hash(files: Iterable[tuple[str, bytes]]) -> str:
 def _run(source_code: _SourceCode, error_of: Callable[[str], InputError]) -> None:
     plugin = source_code.plugin
     try:
-        with attribute_additions_to(plugin), chdir(Path()):
-            # A context of its own also preserves the error and rounding modes of NumPy and decimal.
-            copy_context().run(_execute, source_code)
+        with attribute_additions_to(plugin):
+            _execute(source_code)
             if not (labels := addition_labels(plugin)):
                 raise AdditionError("it adds nothing")
     except KeyboardInterrupt:

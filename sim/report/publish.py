@@ -4,7 +4,7 @@ import hashlib
 import json
 import re
 import shutil
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import nullcontext
 from importlib.util import find_spec
 from mimetypes import guess_type
@@ -113,16 +113,8 @@ def write_crate(
 ) -> None:
     """Describe all files of a published study in ``ro-crate-metadata.json``.
 
-    Parameters
-    ----------
-    folder : Path
-        Folder of the publication, whole but for its checksums.
-    study_file : str
-        Name of the study file in it.
-    provenance : mapping
-        Content of ``provenance.json``.
-    citation : mapping
-        Authors and licence, see `read_citation`.
+    The folder is whole but for its checksums. ``provenance`` is the content of
+    ``provenance.json``, ``citation`` has authors and licence, see `read_citation`.
     """
     from rocrate.model import ContextEntity
     from rocrate.rocrate import ROCrate
@@ -209,10 +201,7 @@ def publish(
     folder as an RO-Crate. An earlier publication of the study is replaced after everything is
     copied.
 
-    Returns
-    -------
-    Path
-        The folder written.
+    Returns the folder written.
 
     Raises
     ------
@@ -225,10 +214,7 @@ def publish(
     citation = read_citation(CITATION) if crate else None
     study = load_study(study_path, results)
     folder = Path(results) / study.name
-    extra_files = [extra_amounts_file(folder).name] if extra_amounts_file(folder).is_file() else []
-    names = [*_published_files(study), *extra_files]
-    _require_files(folder, names)
-    _require_distinct(study.sources, names)
+    names = _published_files(study, folder)
     output = target / study.name
     require_writable(target, "--to")
     _require_replaceable(output, folder, target)
@@ -257,29 +243,27 @@ def publish(
     return output
 
 
-def _published_files(study: Study) -> list[str]:
-    figures = (
+def _published_files(study: Study, folder: Path) -> list[str]:
+    """Return the names of the files that are copied; all are there, and none is a study's."""
+    names = [*RESULT_FILES, *(one.file for one in study.questions)]
+    names += ["boundaries.csv"] if study.boundaries else []
+    names += [
         f"figures/{name}{end}"
         for name, spec in study.entries.items()
         for end in spec.suffixes
         if spec.animated or end != ".png"
-    )
-    boundaries = ["boundaries.csv"] if study.boundaries else []
-    return [*RESULT_FILES, *boundaries, *(one.file for one in study.questions), *figures]
-
-
-def _require_files(folder: Path, names: Sequence[str]) -> None:
+    ]
     for name in names:
         if not (folder / name).is_file():
             raise InputError(f"{folder / name}: missing; run the study to its end first")
-
-
-def _require_distinct(files: Sequence[Path], names: Sequence[str]) -> None:
-    published_names = {Path(name).parts[0] for name in (*names, *GENERATED_FILES, "boundaries.csv")}
-    for file in files:
-        if file.name in published_names:
+    bought = extra_amounts_file(folder)
+    names += [bought.name] if bought.is_file() else []
+    taken = {Path(name).parts[0] for name in (*names, *GENERATED_FILES, "boundaries.csv")}
+    for file in study.sources:
+        if file.name in taken:
             allowed = f"another name, as {file.name} is published of every study"
             raise InputError.of_value(file, "", file.name, allowed)
+    return names
 
 
 def _require_replaceable(output: Path, folder: Path, target: Path) -> None:
@@ -310,12 +294,8 @@ def write_checksums(folder: Path) -> None:
 
 
 def _require_small(temporary: Path, output: Path, target: Path) -> None:
-    others = [
-        path
-        for path in target.iterdir()
-        if path.is_dir() and path != output and not path.name.startswith(".")
-    ]
-    total = sum(map(folder_size, [temporary, *others]))
+    others = (path for path in target.iterdir() if path.is_dir() and path != output)
+    total = sum(map(folder_size, [temporary, *(one for one in others if one.name[0] != ".")]))
     if total > MOST_BYTES:
         allowed = f"at most {MOST_BYTES / 1e6:g} MB"
         raise InputError.of_value(target, "", f"{total / 1e6:.1f} MB", allowed)
@@ -360,14 +340,9 @@ def provenance(results: Results) -> dict[str, object]:
 
 
 def require_intact(study: Study, results: Results, folder: Path) -> None:
-    """Raise an error unless figures, tables and verdicts are as they were made.
+    """Raise `InputError` unless figures, tables and verdicts are as they were made.
 
-    Raises
-    ------
-    InputError
-        Where a file is missing.
-    DamagedError
-        For the first file that differs; it is set aside.
+    The first file that differs is set aside.
     """
     require_unchanged(study.entries.values(), folder / "figures")
     require_table(folder)

@@ -133,28 +133,21 @@ def varied_parameters(dataset: xr.Dataset) -> dict[str, dict[str, np.ndarray]]:
     Each has its values, one per point of the system. Amounts, and what only asks for observables,
     are left out.
     """
-    is_of = {system: (dataset["system"] == system).values for system in SYSTEMS}
-    return {
-        system: _varied(dataset.isel(point=is_point), SYSTEMS[system])
-        for system, is_point in is_of.items()
-        if is_point.any()
-    }
-
-
-def _varied(points: xr.Dataset, model: type[Parameters]) -> dict[str, np.ndarray]:
-    values_by_name = {name: points[name].values for name in model.model_fields if name in points}
-    rows = [
-        {name: values[index] for name, values in values_by_name.items()}
-        for index in range(points.sizes["point"])
-    ]
-    left_out = {*amount_parameters(model), *(variable.asked_by for variable in VARIABLES)}
-    return {
-        name: values
-        for name, values in values_by_name.items()
-        if name not in left_out
-        and len(set(values.tolist())) > 1
-        and not all(row[name] == default_of(model, name, row) for row in rows)
-    }
+    tables = {}
+    for system, model in SYSTEMS.items():
+        points = dataset.isel(point=(dataset["system"] == system).values)
+        columns = {name: points[name].values for name in model.model_fields if name in points}
+        rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+        left_out = {*amount_parameters(model), *(variable.asked_by for variable in VARIABLES)}
+        if rows:
+            tables[system] = {
+                name: values
+                for name, values in columns.items()
+                if name not in left_out
+                and len(set(values.tolist())) > 1
+                and not all(row[name] == default_of(model, name, row) for row in rows)
+            }
+    return tables
 
 
 def parameter_rows(dataset: xr.Dataset) -> dict[str, list[dict[str, Any]]]:
@@ -190,44 +183,37 @@ def _values(values: Sequence[Any], model: type[Parameters], name: str) -> str:
 
 
 def state_of(runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return counts of the points of a study by result, and advice.
+    """Return counts of the points of a table of runs by result, and advice.
 
-    Parameters
-    ----------
-    runs : sequence of mapping
-        The table of runs, as `sim.report.runs.run_rows` returns it.
-
-    Returns
-    -------
-    dict
-        Numbers of ``points``: all, ``completed`` with at least one replicate, ``failed``,
-        ``undetermined`` (or with replicates that contradict each other), and ``unsound``, whose
-        energies do not add up. ``worst`` is the row of the worst unsound point, and ``advice`` the
-        parameter that improves it. ``longer`` are the amounts that make runs of undetermined points
-        longer, and ``drifting`` is the number of these points that drift.
+    Numbers of ``points``: all, ``completed`` with at least one replicate, ``failed``,
+    ``undetermined`` (or with replicates that contradict each other), and ``unsound``, whose
+    energies do not add up. ``worst`` is the row of the worst unsound point, and ``advice`` the
+    parameter that improves it. ``longer`` are the amounts that make runs of undetermined points
+    longer, so that stored runs are kept, and ``drifting`` of these points drift.
     """
     undetermined = [run for run in runs if run["regime"] in OPEN_REGIMES]
     unsound = [run for run in runs if run["missing_energy"] > UNSOUND_SHARE]
     worst = max(unsound, key=lambda run: run["missing_energy"], default=None)
     failed = sum(run["regime"] == "failed" for run in runs)
+    longer = {
+        "average"
+        if run["protocol"] == "published"
+        else "limit"
+        if "limit" in run["stopped"]
+        else "target"
+        for run in undetermined
+    }
     return {
         "points": len(runs),
         "completed": len(runs) - failed,
         "failed": failed,
         "undetermined": len(undetermined),
-        "longer": sorted({_amount_to_raise(run) for run in undetermined}),
+        "longer": sorted(longer),
         "drifting": sum(run["quality"] == "drifting" for run in undetermined),
         "unsound": len(unsound),
         "worst": worst,
         "advice": SHORTER_STEPS[worst["system"]] if worst else "",
     }
-
-
-def _amount_to_raise(run: Mapping[str, Any]) -> str:
-    """Return the amount that makes the runs of a point longer, so that stored runs are kept."""
-    if run["protocol"] == "published":
-        return "average"
-    return "limit" if "limit" in run["stopped"] else "target"
 
 
 #: Attributes of a run file that tell its origin.

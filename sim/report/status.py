@@ -6,6 +6,7 @@ import socket
 import sys
 import time
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from functools import cache
@@ -41,11 +42,8 @@ from sim.surrogates.answers import summary_lines
 
 STATES = ("done", "failed", "running", "interrupted", "waiting")
 
-#: States in which a point has ended.
-ENDED_STATES = STATES[:2]
-
-#: States in which a point may take the run of another study.
-WAITING_STATES = STATES[3:]
+#: States in which a point has ended, and in which it may take the run of another study.
+ENDED_STATES, WAITING_STATES = STATES[:2], STATES[3:]
 
 #: Names of run files, states and progress files; a point stopped midway may have only the latter.
 RUN_FILES = re.compile(r"([^.].*)\.nc|\.([^.].*)\.nc\.(?:state|progress)")
@@ -61,27 +59,13 @@ DAY = 86_400
 
 @dataclass(frozen=True)
 class PointStatus:
-    """The progress of one point.
+    """The progress of one point: its ``state``, one of `STATES`, and the ``cores`` of its run.
 
-    Attributes
-    ----------
-    state : str
-        One of `STATES`.
-    cores : int
-        Cores of its run.
-    reason : str
-        Why it failed.
-    progress : Progress or None
-        Last progress report of its run, while it is running or interrupted.
-    core_seconds : float
-        Wall time (s) of the run of a point that has ended, wherever it was made, times its cores;
-        with compiling and waiting.
-    outdated : bool
-        Whether other numerics made its run file.
-    caveat : str
-        Its caveat, empty if there is none.
-    shared : SharedRun or None
-        The run of another study that a waiting or interrupted point will take.
+    ``reason`` says why it failed, ``caveat`` is its caveat. ``progress`` is the last report of a
+    run that is running or interrupted. ``core_seconds`` is the wall time (s) of the run of a point
+    that has ended, wherever it was made, times its cores; with compiling and waiting. Of an
+    ``outdated`` one, other numerics made the run file. ``shared`` is the run of another study that
+    a waiting or interrupted point will take.
     """
 
     state: str
@@ -96,28 +80,15 @@ class PointStatus:
 
 @dataclass(frozen=True)
 class StudyStatus:
-    """The progress of a study.
+    """The progress of a study, whose ``points`` are by id in the order of the study.
 
-    Attributes
-    ----------
-    study, title : str
-        As in the study file.
-    points : dict
-        `PointStatus` by id, in the order of the study.
-    core_seconds_left : float
-        Core time of the points that are missing: the estimated one, times measured over estimated
-        time of the points that are done.
-    rounds_left : int
-        Rounds whose points are not known yet, one where their number is open; this time does not
-        include them.
-    orphans : tuple of str
-        Points no longer in the study that have run files, or states of a stopped run. Empty while
-        rounds are to come, as these may need any of them.
-    budget : dict, optional
-        Core hours that rounds of decisions may add in total, ``hours``, those ``spent`` and
-        ``left``, of a study with a ``decide`` section.
-    answers : tuple of str
-        A line for each surrogate that is there.
+    ``core_seconds_left`` is the estimated core time of the points that are missing, times measured
+    over estimated time of those that are done. It does not include the points of ``rounds_left``:
+    rounds whose points are not known yet, one where their number is open. ``orphans`` are points no
+    longer in the study that have run files, or states of a stopped run; there are none while rounds
+    are to come, as these may need any of them. ``budget`` has the core hours that rounds of
+    decisions may add in total, ``hours``, those ``spent`` and ``left``, of a study with a
+    ``decide`` section. ``answers`` has a line for each surrogate that is there.
     """
 
     study: str
@@ -172,7 +143,9 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
     parameters = points_of_rounds(study, folder)
     runs = folder / "runs"
     starts = starts_to_run(runs, parameters, study.need)
-    present = {path.name for path in runs.iterdir()} if runs.is_dir() else set()
+    present = set()
+    with suppress(OSError):
+        present = {path.name for path in runs.iterdir()}
     points = {
         key: _point_status(key, value, runs, present, None if key in starts else study.need(key))
         for key, value in parameters.items()
@@ -293,11 +266,6 @@ def show(
     """Print the progress of a study as ``text`` or ``json``; every ``watch`` seconds until its end.
 
     With ``orphans`` return lines on runs of no point of it instead, see `list_orphans`.
-
-    Raises
-    ------
-    InputError
-        When ``watch`` is out of range.
     """
     if watch is not None and not 1 <= watch <= DAY:
         raise InputError.of_value("--watch", "", watch, f"a number in [1, {DAY}]")
@@ -347,17 +315,17 @@ def as_text(status: StudyStatus) -> str:
 
 def as_json(status: StudyStatus) -> str:
     """Return the counts, every point and the time left (s; null while nothing runs) as JSON."""
-    points = [_point_entry(key, point) for key, point in status.points.items()]
+    points = []
+    for key, point in status.points.items():
+        entry = {"id": key} | {name: value for name, value in vars(point).items() if value}
+        if point.progress:
+            known = point.progress.model_dump(include={"done", "total", "rate", "elapsed"})
+            entry["progress"] = known | {"seconds_left": point.progress.remaining_seconds}
+        if point.shared:
+            entry["shared"] = str(point.shared.path)
+        points.append(entry)
     document = vars(status) | {"counts": status.counts} | status.totals | {"points": points}
     return json.dumps(document, indent=2, ensure_ascii=False)
-
-
-def _point_entry(key: str, point: PointStatus) -> dict[str, Any]:
-    entry = {"id": key} | {name: value for name, value in vars(point).items() if value}
-    if point.progress:
-        known = point.progress.model_dump(include={"done", "total", "rate", "elapsed"})
-        entry["progress"] = known | {"seconds_left": point.progress.remaining_seconds}
-    return entry | ({"shared": str(point.shared.path)} if point.shared else {})
 
 
 def list_orphans(study: Study, results: Path, remove: bool) -> list[str]:

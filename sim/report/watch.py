@@ -78,7 +78,7 @@ class Watch(threading.Thread):
     def follow(self, log: logging.Logger) -> None:
         """Start, and add to Snakemake's log the lines of failed jobs, in place of its own."""
         self.start()
-        log.addFilter(is_news)
+        log.addFilter(lambda record: not record.getMessage().startswith(NO_NEWS))
         log.addHandler(FailedJobs(self.write))
 
     def summarize(self) -> None:
@@ -136,11 +136,6 @@ class Watch(threading.Thread):
             lines = (self._logs / f"{name}.log").read_text(encoding="utf-8").splitlines()
             return next((x for x in reversed(lines) if x.startswith(f"{name}: ")), "")
         return ""
-
-
-def is_news(record: logging.LogRecord) -> bool:
-    """Return whether a message of Snakemake adds to the lines of points and failed jobs."""
-    return not record.getMessage().startswith(NO_NEWS)
 
 
 class FailedJobs(logging.Handler):

@@ -156,9 +156,12 @@ def judged(name: str, short: Sequence[str] = (), **by_reading: list[Check]) -> S
     )
 
 
-def test_open_claims_get_the_replicates_of_their_points(made, judges, capsys):
+def test_open_claims_get_the_replicates_of_their_points_and_each_look_is_counted(
+    made, judges, capsys
+):
+    """Two rounds make three looks; points of which nothing was bought have been looked at once."""
     folder = made("budget: 10, claims: [W9]")
-    first = next(iter(folder.points))
+    first, second = folder.points
     check = Check("x", 1.5, 0.6, 1.0, 9.0, points=(first,), samples=99)
     judges(judged("W8", default=[check]), judged("W9", default=[check, check]))
     assert 1 < check.replicate_factor < 4
@@ -168,17 +171,8 @@ def test_open_claims_get_the_replicates_of_their_points(made, judges, capsys):
     assert folder.replicates() == [4, 3]
     held = json.loads(extra_amounts_file(folder.results / "open").read_text())
     assert held["amounts"] == {first: {"replicates": 4.0}} and held["rounds"] == {first: 1}
-
-
-def test_each_look_of_the_judge_is_counted(made, judges):
-    """Two rounds make three looks; points of which nothing was bought have been looked at once."""
-    folder = made("budget: 10, claims: [W9]")
-    first, second = folder.points
-    check = Check("x", 1.5, 0.6, 1.0, 9.0, points=(first,), samples=99)
-    judges(judged("W9", default=[check, check]))
-    for _ in range(2):
-        folder.run()
-        folder.decide()
+    folder.run()
+    folder.decide()
     folder.run()
     assert {point.id: point.looks for point in folder.points.values()} == {first: 3, second: 1}
     results = load_results(folder.results / "open" / "dataset.nc")
@@ -187,20 +181,18 @@ def test_each_look_of_the_judge_is_counted(made, judges):
     assert above("V", places[0].velocity, 0, places).looks == 3
 
 
-def decided_claims(*names: str) -> list[str]:
-    series = [{"name": "a", "system": "chute"}]
-    decide = {"budget": 1.0, "claims": [*names]}
-    return parse_study(
-        {"study": "s", "series": series, "decide": decide}, "s.yaml", None
-    ).decide.claims
-
-
 def test_claims_of_the_papers_may_be_decided_and_no_others():
+    study = {"study": "s", "series": [{"name": "a", "system": "chute"}]}
+
+    def decided(*names: str) -> list[str]:
+        decide = {"decide": {"budget": 1.0, "claims": [*names]}}
+        return parse_study(study | decide, "s.yaml", None).decide.claims
+
     every = [claim.id for claim in claims()]
-    assert decided_claims(*every, "all") == [*every, "all"]
+    assert decided(*every, "all") == [*every, "all"]
     for name in ("W0", "W27", "G37", "G99", "X1"):
         with pytest.raises(InputError, match=rf"s\.yaml: decide\.claims\[0\]: got '{name}'"):
-            decided_claims(name)
+            decided(name)
 
 
 def test_a_claim_is_decided_under_each_reading_of_the_whole_study(made, judges, capsys):

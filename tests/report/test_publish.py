@@ -163,13 +163,6 @@ def test_what_is_damaged_is_named_and_set_aside(
     assert not (results / "published").exists()
 
 
-def test_a_figure_whose_drawing_nobody_has_noted_is_refused(finished, tmp_path):
-    study, results = finished
-    (results / "made" / "figures" / RECORD_FILE).unlink()
-    with pytest.raises(DamagedError, match=r"walton_2.*\.drawn\.json does not know it"):
-        publish.publish(study, results, tmp_path / "published")
-
-
 @pytest.mark.parametrize("name", ["dataset.nc", "claims.csv", "figures", "SHA256SUMS"])
 def test_a_study_file_named_like_what_is_published_is_refused(finished, monkeypatch, name, capsys):
     study, results = finished
@@ -182,6 +175,9 @@ def test_a_study_file_named_like_what_is_published_is_refused(finished, monkeypa
 
 def test_an_unfinished_study_is_refused(finished, tmp_path):
     study, results = finished
+    (results / "made" / "figures" / RECORD_FILE).unlink()
+    with pytest.raises(DamagedError, match=r"walton_2.*\.drawn\.json does not know it"):
+        publish.publish(study, results, tmp_path / "published")
     (results / "made" / "claims.json").unlink()
     with pytest.raises(InputError, match=r"claims.json: missing; run the study to its end"):
         publish.publish(study, results, tmp_path / "published")
