@@ -52,14 +52,9 @@ def read_claims(path: Path, replaceable: bool = True) -> list[dict[str, Any]]:
 
 
 def require_table(folder: Path) -> None:
-    """Raise an error unless the tables of checks and of verdicts were written with the claims.
+    """Raise `InputError` unless the tables of checks and of verdicts were written with the claims.
 
-    Raises
-    ------
-    InputError
-        Where one of them, or ``claims.json``, is missing.
-    DamagedError
-        When a table has changed since, or ``claims.json`` cannot be read.
+    That is a `DamagedError` when a table has changed since, or ``claims.json`` cannot be read.
     """
     for name in ("claims.csv", "verdicts.csv"):
         table = folder / name
@@ -112,14 +107,8 @@ def claim_rows(
 ) -> list[dict[str, Any]]:
     """Return one row per claim with everything that the templates show of its evidence.
 
-    Parameters
-    ----------
-    claims : iterable of mapping
-        Claims, as `read_claims` returns them.
-    runs : iterable of mapping
-        The table of runs, as `sim.report.runs.run_rows` returns it.
-    figure_names : iterable of str
-        Names of the figures in the report.
+    Claims are as `read_claims` returns them, ``runs`` is the table of `sim.report.runs.run_rows`,
+    and ``figure_names`` are those in the report.
     """
     figure_names = set(figure_names)
     authors = {name: paper.author for name, paper in papers().items()}

@@ -276,19 +276,10 @@ def opinion_of(study: Study, dataset: xr.Dataset, folder: Path, other: str) -> O
 def ask(study_path: Path, results: Path, share: float, cores: int, engine: str = "") -> list[str]:
     """Run a sample of a study's points by another engine; return what it says of them.
 
-    Parameters
-    ----------
-    study_path : Path
-        The study file; its dataset is there.
-    results : Path
-        Folder of all results. The runs go to those of the study, as ordinary run files of points
-        of the other engine; those that are there already are kept.
-    share : float
-        Share of the points that both engines know.
-    cores : int
-        Runs at a time.
-    engine : str, optional
-        Name of the other engine; empty where there is but one.
+    The dataset of the study is in the folder of all results. The runs go to those of the study, as
+    ordinary run files of points of the other engine; those that are there already are kept. They
+    are a ``share`` of the points that both engines know, as many at a time as there are ``cores``.
+    ``engine`` is the name of the other engine; empty where there is but one.
 
     Raises
     ------

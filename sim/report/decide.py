@@ -46,15 +46,8 @@ class Offer:
 def decide(study_path: Path, cores: int | None, results: Path = Path("results")) -> list[str] | int:
     """Buy the amounts of the next round; with ``cores``, run study and rounds until none is left.
 
-    Returns
-    -------
-    list of str or int
-        Lines on what was bought and spent; or the exit code of the workflow.
-
-    Raises
-    ------
-    InputError
-        When the study has no ``decide`` section, or its dataset is missing.
+    Returns lines on what was bought and spent, or the exit code of the workflow. `InputError` tells
+    of a study without a ``decide`` section or without a dataset.
     """
     if cores is None:
         return _round(study_path, results)[0]

@@ -29,17 +29,9 @@ MOST_LETTERS = 60
 def frames_of(file: netCDF4.Dataset, parameters: Parameters, replicate: int) -> Frames:
     """Return the frames of a replicate: its trajectory, or without one its first and last state.
 
-    States with positions that are not finite, after a blow-up, are left out. A run wraps positions
-    into the cell only now and then; here all are.
-
-    Parameters
-    ----------
-    file : netCDF4.Dataset
-        An open run file, without masks.
-    parameters : Parameters
-        Its point.
-    replicate : int
-        Number of the replicate, from 0.
+    The run file is open and without masks; ``replicate`` counts from 0. States with positions that
+    are not finite, after a blow-up, are left out. A run wraps positions into the cell only now and
+    then; here all are.
 
     Raises
     ------

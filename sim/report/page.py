@@ -79,22 +79,9 @@ def figure_entry(
     """Return title, caption, details and addresses of the files of one figure in the report.
 
     The ``picture`` of an animation is its first frame, and ``animation`` is its address.
-
-    Parameters
-    ----------
-    spec : FigureSpec
-        The specification of the figure.
-    folder : Path
-        Folder of its files.
-    address : callable
-        `data_uri`, which puts the files into the page, or `relative_link`, which links them.
-    claims : sequence of mapping
-        Claims with their ``id`` and the names of their ``figures``; the entry has its ids.
-
-    Raises
-    ------
-    InputError
-        When a file is missing or damaged, naming it.
+    ``folder`` has the files; ``address`` is `data_uri`, which puts them into the page, or
+    `relative_link`, which links them. Of ``claims``, the entry has the ids of those with the
+    figure. `InputError` names a file that is missing or damaged.
     """
     name = spec.name
     files = {suffix: folder / f"{name}{suffix}" for suffix in (*_MEDIA, ".caption.txt")}
@@ -201,21 +188,10 @@ def render(
     claims: list[dict[str, Any]],
     address: Address,
 ) -> str:
-    """Return the report as HTML text.
+    """Return the report of a study with its results and the folder of its figures as HTML text.
 
-    Parameters
-    ----------
-    study : Study
-        The study.
-    results : Results
-        Its dataset.
-    figures : Path
-        Folder of its figures.
-    claims : list of dict
-        Its claims with their verdicts, as `sim.claims.verdict_files` writes them; empty if they
-        have not been judged.
-    address : callable
-        Embeds figures in the page or links them, see `figure_entry`.
+    ``claims`` are its claims with their verdicts, as `sim.claims.verdict_files` writes them; empty
+    if they have not been judged. ``address`` embeds figures in the page or links them.
     """
     dataset, folder = results.dataset, figures.parent
     caveats = Counter(str(text) for text in dataset["caveat"].values if text).most_common()

@@ -92,10 +92,7 @@ _KEYS: dict[str, tuple[Callable[[Any], bool], str]] = {
 def read_citation(path: Path) -> dict[str, Any]:
     """Return authors, licence and title of a file in the Citation File Format.
 
-    Raises
-    ------
-    InputError
-        When the file is missing, or lacks one of them.
+    It is an `InputError` when the file is missing, or lacks one of them.
     """
     if not path.is_file():
         message = f"no such file in {path.absolute().parent}, where the command was called"

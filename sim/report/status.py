@@ -132,10 +132,7 @@ class StudyStatus:
 def survey(study: Study, results: str | Path = "results") -> StudyStatus:
     """Return the progress of a study in a folder of results; before its start, all points wait.
 
-    Raises
-    ------
-    InputError
-        When a file with further points of the study cannot be read.
+    It is an `InputError` when a file with further points of the study cannot be read.
     """
     folder = Path(results) / study.name
     extra = read_extra_amounts(folder) if study.decide else ExtraAmounts()
@@ -331,12 +328,8 @@ def as_json(status: StudyStatus) -> str:
 def list_orphans(study: Study, results: Path, remove: bool) -> list[str]:
     """Return a line per orphaned run of a study with its size, and a line with the total.
 
-    With ``remove`` run files, states and logs of these points are removed.
-
-    Raises
-    ------
-    InputError
-        When rounds of refinement are still to come, as these may need any of the present runs.
+    With ``remove`` run files, states and logs of these points are removed. It is an `InputError`
+    while rounds of refinement are to come, as these may need any of the present runs.
     """
     status = survey(study, results)
     if status.rounds_left:

@@ -139,13 +139,7 @@ class Watch(threading.Thread):
 
 
 class FailedJobs(logging.Handler):
-    """Log handler that writes a line for each failed job of Snakemake.
-
-    Parameters
-    ----------
-    write : callable
-        Called with each line.
-    """
+    """Log handler that calls ``write`` with a line for each failed job of Snakemake."""
 
     def __init__(self, write: Callable[[str], object]):
         super().__init__()
