@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from sim.base.errors import InputError
 
@@ -23,19 +23,10 @@ FILE = ".py"
 
 @dataclass(frozen=True)
 class Plugin:
-    """A loaded plug-in.
+    """A loaded plug-in, with its ``name`` in the study file and a hash of its content, ``code``.
 
-    Attributes
-    ----------
-    name : str
-        Its name in the study file.
-    place : str
-        Path of its file or folder, or name of the installed package, by which another process loads
-        it.
-    code : str
-        Hash of its content.
-    files : tuple of Path
-        Its files, where it stands beside a study; an installed one has none.
+    By its ``place``, path of its file or folder or name of the installed package, another process
+    loads it. It has ``files`` where it stands beside a study; an installed one has none.
     """
 
     name: str
@@ -52,8 +43,7 @@ class Plugin:
         return f"plug-in {self.name} ({self.code})"
 
 
-@dataclass(frozen=True)
-class Addition:
+class Addition(NamedTuple):
     """A value that a plug-in adds, with the plug-in."""
 
     value: Any

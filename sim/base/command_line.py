@@ -58,7 +58,6 @@ STUDY = _argument("study_path", "STUDY.yaml")
 ANY_STUDY = _argument("study_path", "[STUDY.yaml]", required=False)
 DATASET = _argument("dataset_path", "DATASET.nc")
 CORES = _option("--cores", "N", "cores to use", type=int)
-RESULTS = _file("--results", "FOLDER", "folder of all results", default="results")
 TEXT = _option("--format", type=Choice(("text", "json")), default="text")
 TABLE = _option("--format", type=Choice(("table", "json")), default="table")
 PROCESSES = _option("-j --processes", "N", "make N side by side", type=int, default=1)
@@ -97,7 +96,6 @@ COMMANDS: dict[str, tuple[str, str, Sequence[Parameter]]] = {
         "List the points of a study and what they cost, or describe a run file.",
         [
             _argument("path", "STUDY.yaml|RUN.nc"),
-            RESULTS,
             TABLE,
             _option("--point as_point", help="print the point file of a run file instead"),
         ],
@@ -107,7 +105,6 @@ COMMANDS: dict[str, tuple[str, str, Sequence[Parameter]]] = {
         "Show how far a study is, by default config/quick.yaml.",
         [
             ANY_STUDY,
-            RESULTS,
             TEXT,
             _option("--watch", "SECONDS", "show it again and again until it is over", type=float),
             _option("--orphans", help="list runs of no point of the study instead"),
@@ -158,7 +155,6 @@ COMMANDS: dict[str, tuple[str, str, Sequence[Parameter]]] = {
             _option("--of", "NAME", "surrogate, or observable; default: the only surrogate"),
             _option("--extrapolate", help="outside the ranges of the points, too"),
             TABLE,
-            RESULTS,
         ],
     ),
     "compare": (
@@ -174,14 +170,14 @@ COMMANDS: dict[str, tuple[str, str, Sequence[Parameter]]] = {
             _option("--engine", "NAME", "that is asked; default: the only other one", default=""),
             _option("--share", "SHARE", "of the points known to both", type=float, default=0.05),
             _option("--cores", "N", "runs at a time of the engine", type=int, default=1),
-            RESULTS,
+            _file("--results", "FOLDER", "folder of all results", default="results"),
         ],
     ),
     "decide": (
         "sim.report.decide:decide",
         "Add the replicates that open questions need; with --cores run study and rounds in turns, "
         "until nothing is to be added.",
-        [STUDY, RESULTS, CORES],
+        [STUDY, CORES],
     ),
     "figure": (
         "sim.figures.render:draw_figures",
@@ -200,7 +196,6 @@ COMMANDS: dict[str, tuple[str, str, Sequence[Parameter]]] = {
         "Copy what readers need of a study.",
         [
             STUDY,
-            RESULTS,
             _file("--to target", "FOLDER", "of all published studies", default="results/published"),
             _option("--crate", help="also describe it as an RO-Crate, by CITATION.cff"),
         ],
@@ -232,26 +227,25 @@ JOBS: dict[str, tuple[str, Sequence[Parameter]]] = {
     "batch": ("sim.engine.command:batch", [_argument("results", "FOLDER")]),
     "refine": (
         "sim.surrogates.inquiries:write_round",
-        [STUDY, RESULTS, _argument("number", "ROUND", int)],
+        [STUDY, _argument("number", "ROUND", int)],
     ),
     "adopt": (
         "sim.dataset.adopted:adopt",
-        [STUDY, RESULTS, DATASET],
+        [STUDY, DATASET],
     ),
     "dataset": (
         "sim.dataset.build:build",
         [
             STUDY,
-            RESULTS,
             PROCESSES,
             _option("--dask-scheduler scheduler", "ADDRESS", envvar="DASK_SCHEDULER_ADDRESS"),
             _file("--finished", "FILE.nc", "write only the points that have finished, to adopt"),
         ],
     ),
-    "boundaries": ("sim.dataset.boundaries:build", [STUDY, RESULTS]),
-    "questions": ("sim.surrogates.inquiries:build", [STUDY, RESULTS]),
-    "claims": ("sim.claims.verdict_files:build", [STUDY, RESULTS]),
-    "report": ("sim.report.page:build", [STUDY, RESULTS]),
+    "boundaries": ("sim.dataset.boundaries:build", [STUDY]),
+    "questions": ("sim.surrogates.inquiries:build", [STUDY]),
+    "claims": ("sim.claims.verdict_files:build", [STUDY]),
+    "report": ("sim.report.page:build", [STUDY]),
 }
 
 #: Earlier names of commands, and what they stand for. They are not listed.

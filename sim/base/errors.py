@@ -30,18 +30,11 @@ class InputError(Exception):
 
     @classmethod
     def of_value(cls, source: str | Path, key: str, value: Any, allowed: str | Allowed) -> Self:
-        """Build the message ``FILE: KEY: got VALUE; allowed ALLOWED``.
+        """Build the message ``FILE: KEY: got VALUE; allowed: ALLOWED``.
 
-        Parameters
-        ----------
-        source : str or Path
-            The file (or other origin) that holds the value.
-        key : str
-            Full path of the key (``series[0].grid.depth[1]``); ``""`` for the file as a whole.
-        value : object
-            The value at this key; long values are shortened.
-        allowed : str or Allowed
-            The accepted values, in words.
+        ``source`` is the file, or other origin, that holds the value, ``key`` the full path of the
+        key (``series[0].grid.depth[1]``), ``""`` for the file as a whole. Long values are
+        shortened. ``allowed`` are the accepted values, in words.
         """
         where = f"{source}: {key}" if key else f"{source}"
         question, values = allowed if isinstance(allowed, Allowed) else ("", allowed)

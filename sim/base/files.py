@@ -28,17 +28,8 @@ def atomic_write(path: Path, durable: bool = True) -> Iterator[Path]:
 
     After an error ``path`` is unchanged, and the temporary file gone.
 
-    Parameters
-    ----------
-    path : Path
-        The file; an existing one is replaced. A link is replaced, not followed.
-    durable : bool
-        Put the file on the disk before it is renamed, safe from a power cut.
-
-    Raises
-    ------
-    OSError
-        When the file cannot be written. The error names ``path``.
+    An existing file is replaced; so is a link, which is not followed. A ``durable`` file is on the
+    disk before it is renamed, safe from a power cut. ``OSError`` names ``path``.
     """
     with temporary_folder(path) as folder:
         temporary = folder / path.name
@@ -237,17 +228,8 @@ def _flush(path: Path) -> None:
 def require_writable(folder: Path, key: str) -> None:
     """Raise `InputError` unless files can be created in ``folder``, which is not made itself.
 
-    Parameters
-    ----------
-    folder : Path
-        The folder; it and its parents need not exist.
-    key : str
-        The option or setting that named it, for the message.
-
-    Raises
-    ------
-    InputError
-        When the folder, or its nearest existing parent, is no folder or refuses a file.
+    The folder and its parents need not exist; then it is the nearest that does. ``key`` is the
+    option or setting that named it, for the message.
     """
     nearest = folder.absolute()
     while not (nearest.exists() or nearest.is_symlink()) and nearest != nearest.parent:

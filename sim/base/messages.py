@@ -22,11 +22,8 @@ _TAG = "system"
 #: Up to this length, the allowed values are named in addition to a hint.
 SHORT = 60
 
-#: Most names that a message lists.
-MOST_NAMES = 12
-
-#: Fewest names like another that are listed in place of all.
-_FEWEST = 3
+#: Most names that a message lists, and fewest names like another that are listed in place of all.
+MOST_NAMES, _FEWEST = 12, 3
 
 _QUOTED = re.compile(r"'([^']*)'")
 
@@ -91,18 +88,10 @@ def input_error(
     Only one error is reported. An unknown key comes first, as it often explains a missing one;
     an unknown choice comes before it, as the key may belong to the choice.
 
-    Parameters
-    ----------
-    error : pydantic.ValidationError
-        Raised when an instance of ``model`` was built.
-    model : type
-        Its fields, and those of the models in it, give the allowed ranges.
-    source : str
-        The file the values come from.
-    paths : mapping, optional
-        Full path in the file of each key, where that is not the key itself.
-    key_hint : callable, optional
-        Function: unknown key → a hint, ``""`` without any. Models with a method ``hint`` need none.
+    The fields of the model, and those of the models in it, give the allowed ranges. The values come
+    from the file ``source``; ``paths`` has the full path in it of each key, where that is not the
+    key itself. ``key_hint`` gives a hint on an unknown key, ``""`` without any; models with a
+    method ``hint`` need none.
     """
     details = error.errors(include_url=False)
     choices = [detail for detail in details if detail["type"] == "literal_error"]
@@ -274,12 +263,7 @@ def did_you_mean(name: str, known: Collection[str]) -> str:
     return f"did you mean {' or '.join(close)}? " if close else ""
 
 
-# Other words for the names of Talus, by which errors find the name that was meant.
-#
-# The rooms that know such words register them.
-
-
-#: Names by the words that may stand for them.
+#: Names of Talus by other words that may stand for them; the rooms that know such words add them.
 _NAMES: dict[str, dict[str, None]] = {}
 
 
@@ -312,40 +296,22 @@ def _spelled(word: str) -> str:
 #: Size in SI units, and powers of metre, kilogram, second and radian.
 _Unit = tuple[float, tuple[int, ...]]
 
-#: Units that take a prefix.
-_PREFIXED: dict[str, _Unit] = {
-    "m": (1, (1, 0, 0, 0)),
-    "g": (1e-3, (0, 1, 0, 0)),
-    "s": (1, (0, 0, 1, 0)),
-    "rad": (1, (0, 0, 0, 1)),
-    "Hz": (1, (0, 0, -1, 0)),
-    "N": (1, (1, 1, -2, 0)),
-    "J": (1, (2, 1, -2, 0)),
-    "W": (1, (2, 1, -3, 0)),
-    "Pa": (1, (-1, 1, -2, 0)),
-}
+_PURE, _DEGREE, _MINUTE = (0, 0, 0, 0), (pi / 180, (0, 0, 0, 1)), (60, (0, 0, 1, 0))
 
 _PREFIXES = {"n": 1e-9, "u": 1e-6, "µ": 1e-6, "m": 1e-3, "c": 1e-2, "k": 1e3, "M": 1e6, "G": 1e9}
 
-_PURE, _DEGREE, _MINUTE = (0, 0, 0, 0), (pi / 180, (0, 0, 0, 1)), (60, (0, 0, 1, 0))
+#: Units that take a prefix, with their powers; a gram is a thousandth of the unit.
+_PREFIXED = {"m": (1, 0, 0, 0), "g": (0, 1, 0, 0), "s": (0, 0, 1, 0), "rad": (0, 0, 0, 1)}
+_PREFIXED |= {"Hz": (0, 0, -1, 0), "N": (1, 1, -2, 0), "J": (2, 1, -2, 0), "W": (2, 1, -3, 0)}
+_PREFIXED |= {"Pa": (-1, 1, -2, 0)}
 
 _UNITS: dict[str, _Unit] = {
-    **{
-        prefix + name: (scale * size, powers)
-        for prefix, scale in _PREFIXES.items()
-        for name, (size, powers) in _PREFIXED.items()
-    },
-    **_PREFIXED,
-    "1": (1, _PURE),
-    "-": (1, _PURE),
-    "%": (0.01, _PURE),
-    "°": _DEGREE,
-    "deg": _DEGREE,
-    "degree": _DEGREE,
-    "degrees": _DEGREE,
-    "min": _MINUTE,
-    "h": (3600, (0, 0, 1, 0)),
+    prefix + name: (scale * (1e-3 if name == "g" else 1), powers)
+    for prefix, scale in {**_PREFIXES, "": 1}.items()
+    for name, powers in _PREFIXED.items()
 }
+_UNITS |= {"1": (1, _PURE), "-": (1, _PURE), "%": (0.01, _PURE), "min": _MINUTE}
+_UNITS |= {"h": (3600, _MINUTE[1])} | dict.fromkeys(("°", "deg", "degree", "degrees"), _DEGREE)
 
 #: Other spellings of the same letters.
 _SPELLINGS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻\N{MINUS SIGN}μ·*", "0123456789--µ  ")

@@ -10,11 +10,9 @@ import os
 import re
 import sys
 from collections.abc import Callable, Collection, Iterable
-from contextlib import chdir
-from contextvars import copy_context
 from functools import cache
 from importlib import import_module
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec
 from inspect import signature
 from pathlib import Path
@@ -75,14 +73,8 @@ def places() -> list[str]:
 def load(names: Iterable[str], folder: Path, source: str) -> tuple[Plugin, ...]:
     """Load those plug-ins that are not loaded yet, and return all of them.
 
-    Parameters
-    ----------
-    names : iterable of str
-        Files in ``folder``, with their suffix, folders there, and names of installed plug-ins.
-    folder : Path
-        Folder of the files and folders.
-    source : str
-        File and key that name them, for messages: ``study.yaml: plugins``.
+    They are files in ``folder``, with their suffix, folders there, and names of installed plug-ins.
+    ``source`` is the file and key that name them, for messages: ``study.yaml: plugins``.
 
     Raises
     ------
@@ -138,14 +130,9 @@ def load_shipped(package: str) -> None:
 
 
 def load_plugins(*names: str | Path) -> None:
-    """Load plug-ins into this process: files, or names of installed ones.
+    """Load plug-ins into this process: files, or names of installed ones; see `load`.
 
     Their additions can then be used in `simulate`, `Flow` and `points`.
-
-    Raises
-    ------
-    InputError
-        When one is missing, cannot be imported, adds nothing, or adds a name that is in use.
     """
     load(map(str, names), Path(), "load_plugins")
 
@@ -153,36 +140,55 @@ def load_plugins(*names: str | Path) -> None:
 class _SourceCode(NamedTuple):
     """The code of a plug-in: its ``file``, the name of its ``module``, and its ``text``.
 
-    The text of an installed plug-in is None: Python imports it.
+    The text of an installed plug-in is None: Python imports it. Lines of errors are sought in the
+    ``place``, the file or the folder.
     """
 
     plugin: Plugin
     file: Path
     module: str
+    place: Path
     text: bytes | None = None
 
-    @property
-    def place(self) -> Path:
-        """Where lines of errors are sought: the file, or the folder."""
-        return Path(self.plugin.place) if self.plugin.files else self.file
+
+def _contents(folder: Path) -> tuple[Path, ...]:
+    """Return the files in a folder that are neither hidden nor made by Python."""
+    places = {one: one.relative_to(folder).parts for one in sorted(folder.rglob("*"))}
+    return tuple(
+        one
+        for one, parts in places.items()
+        if one.is_file() and not any(part[0] == "." or part == "__pycache__" for part in parts)
+    )
 
 
 def _find(name: str, folder: Path, error_of: Callable[[str], InputError]) -> _SourceCode:
     """Return the code of a plug-in by its name; ``error_of`` turns a reason into an error."""
-    path = (folder / name).absolute()
-    if name.endswith(FILE):
-        return _beside_study(path, path, (path,), error_of)
-    entries = entry_points(group=GROUP)
-    if name not in entries.names:
-        if (path / _INIT).is_file():
-            contents = (one for one in sorted(path.rglob("*")) if one.is_file())
-            visible = tuple(one for one in contents if _is_content(one.relative_to(path)))
-            return _beside_study(path, path / _INIT, visible, error_of)
-        installed = near(name, sorted(entries.names)) or "none"
-        raise error_of(f"installed: {installed}")
-    module = entries[name].value
+    place = (folder / name).absolute()
+    file, entries = place, entry_points(group=GROUP)
+    if not name.endswith(FILE):
+        if name in entries.names:
+            return _installed(name, entries[name], error_of)
+        file = place / _INIT
+        if not file.is_file():
+            raise error_of(f"installed: {near(name, sorted(entries.names)) or 'none'}")
+    root, files = place, _contents(place)
+    if file == place:
+        root, files = place.parent, (file,)
     try:
-        module = entries[name].module
+        texts = {one: read_regular(one) for one in files}
+    except OSError as error:
+        raise error_of(f"{error.filename or place}: {error.strerror or error}") from None
+    code = _hash((str(one.relative_to(root)), text) for one, text in texts.items())
+    # Each content has its own module name, by which types of compiled code are told apart.
+    module = f"talus_plugin_{re.sub('[^a-zA-Z0-9]', '_', place.stem)}_{code}"
+    plugin = Plugin(place.name, str(place), code, files)
+    return _SourceCode(plugin, file, module, place, texts[file])
+
+
+def _installed(name: str, entry: EntryPoint, error_of: Callable[[str], InputError]) -> _SourceCode:
+    module = entry.value
+    try:
+        module = entry.module
         spec = find_spec(module.partition(".")[0])
         if spec is None or spec.origin is None:
             raise error_of(f"no module {module}")
@@ -191,27 +197,7 @@ def _find(name: str, folder: Path, error_of: Callable[[str], InputError]) -> _So
         code = _hash((path.name, read_regular(path)) for path in sorted(files))
     except (OSError, ValueError, AttributeError) as error:
         raise error_of(f"{module}: {error}") from None
-    return _SourceCode(Plugin(name, name, code), file, module)
-
-
-def _is_content(path: Path) -> bool:
-    """Return whether a file within a folder counts: it is neither hidden nor made by Python."""
-    return not any(part.startswith(".") or part == "__pycache__" for part in path.parts)
-
-
-def _beside_study(
-    place: Path, file: Path, files: tuple[Path, ...], error_of: Callable[[str], InputError]
-) -> _SourceCode:
-    """Return the code of a file or folder at a place beside a study; ``file`` is run."""
-    try:
-        texts = {one: read_regular(one) for one in files}
-    except OSError as error:
-        raise error_of(f"{error.filename or place}: {error.strerror or error}") from None
-    root = place if file != place else place.parent
-    code = _hash((str(one.relative_to(root)), text) for one, text in texts.items())
-    # Each content has its own module name, by which types of compiled code are told apart.
-    module = f"talus_plugin_{re.sub('[^a-zA-Z0-9]', '_', place.stem)}_{code}"
-    return _SourceCode(Plugin(place.name, str(place), code, files), file, module, texts[file])
+    return _SourceCode(Plugin(name, name, code), file, module, file)
 
 
 def _hash(files: Iterable[tuple[str, bytes]]) -> str:
@@ -224,9 +210,8 @@ def _hash(files: Iterable[tuple[str, bytes]]) -> str:
 def _run(source_code: _SourceCode, error_of: Callable[[str], InputError]) -> None:
     plugin = source_code.plugin
     try:
-        with attribute_additions_to(plugin), chdir(Path()):
-            # A context of its own also preserves the error and rounding modes of NumPy and decimal.
-            copy_context().run(_execute, source_code)
+        with attribute_additions_to(plugin):
+            _execute(source_code)
             if not (labels := addition_labels(plugin)):
                 raise AdditionError("it adds nothing")
     except KeyboardInterrupt:
@@ -333,6 +318,9 @@ Names = Annotated[
 ]
 
 
+_adapter = cache(TypeAdapter)
+
+
 def with_declared_types(what: str, one: _Dataclass) -> _Dataclass:
     """Return a dataclass whose values have the declared types; refuse what cannot have them."""
     model: Any = type(one)
@@ -341,18 +329,9 @@ def with_declared_types(what: str, one: _Dataclass) -> _Dataclass:
         return valid
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
-        allowed = (
-            first["msg"].removeprefix("Input should be ").replace("Field required", "one more")
-        )
-        path = key_path(first["loc"])
-        raise AdditionError(
-            f"{what}.{path}: got {in_short(first['input'])}; allowed: {allowed}"
-        ) from None
-
-
-@cache
-def _adapter(model: Any) -> TypeAdapter[Any]:
-    return TypeAdapter(model)
+        words = first["msg"].removeprefix("Input should be ").replace("Field required", "one more")
+        got, path = in_short(first["input"]), key_path(first["loc"])
+        raise AdditionError(f"{what}.{path}: got {got}; allowed: {words}") from None
 
 
 def require_function(what: str, function: Any, takes: int, named: Collection[str] = ()) -> None:

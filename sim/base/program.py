@@ -68,16 +68,10 @@ PAPERS, FIGURES = "papers", "figures.yaml"
 
 @cache
 def room_hash(package: Path, room: str) -> str:
-    """Return a hash of the files of a room and of its imports.
+    """Return a hash of the files of a room in the folder of the package, and of its imports.
 
-    Of `UNTRACKED` it has `READER` alone.
-
-    Parameters
-    ----------
-    package : Path
-        Folder of the package.
-    room : str
-        One of `ROOMS`. The hash of the report includes `PAPERS`; no other includes `FIGURES`.
+    Of `UNTRACKED` it has `READER` alone. The hash of the report includes `PAPERS`; no other
+    includes `FIGURES`.
     """
     folders = {room, *ROOMS[room], *([PAPERS] if room == "report" else [])} - {UNTRACKED}
     files = [

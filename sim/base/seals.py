@@ -51,16 +51,9 @@ class DamagedError(InputError):
 def checked_read(path: Path, kind: str, replaceable: bool, sealed: bool = False) -> Iterator[None]:
     """Turn any error of a block that reads a file into an `InputError` of one line.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    kind : str
-        Kind of file expected, for messages.
-    replaceable : bool
-        Rename an unreadable file to ``<name>.damaged``, so that the workflow makes it again.
-    sealed : bool
-        Check the checksum at its end first.
+    ``kind`` is the kind of file expected, for messages. An unreadable file that is ``replaceable``
+    is renamed to ``<name>.damaged``, so that the workflow makes it again. Of a ``sealed`` one, the
+    checksum at its end is checked first.
 
     Raises
     ------

@@ -56,18 +56,10 @@ def mean_interval(values: np.ndarray, half_widths: np.ndarray) -> tuple[float, s
 def share_of_rises(groups: Sequence[np.ndarray]) -> tuple[float, float]:
     """Return how often one value of each group, drawn at random, rises throughout.
 
-    A paper that has one run per point can say "increases monotonically" of such a draw alone.
-
-    Parameters
-    ----------
-    groups : sequence of (R,) arrays
-        Replicates of each point, in the order of the points.
-
-    Returns
-    -------
-    (float, float)
-        The share of all choices of one value per group, and its standard error by the jackknife
-        over the values of all groups.
+    A paper that has one run per point can say "increases monotonically" of such a draw alone. The
+    ``groups`` are the replicates (R,) of each point, in the order of the points. Returns the share
+    of all choices of one value per group, and its standard error by the jackknife over the values
+    of all groups.
     """
     share, variance = _share_of_rises(groups), 0.0
     for number, group in enumerate(groups):

@@ -52,7 +52,7 @@ def missing_variables(group: Any, system: str) -> list[str]:
     return sorted(stored_names(system) - set(reads.split())) if system in ALL else [system]
 
 
-def adopt(study_path: Path, dataset_path: Path, results: Path) -> str:
+def adopt(study_path: Path, dataset_path: Path, results: Path = Path("results")) -> str:
     """Make the rows of a dataset reduced run files of a study.
 
     A run file that is there stays where it holds enough of its point, or something that the row

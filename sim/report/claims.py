@@ -52,14 +52,9 @@ def read_claims(path: Path, replaceable: bool = True) -> list[dict[str, Any]]:
 
 
 def require_table(folder: Path) -> None:
-    """Raise an error unless the tables of checks and of verdicts were written with the claims.
+    """Raise `InputError` unless the tables of checks and of verdicts were written with the claims.
 
-    Raises
-    ------
-    InputError
-        Where one of them, or ``claims.json``, is missing.
-    DamagedError
-        When a table has changed since, or ``claims.json`` cannot be read.
+    That is a `DamagedError` when a table has changed since, or ``claims.json`` cannot be read.
     """
     for name in ("claims.csv", "verdicts.csv"):
         table = folder / name
@@ -76,15 +71,12 @@ def _read(path: Path, replaceable: bool = True) -> dict[str, Any]:
 
 def count_verdicts(claims: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, int]]:
     """Return the number of claims by the short name of the paper and by verdict."""
+    found = Counter((claim["paper"], claim["verdict"]) for claim in claims)
+    known = {paper for paper, _ in found}
     return {
-        paper: {
-            verdict: sum(
-                claim["paper"] == paper and claim["verdict"] == verdict for claim in claims
-            )
-            for verdict in VERDICTS
-        }
+        paper: {verdict: found[paper, verdict] for verdict in VERDICTS}
         for paper in papers()
-        if any(claim["paper"] == paper for claim in claims)
+        if paper in known
     }
 
 
@@ -115,14 +107,8 @@ def claim_rows(
 ) -> list[dict[str, Any]]:
     """Return one row per claim with everything that the templates show of its evidence.
 
-    Parameters
-    ----------
-    claims : iterable of mapping
-        Claims, as `read_claims` returns them.
-    runs : iterable of mapping
-        The table of runs, as `sim.report.runs.run_rows` returns it.
-    figure_names : iterable of str
-        Names of the figures in the report.
+    Claims are as `read_claims` returns them, ``runs`` is the table of `sim.report.runs.run_rows`,
+    and ``figure_names`` are those in the report.
     """
     figure_names = set(figure_names)
     authors = {name: paper.author for name, paper in papers().items()}
@@ -153,20 +139,17 @@ def claim_rows(
     ]
 
 
-def _cost(
-    claim: Mapping[str, Any], runs: Mapping[str, Mapping[str, Any]]
-) -> dict[str, float] | None:
-    headline_variants = [
-        variant for variant in claim["variants"] if variant["reading"] in claim["headings"]
-    ]
+def _cost(claim: Mapping[str, Any], runs: Mapping[str, Mapping[str, Any]]) -> dict[str, float]:
+    """Return the points behind the headline verdict and the wall time (s) of their runs."""
     points = {
         point
-        for variant in headline_variants
+        for variant in claim["variants"]
+        if variant["reading"] in claim["headings"]
         for check in variant["checks"]
         for point in check["points"]
     }
     seconds = [runs[point]["wall_time"] for point in points if point in runs]
-    return {"points": len(seconds), "seconds": float(sum(seconds))} if seconds else None
+    return {"points": len(seconds), "seconds": float(sum(seconds))} if seconds else {}
 
 
 def _variant(
@@ -174,32 +157,30 @@ def _variant(
 ) -> dict[str, Any]:
     system = claim.get("system") or papers()[claim["paper"]].system
     title = PROTOCOLS[system].get(variant["protocol"], _MODEL).capitalize()
-    is_headline = variant["reading"] in claim["headings"]
     reading = "" if variant["reading"] == "default" else f", {variant['reading']}"
     return {
         **variant,
         "title": title + reading,
-        "usual": is_headline,
+        "usual": variant["reading"] in claim["headings"],
         "unsteady": variant.get("unsteady", ""),
         "checks": [_check(check, numbers) for check in variant["checks"]],
     }
 
 
 def _check(check: Mapping[str, Any], numbers: Mapping[str, int]) -> dict[str, Any]:
+    text = check.get("text", "")
+    if check["tested"]:
+        measured = value_with_p(check["value"], check["p_holds"], text)
+    else:
+        measured = text or value_with_interval(check["value"], check["half_width"])
     return {
         **check,
-        "measured": _measured_text(check),
+        "measured": measured,
         "bounds": bounds(check),
         "threshold": threshold(check["low"], check["high"]),
         "strip": None if check["verdict"] == "reported" else strip(check),
         "runs": [(point, numbers.get(point)) for point in check["points"]],
     }
-
-
-def _measured_text(check: Mapping[str, Any]) -> str:
-    if check["tested"]:
-        return value_with_p(check["value"], check["p_holds"], check.get("text", ""))
-    return check.get("text") or value_with_interval(check["value"], check["half_width"])
 
 
 def reading_tables(claims: Sequence[Mapping[str, Any]], results: Results) -> list[dict[str, Any]]:
@@ -223,26 +204,20 @@ def reading_tables(claims: Sequence[Mapping[str, Any]], results: Results) -> lis
     """
     tables = []
     for name, paper in papers().items():
-        paper_claims = [
-            claim for claim in claims if claim["paper"] == name and claim["kind"] != "model"
-        ]
-        words = list(
-            dict.fromkeys(label for claim in paper_claims for label in claim["by_reading"])
-        )
+        own = [claim for claim in claims if claim["paper"] == name and claim["kind"] != "model"]
+        words = list(dict.fromkeys(label for claim in own for label in claim["by_reading"]))
         if len(words) > 1:
             combined = combined_readings(results, paper.system, paper.readings)
             readings = {reading_label(paper.system, one, paper.readings): one for one in combined}
             # What is the same runs on another grid is told of the headline reading alone, and what
             # is another reading of one claim in that claim.
             columns = [
-                _reading(label, readings[label], combined[0], paper_claims, results, paper)
+                _reading(label, readings[label], combined[0], own, results, paper)
                 for label in words
                 if label in readings and not is_regridded(readings[label], combined[0])
             ]
             heading = {"paper": name, "author": paper.author, "why": paper.readings.why}
-            tables.append(
-                heading | {"readings": columns} | _by_variant(paper_claims, words, paper.system)
-            )
+            tables.append(heading | {"readings": columns} | _by_variant(own, words, paper.system))
     return tables
 
 
@@ -259,16 +234,13 @@ def _by_variant(
         for claim in claims
     }
     several = [claim for claim in claims if len(verdicts[claim["id"]]) > 1]
-    rows = [
-        {
-            "protocol": protocol,
-            "words": label,
-            "verdicts": [verdicts[claim["id"]].get((protocol, label)) for claim in several],
-        }
-        for label in words
-        for protocol in PROTOCOLS[system]
-    ]
-    return {"claims": several, "rows": [row for row in rows if any(row["verdicts"])]}
+    rows = []
+    for label in words:
+        for protocol in PROTOCOLS[system]:
+            found = [verdicts[claim["id"]].get((protocol, label)) for claim in several]
+            if any(found):
+                rows.append({"protocol": protocol, "words": label, "verdicts": found})
+    return {"claims": several, "rows": rows}
 
 
 def _reading(
@@ -295,17 +267,13 @@ def _reading(
         "is_headline": values == first,
         "sentences": declared.sentences(values),
         "control": declared.control_reason(values),
-        "hold": sum(_is_reproduced(here) for here, _ in pairs),
+        "hold": sum(here.startswith("reproduced") for here, _ in pairs),
         "tested": sum(here != "untestable" for here, _ in pairs),
         "common": len(common),
-        "common_hold": sum(_is_reproduced(here) for here, _ in common),
-        "headline_hold": sum(_is_reproduced(there) for _, there in common),
+        "common_hold": sum(here.startswith("reproduced") for here, _ in common),
+        "headline_hold": sum(there.startswith("reproduced") for _, there in common),
         **_step_checks(results.dataset, paper, values),
     }
-
-
-def _is_reproduced(verdict: str) -> bool:
-    return verdict.startswith("reproduced")
 
 
 def _step_checks(dataset: xr.Dataset, paper: Paper, values: Mapping[str, Any]) -> dict[str, Any]:

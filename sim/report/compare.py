@@ -26,7 +26,7 @@ from sim.dataset.results import load_current
 from sim.parameters import SYSTEMS, Parameters, canonical_values, point_id
 from sim.parameters.laws import engine_of
 from sim.parameters.words import setting
-from sim.report.numbers import value_with_interval
+from sim.report.numbers import finite_or_none, value_with_interval
 from sim.study.load import OWN, load_study, other_engines, twins
 from sim.study.model import Study
 
@@ -127,30 +127,29 @@ def _summary(comparison: Comparison) -> list[str]:
     if len(ratios) > 1:
         low, middle, high = np.quantile(ratios, (0.1, 0.5, 0.9))
         lines.append(f"B / A: median {middle:.4g}, 80 % of the points from {low:.4g} to {high:.4g}")
-    if any(comparison.unmatched_counts):
-        first, second = comparison.unmatched_counts
-        lines.append(f"not in both: {first} of A, {second} of B")
-    if any(comparison.shorter_counts):
-        shorter = f"{comparison.shorter_counts[0]} of A, {comparison.shorter_counts[1]} of B"
-        lines.append(f"left out, as the same was run for longer or more often: {shorter}")
+    for (first, second), words in (
+        (comparison.unmatched_counts, "not in both"),
+        (comparison.shorter_counts, "left out, as the same was run for longer or more often"),
+    ):
+        if first or second:
+            lines.append(f"{words}: {first} of A, {second} of B")
     return lines
 
 
 def as_json(comparison: Comparison, quantity: str, unit: str) -> str:
     """Return the comparison as JSON, with null for unknown numbers."""
+
+    def entry(mean: Mean) -> Mapping[str, Any]:
+        return {"value": mean.value, "half_width": finite_or_none(mean.half_width)}
+
     pairs = [
         {
             "system": pair.system,
             "parameters": dict(pair.key),
-            **{
-                name: _mean_entry(mean)
-                for name, mean in (
-                    ("a", pair.first),
-                    ("b", pair.second),
-                    ("difference", pair.difference),
-                )
-            },
-            "p": pair.chance if np.isfinite(pair.chance) else None,
+            "a": entry(pair.first),
+            "b": entry(pair.second),
+            "difference": entry(pair.difference),
+            "p": finite_or_none(pair.chance),
             "differs": differs,
         }
         for pair, differs in zip(comparison.pairs, comparison.is_real, strict=True)
@@ -158,19 +157,12 @@ def as_json(comparison: Comparison, quantity: str, unit: str) -> str:
     document = {
         "quantity": quantity,
         "unit": unit,
-        "different": {
-            name: list(values) for name, values in comparison.differing_parameters.items()
-        },
+        "different": {name: list(two) for name, two in comparison.differing_parameters.items()},
         "alone": list(comparison.unmatched_counts),
         "shorter": list(comparison.shorter_counts),
         "points": pairs,
     }
     return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False)
-
-
-def _mean_entry(mean: Mean) -> Mapping[str, Any]:
-    has_half_width = np.isfinite(mean.half_width)
-    return {"value": mean.value, "half_width": mean.half_width if has_half_width else None}
 
 
 #: What is compared, and the numbers of a replicate that its interval takes.
@@ -187,16 +179,14 @@ class Opinion:
     @cached_property
     def ratios(self) -> dict[str, Mean]:
         """Ratio of the other's mean to ours, by id; the errors are those of small relative ones."""
-        ratios = {}
+        # No ratio says anything of a flow at rest.
+        ratios = dict.fromkeys(self.pairs, Mean(np.nan, np.nan, np.nan))
         for key, pair in self.pairs.items():
-            if not (pair.first.value and pair.second.value):
-                # No ratio says anything of a flow at rest.
-                ratios[key] = Mean(np.nan, np.nan, np.nan)
-                continue
-            ratio = pair.second.value / pair.first.value
-            relative = [one.error / one.value for one in (pair.first, pair.second)]
-            error = np.hypot(relative[0], relative[1])
-            ratios[key] = Mean(ratio, abs(ratio) * float(error), pair.difference.freedom)
+            if pair.first.value and pair.second.value:
+                ratio = pair.second.value / pair.first.value
+                first, second = (one.error / one.value for one in (pair.first, pair.second))
+                error = np.hypot(first, second)
+                ratios[key] = Mean(ratio, abs(ratio) * float(error), pair.difference.freedom)
         return ratios
 
     @cached_property
@@ -263,9 +253,14 @@ def opinion_of(study: Study, dataset: xr.Dataset, folder: Path, other: str) -> O
 
     def mean(name: str) -> Mean | None:
         if name in places:
-            return _mean_in(dataset.isel(point=places[name]))
-        path = folder / "runs" / f"{name}.nc"
-        return _mean_of_run(path) if path.is_file() else None
+            row = dataset.isel(point=places[name])
+            is_done = row["status"].values == "completed"
+            columns = [row[one].values[is_done].astype(float) for one in QUANTITIES]
+            return mean_of(*columns) if is_done.any() else None
+        try:
+            return read_side(folder / "runs" / f"{name}.nc", QUANTITIES[0])[0]["_mean"].iloc[0]
+        except InputError:
+            return None
 
     pairs = {}
     for key, twin in twins(study, other).items():
@@ -277,36 +272,13 @@ def opinion_of(study: Study, dataset: xr.Dataset, folder: Path, other: str) -> O
     return Opinion((OWN, plain_name(other)), pairs)
 
 
-def _mean_in(row: xr.Dataset) -> Mean | None:
-    is_done = row["status"].values == "completed"
-    columns = [row[name].values[is_done].astype(float) for name in QUANTITIES]
-    return mean_of(*columns) if is_done.any() else None
-
-
-def _mean_of_run(path: Path) -> Mean | None:
-    try:
-        table, _ = read_side(path, QUANTITIES[0])
-    except InputError:
-        return None
-    return table["_mean"].iloc[0]
-
-
 def ask(study_path: Path, results: Path, share: float, cores: int, engine: str = "") -> list[str]:
     """Run a sample of a study's points by another engine; return what it says of them.
 
-    Parameters
-    ----------
-    study_path : Path
-        The study file; its dataset is there.
-    results : Path
-        Folder of all results. The runs go to those of the study, as ordinary run files of points
-        of the other engine; those that are there already are kept.
-    share : float
-        Share of the points that both engines know.
-    cores : int
-        Runs at a time.
-    engine : str, optional
-        Name of the other engine; empty where there is but one.
+    The dataset of the study is in the folder of all results. The runs go to those of the study, as
+    ordinary run files of points of the other engine; those that are there already are kept. They
+    are a ``share`` of the points that both engines know, as many at a time as there are ``cores``.
+    ``engine`` is the name of the other engine; empty where there is but one.
 
     Raises
     ------

@@ -8,10 +8,9 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from sim.base.errors import InputError
+from sim.base.errors import InputError, count_text
 from sim.claims.evidence import reading_label, readings_of
 from sim.claims.judge import judge
-from sim.claims.judgement import Judgement
 from sim.dataset.results import Results, load_current
 from sim.study.command import run_with_signals, snakemake_command
 from sim.study.load import (
@@ -44,25 +43,17 @@ class Offer:
     hours: float
 
     def __str__(self) -> str:
-        count = len(self.amounts)
-        points = f"{count} point" + "s" * (count > 1)
         has_replicates = any("replicates" in amounts for amounts in self.amounts.values())
         noun = "replicates" if has_replicates else "longer runs"
+        points = count_text(len(self.amounts), "point")
         return f"{self.question}: {noun} of {points}, {self.hours:.2g} core hours"
 
 
-def decide(study_path: Path, results: Path, cores: int | None) -> list[str] | int:
+def decide(study_path: Path, cores: int | None, results: Path = Path("results")) -> list[str] | int:
     """Buy the amounts of the next round; with ``cores``, run study and rounds until none is left.
 
-    Returns
-    -------
-    list of str or int
-        Lines on what was bought and spent; or the exit code of the workflow.
-
-    Raises
-    ------
-    InputError
-        When the study has no ``decide`` section, or its dataset is missing.
+    Returns lines on what was bought and spent, or the exit code of the workflow. `InputError` tells
+    of a study without a ``decide`` section or without a dataset.
     """
     if cores is None:
         return _round(study_path, results)[0]
@@ -121,16 +112,28 @@ def _offers(study: Study, results: Results) -> Iterator[Offer]:
     assert study.decide is not None, "asked of studies that decide something"
     if study.decide.claims is not None:
         yield from _claim_offers(study, results, study.decide.claims)
-    if study.decide.precision is not None:
-        yield from _precision_offers(study, results, study.decide.precision)
+    if (precision := study.decide.precision) is not None:
+        columns = ("point", "point_regime", "point_velocity", "point_half_width")
+        for point, regime, velocity, half_width in zip(
+            *(results.dataset[name].values for name in columns), strict=True
+        ):
+            if regime == "steady" and half_width > precision * abs(velocity):
+                times = {point: (half_width / (precision * velocity)) ** 2}
+                yield from _replicate_offer(f"{point} to {precision:.2g}", times, study, results)
 
 
 def _claim_offers(study: Study, results: Results, claim_ids: list[str]) -> Iterator[Offer]:
+    """Yield offers under the readings that head a claim, and those of every series of the study."""
     first = load_study(study.path, None).points
     for judged in judge(results):
         if judged.claim.id not in claim_ids and "all" not in claim_ids:
             continue
-        for reading in _readings(study, judged):
+        system = judged.claim.system
+        own = (
+            reading_label(system, one, readings_of(system))
+            for one in study.readings.get(system, ())
+        )
+        for reading in dict.fromkeys([*judged.headings, *own]):
             times: dict[str, float] = {}
             for check in judged.open_checks(reading):
                 for point in check.open_points or check.points:
@@ -140,29 +143,6 @@ def _claim_offers(study: Study, results: Results, claim_ids: list[str]) -> Itera
             name = judged.claim.id + (f" ({reading})" if reading not in judged.headings else "")
             yield from _replicate_offer(name, times, study, results)
             yield from _longer_run_offers(name, judged.short_points(reading), first, study, results)
-
-
-def _readings(study: Study, judgement: Judgement) -> list[str]:
-    """Return the readings that head the claim, and those that the study runs every series under."""
-    system = judgement.claim.system
-    texts = (
-        reading_label(system, reading, readings_of(system))
-        for reading in study.readings.get(system, ())
-    )
-    return list(dict.fromkeys([*judgement.headings, *texts]))
-
-
-def _precision_offers(study: Study, results: Results, precision: float) -> Iterator[Offer]:
-    dataset = results.dataset
-    columns = ("point", "point_regime", "point_velocity", "point_half_width")
-    for point, regime, velocity, half_width in zip(
-        *(dataset[name].values for name in columns), strict=True
-    ):
-        if regime == "steady" and half_width > precision * abs(velocity):
-            times = (half_width / (precision * velocity)) ** 2
-            yield from _replicate_offer(
-                f"{point} to {precision:.2g}", {point: times}, study, results
-            )
 
 
 def _replicate_offer(

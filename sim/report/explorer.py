@@ -46,31 +46,20 @@ def explorer_data(
     varied: Mapping[str, Mapping[str, np.ndarray]],
     surrogates: Sequence[Surrogate] = (),
 ) -> dict[str, Any]:
-    """Return what the explorer shows of the points of a dataset, by system.
+    """Return what the explorer shows of the points of a dataset and its surrogates, by system.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        The dataset of the study.
-    runs : sequence of mapping
-        Its table of runs, see `sim.report.runs.run_rows`.
-    varied : mapping
-        The parameters that vary, see `sim.report.runs.varied_parameters`.
-    surrogates : sequence of Surrogate
-        The surrogates of the study.
+    ``runs`` is the table of runs, see `sim.report.runs.run_rows`, ``varied`` the parameters that
+    vary, see `sim.report.runs.varied_parameters`.
 
-    Returns
-    -------
-    dict
-        By system ``columns``, ``links`` and ``curves``. A column has a ``name``, a ``label`` with
-        its unit, a ``kind`` (``parameter``, ``observable`` or ``word``) and its ``values``, one per
-        point and ``None`` where unknown; the series of a point are a list. An observable is a mean
-        over replicates; its ``half`` is half the width of the 95 % interval. ``links`` lead to the
-        row of a point in the table of runs. ``curves`` are sections of surrogates:
-        ``y`` is the observable, ``x`` the parameter, and ``note`` says what is held. ``rows`` have
-        the value of the parameter, ``mean``, ``low`` and ``high`` of the 95 % band, ``likely``:
-        whether the regimes of the mean are, the number of the ``part`` of the line in which this is
-        the same, and words that are chosen.
+    Each system has ``columns``, ``links`` and ``curves``. A column has a ``name``, a ``label`` with
+    its unit, a ``kind`` (``parameter``, ``observable`` or ``word``) and its ``values``, one per
+    point and ``None`` where unknown; the series of a point are a list. An observable is a mean over
+    replicates; its ``half`` is half the width of the 95 % interval. ``links`` lead to the row of a
+    point in the table of runs. ``curves`` are sections of surrogates: ``y`` is the observable,
+    ``x`` the parameter, and ``note`` says what is held. ``rows`` have the value of the parameter,
+    ``mean``, ``low`` and ``high`` of the 95 % band, ``likely``: whether the regimes of the mean
+    are, the number of the ``part`` of the line in which this is the same, and words that are
+    chosen.
     """
     systems = {}
     for system in dict.fromkeys(run["system"] for run in runs):

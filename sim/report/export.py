@@ -1,23 +1,20 @@
-"""Export the particles of a run: AMBER, extended XYZ, LAMMPS, VTK, or an animation."""
+"""Export the particles of a run in a format of other programs, see `sim.report.formats`."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
-from itertools import product
+from importlib.util import find_spec
 from pathlib import Path
-from typing import IO, NamedTuple
-from xml.etree import ElementTree
 
 import netCDF4
 import numpy as np
 
 from sim.base.errors import InputError, count_text
-from sim.base.files import atomic_write, require_writable, temporary_folder
-from sim.base.program import __version__
+from sim.base.files import require_writable, temporary_folder
 from sim.base.seals import checked_read
 from sim.engine.stored_run import parameters_of, read_attributes, require_all
 from sim.parameters import RUN_FILE, Parameters
 from sim.parameters.spheres import SphereParameters
+from sim.report.formats import FORMATS, Frame, Frames
 from sim.study.command import YAML_SUFFIXES
 from sim.study.load import load_study
 
@@ -25,77 +22,16 @@ from sim.study.load import load_study
 _TRAJECTORY_VARIABLES = ("trajectory_position", "trajectory_velocity", "trajectory_spin")
 _END_VARIABLES = ("position", "particle_velocity", "particle_spin")
 
-
-class Frame(NamedTuple):
-    """A state of the particles: ``time`` (s), ``position`` (m), ``velocity`` (m/s) and ``spin``
-    (1/s), each (N, 3); beads of the belt have no spin."""
-
-    time: float
-    position: np.ndarray
-    velocity: np.ndarray
-    spin: np.ndarray | None
-
-
-@dataclass(frozen=True)
-class Frames:
-    """The frames of a replicate, read one by one.
-
-    ``radius`` (N,) are the radii of the particles (m); ``kind`` (N,) is 1 for moving particles and
-    2 for those glued to the plane. ``low`` and ``high`` (3,) are corners of the cell (m), and
-    ``periodic`` (3,) is true along its periodic directions. ``times`` (F,) are those of the frames
-    (s), and ``steps`` (F,) the numbers of time steps until then.
-    """
-
-    radius: np.ndarray
-    kind: np.ndarray
-    low: np.ndarray
-    high: np.ndarray
-    periodic: tuple[bool, bool, bool]
-    times: np.ndarray
-    steps: np.ndarray
-    _variables: tuple[netCDF4.Variable | None, ...]
-    _places: tuple[tuple[int, int], ...]
-    _columns: list[int]
-
-    @property
-    def has_spin(self) -> bool:
-        """Whether the particles rotate."""
-        return self._variables[-1] is not None
-
-    def __iter__(self) -> Iterator[Frame]:
-        for time, place in zip(self.times, self._places, strict=True):
-            position, velocity, spin = (
-                None if variable is None else self._to_space(variable[place])
-                for variable in self._variables
-            )
-            assert position is not None and velocity is not None, "every run file has both"
-            yield Frame(float(time), self._wrap(position), velocity, spin)
-
-    def _wrap(self, position: np.ndarray) -> np.ndarray:
-        """Return positions wrapped into the cell; a run wraps its own only now and then."""
-        length = np.where(self.periodic, self.high - self.low, np.inf)
-        return position - np.where(self.periodic, length, 0.0) * np.floor(position / length)
-
-    def _to_space(self, vectors: np.ndarray) -> np.ndarray:
-        """Return vectors (N, D) as (N, 3), with zeros along missing axes."""
-        padded = np.zeros((len(vectors), 3), vectors.dtype)
-        padded[:, self._columns] = vectors
-        return padded
+#: Longest part of the name of a file that tells a point of a study apart.
+MOST_LETTERS = 60
 
 
 def frames_of(file: netCDF4.Dataset, parameters: Parameters, replicate: int) -> Frames:
     """Return the frames of a replicate: its trajectory, or without one its first and last state.
 
-    States with positions that are not finite, after a blow-up, are left out.
-
-    Parameters
-    ----------
-    file : netCDF4.Dataset
-        An open run file, without masks.
-    parameters : Parameters
-        Its point.
-    replicate : int
-        Number of the replicate, from 0.
+    The run file is open and without masks; ``replicate`` counts from 0. States with positions that
+    are not finite, after a blow-up, are left out. A run wraps positions into the cell only now and
+    then; here all are.
 
     Raises
     ------
@@ -108,32 +44,43 @@ def frames_of(file: netCDF4.Dataset, parameters: Parameters, replicate: int) -> 
         raise InputError.of_value("--replicate", "", replicate, allowed)
     has_trajectory = "trajectory_position" in file.variables
     names = _TRAJECTORY_VARIABLES if has_trajectory else _END_VARIABLES
-    variables = tuple(file.variables.get(name) for name in names)
-    times = file["trajectory_time"][:] if has_trajectory else _times_of_ends(file, replicate)
+    samples = np.isfinite(file["mean_velocity"][replicate]).sum()
+    ends = np.array([0.0, file["time"][samples - 1] if samples else 0.0])
     radius, height = file["radius"][replicate], file[names[0]][replicate, :, :, -1]
-    finite_frames = np.flatnonzero(np.isfinite(height).all(axis=1))
-    if not finite_frames.size:
+    places = np.flatnonzero(np.isfinite(height).all(axis=1))
+    if not places.size:
         allowed = "a replicate that did not blow up before the first frame of its trajectory"
         raise InputError.of_value("--replicate", "", replicate, allowed)
-    low, high, periodic = _cell(parameters, radius, height[finite_frames])
-    glued = file["fixed"][replicate] if "fixed" in file.variables else np.zeros(len(radius))
+    low, high, periodic = _cell(parameters, radius, height[places])
+    times = (file["trajectory_time"][:] if has_trajectory else ends)[places]
+    has_spin, columns = names[-1] in file.variables, ["xyz".index(axis) for axis in file["axis"][:]]
+
+    def vectors(name: str, number: int) -> np.ndarray:
+        held = file[name][replicate, int(places[number])]
+        padded = np.zeros((len(held), 3), held.dtype)
+        padded[:, columns] = held
+        return padded
+
+    def read(number: int) -> Frame:
+        position, velocity = (vectors(name, number) for name in names[:2])
+        length = np.where(periodic, high - low, np.inf)
+        position = position - np.where(periodic, length, 0.0) * np.floor(position / length)
+        spin = vectors(names[-1], number) if has_spin else None
+        return Frame(float(times[number]), position, velocity, spin)
+
     return Frames(
         radius=radius,
-        kind=np.where(glued, 2, 1),
+        kind=np.where(file["fixed"][replicate], 2, 1)
+        if "fixed" in file.variables
+        else np.ones(len(radius), int),
         low=low,
         high=high,
         periodic=periodic,
-        times=times[finite_frames],
-        steps=np.round(times[finite_frames] / parameters.time_step).astype(int),
-        _variables=variables,
-        _places=tuple((replicate, int(place)) for place in finite_frames),
-        _columns=["xyz".index(axis) for axis in file["axis"][:]],
+        times=times,
+        steps=np.round(times / parameters.time_step).astype(int),
+        has_spin=has_spin,
+        read=read,
     )
-
-
-def _times_of_ends(file: netCDF4.Dataset, replicate: int) -> np.ndarray:
-    samples = np.isfinite(file["mean_velocity"][replicate]).sum()
-    return np.array([0.0, file["time"][samples - 1] if samples else 0.0])
 
 
 def _cell(
@@ -147,23 +94,6 @@ def _cell(
     thick = float(radius.max())
     high = np.array([side, thick, top])
     return np.array([0.0, -thick, bottom]), high, (True, False, False)
-
-
-#: Å in a metre, ps in a second.
-ANGSTROM, PICOSECOND = 1e10, 1e12
-
-#: Most frames of an animation.
-MOST_FRAMES = 60
-
-#: Longest part of the name of a file that tells a point of a study apart.
-MOST_LETTERS = 60
-
-#: Indices of the corners of a box (x varies slowest) in the order of VTK.
-_HEXAHEDRON = np.array([[0, 4, 6, 2, 1, 5, 7, 3]])
-
-#: Writes the head of a frame, and returns the format of the lines of its particles, whose arguments
-#: are number, kind, position, velocity, radius and spin.
-_Head = Callable[[IO[str], Frames, Frame, int], str]
 
 
 def export(path: Path, to: str | None, output: Path | None, replicate: int) -> str:
@@ -193,7 +123,9 @@ def export(path: Path, to: str | None, output: Path | None, replicate: int) -> s
         When a run file cannot be read, has no such replicate, or the output cannot be written.
     """
     if to is None:
-        fitting = [name for name, (endings, _) in FORMATS.items() if _has_ending(output, endings)]
+        fitting = [
+            name for name, (ends, _) in FORMATS.items() if output and output.suffix.lower() in ends
+        ]
         if not fitting:
             allowed = f"one of {', '.join(FORMATS)}, or -o FILE that ends as files of a format do"
             raise InputError.of_value("--to", "", None, allowed)
@@ -203,17 +135,13 @@ def export(path: Path, to: str | None, output: Path | None, replicate: int) -> s
     return (_export_study if path.is_dir() else _export_run)(path, to, output, replicate)
 
 
-def _has_ending(output: Path | None, endings: tuple[str, ...]) -> bool:
-    return output is not None and output.suffix.lower() in endings
-
-
 def _export_study(results: Path, to: str, output: Path | None, replicate: int) -> str:
     """Export all runs in a folder of results into a folder, which appears when it is complete."""
     runs = sorted((results / "runs").glob(f"*{RUN_FILE}"))
     if not runs:
         raise InputError.of_value("export", "", str(results), "a run file, or results with runs")
     output = output or Path(f"{results.resolve().name}-{to}")
-    if output.exists() or not output.name:
+    if output.exists():
         raise InputError.of_value("--output", "", str(output), "a folder that is not there")
     require_writable(output.parent, "--output")
     output.parent.mkdir(parents=True, exist_ok=True)
@@ -239,16 +167,20 @@ def _short_names(ids: Sequence[str]) -> list[str]:
 
 def _export_run(path: Path, to: str, output: Path | None, replicate: int) -> str:
     endings, write = FORMATS[to]
-    if not path.name or (output and not output.name):
-        raise InputError.of_value("export", "", str(output or path), "the name of a file")
-    output = Path(path.with_suffix(endings[0]).name) if output is None else output
+    output = output or Path(path.with_suffix(endings[0]).name)
     if output.is_dir():
         allowed = f"the name of a file; {output} is a folder"
         raise InputError.of_value("--output", "", str(output), allowed)
-    if not _has_ending(output, endings):
+    if output.suffix.lower() not in endings:
         allowed = f"a name that ends in {' or '.join(endings)}, as {to} does"
         raise InputError.of_value("--output", "", str(output), allowed)
-    _require_new(output, to)
+    if to == "vtk" and not find_spec("meshio"):
+        allowed = "another format, or vtk once meshio is there (pip install meshio)"
+        raise InputError.of_value("--to", "", "vtk", allowed)
+    for one in (output, output.with_suffix("")) if to == "vtk" else (output,):
+        if one.exists():
+            raise InputError.of_value("--output", "", str(one), "a name that nothing has")
+    require_writable(output.parent, "--output")
     with ExitStack() as opened:
         with checked_read(path, "run file", replaceable=False, sealed=True):
             file = opened.enter_context(netCDF4.Dataset(path))
@@ -262,210 +194,3 @@ def _export_run(path: Path, to: str, output: Path | None, replicate: int) -> str
             # The library raises this on a full disk.
             raise OSError(f"{output}: cannot be written: {error}") from None
     return f"{output}: {len(frames.times):,} frames of {len(frames.radius):,} particles"
-
-
-def _require_new(output: Path, to: str) -> None:
-    outputs = [output]
-    if to == "vtk":
-        _require_meshio()
-        outputs.append(_vtk_folder(output))
-    for path in outputs:
-        if path.exists():
-            raise InputError.of_value("--output", "", str(path), "a name that nothing has")
-    require_writable(output.parent, "--output")
-
-
-def write_amber(path: Path, frames: Frames) -> None:
-    """Write a netCDF file after the AMBER convention, in its units: Å, ps and degrees.
-
-    It follows the AMBER NetCDF Trajectory/Restart Convention, version 1.0, revision B. The
-    variables ``radius`` and ``spin`` are additions; readers ignore variables that they do not know.
-    Cells of the convention begin at the origin and are periodic in all directions. Along directions
-    that are not periodic, the cell contains all frames.
-    """
-    with (
-        atomic_write(path) as temporary,
-        netCDF4.Dataset(temporary, "w", format="NETCDF3_64BIT_OFFSET") as file,
-    ):
-        _define_amber(file, frames)
-        lengths = (frames.high - frames.low) * ANGSTROM
-        for number, frame in enumerate(frames):
-            file["time"][number] = frame.time * PICOSECOND
-            file["coordinates"][number] = frame.position * ANGSTROM
-            file["velocities"][number] = frame.velocity * (ANGSTROM / PICOSECOND)
-            file["cell_lengths"][number] = lengths
-            file["cell_angles"][number] = 90.0
-            file["radius"][number] = frames.radius * ANGSTROM
-            if frame.spin is not None:
-                file["spin"][number] = frame.spin / PICOSECOND
-
-
-def _define_amber(file: netCDF4.Dataset, frames: Frames) -> None:
-    file.setncatts(
-        {
-            "Conventions": "AMBER",
-            "ConventionVersion": "1.0",
-            "program": "Talus",
-            "programVersion": __version__,
-        }
-    )
-    sizes = {"spatial": 3, "atom": len(frames.radius), "cell_spatial": 3, "cell_angular": 3}
-    for name, size in ({"frame": None, "label": 5} | sizes).items():
-        file.createDimension(name, size)
-    file.createVariable("spatial", "S1", ("spatial",))[:] = list("xyz")
-    file.createVariable("cell_spatial", "S1", ("cell_spatial",))[:] = list("abc")
-    angles = netCDF4.stringtochar(np.array([b"alpha", b"beta ", b"gamma"]))
-    file.createVariable("cell_angular", "S1", ("cell_angular", "label"))[:] = angles
-    vectors = ("frame", "atom", "spatial")
-    variables = {
-        "time": ("f4", ("frame",), "picosecond"),
-        "coordinates": ("f4", vectors, "angstrom"),
-        "velocities": ("f4", vectors, "angstrom/picosecond"),
-        "cell_lengths": ("f8", ("frame", "cell_spatial"), "angstrom"),
-        "cell_angles": ("f8", ("frame", "cell_angular"), "degree"),
-        "radius": ("f4", ("frame", "atom"), "angstrom"),
-    }
-    if frames.has_spin:
-        variables["spin"] = ("f4", vectors, "radian/picosecond")
-    for name, (kind, dimensions, unit) in variables.items():
-        file.createVariable(name, kind, dimensions).units = unit
-
-
-def write_extxyz(path: Path, frames: Frames) -> None:
-    """Write extended XYZ: all particles of species X, those glued to the plane of ``kind`` 2.
-
-    The cell is in ``Lattice``, ``Origin`` and ``pbc``, the time (s) in ``Time``.
-    """
-    _write_text(path, frames, _begin_extxyz)
-
-
-def write_lammps_dump(path: Path, frames: Frames) -> None:
-    """Write a dump of LAMMPS in its units ``si``; particles glued to the plane have type 2."""
-    _write_text(path, frames, _begin_dump, "ITEM: UNITS\nsi\n")
-
-
-def _write_text(path: Path, frames: Frames, begin: _Head, title: str = "") -> None:
-    labels = np.stack([np.arange(1, len(frames.kind) + 1), frames.kind], axis=1).tolist()
-    with atomic_write(path) as temporary, temporary.open("w", encoding="ascii") as file:
-        file.write(title)
-        for frame, step in zip(frames, frames.steps, strict=True):
-            line = begin(file, frames, frame, int(step))
-            columns = [frame.position, frame.velocity, frames.radius[:, None]]
-            if frame.spin is not None:
-                columns.append(frame.spin)
-            rows = np.concatenate(columns, axis=1).tolist()
-            file.writelines(
-                line.format(*label, *row) for label, row in zip(labels, rows, strict=True)
-            )
-
-
-def _begin_extxyz(file: IO[str], frames: Frames, frame: Frame, step: int) -> str:
-    x, y, z = frames.high - frames.low
-    origin = " ".join(f"{value:.9g}" for value in frames.low)
-    periodic = " ".join("T" if is_periodic else "F" for is_periodic in frames.periodic)
-    spin = "" if frame.spin is None else ":angular_velocity:R:3"
-    file.write(
-        f"{len(frames.radius)}\n"
-        f"Properties=species:S:1:pos:R:3:velo:R:3:radius:R:1{spin}:id:I:1:kind:I:1 "
-        f'Lattice="{x:.9g} 0 0 0 {y:.9g} 0 0 0 {z:.9g}" Origin="{origin}" pbc="{periodic}" '
-        f"Time={frame.time:.9g} Step={step}\n"
-    )
-    return f"X {_numbers(frame)} {{0}} {{1}}\n"
-
-
-def _begin_dump(file: IO[str], frames: Frames, frame: Frame, step: int) -> str:
-    edges = " ".join("pp" if is_periodic else "ff" for is_periodic in frames.periodic)
-    bounds = zip(frames.low, frames.high, strict=True)
-    spin = "" if frame.spin is None else " omegax omegay omegaz"
-    file.write(
-        f"ITEM: TIME\n{frame.time:.9g}\nITEM: TIMESTEP\n{step}\n"
-        f"ITEM: NUMBER OF ATOMS\n{len(frames.radius)}\nITEM: BOX BOUNDS {edges}\n"
-    )
-    file.writelines(f"{low:.9g} {high:.9g}\n" for low, high in bounds)
-    file.write(f"ITEM: ATOMS id type x y z vx vy vz radius{spin}\n")
-    return f"{{0}} {{1}} {_numbers(frame)}\n"
-
-
-def _numbers(frame: Frame) -> str:
-    """Return the format of position, velocity, radius and spin, which follow two labels.
-
-    Nine digits distinguish any two numbers of single precision.
-    """
-    last = 9 if frame.spin is None else 12
-    return " ".join(f"{{{place}:.9g}}" for place in range(2, last))
-
-
-def _vtk_folder(path: Path) -> Path:
-    return path.with_suffix("")
-
-
-def _require_meshio() -> None:
-    """Raise `InputError` where the library that writes VTU is not installed."""
-    try:
-        import meshio  # noqa: F401
-    except ImportError:
-        allowed = "another format, or vtk once meshio is there (pip install meshio)"
-        raise InputError.of_value("--to", "", "vtk", allowed) from None
-
-
-def write_vtk(path: Path, frames: Frames) -> None:
-    """Write a PVD file, and beside it a folder of the same name with a VTU file per frame.
-
-    Points have ``radius``, ``velocity``, ``spin`` and ``kind``; ``cell.vtu`` is the box.
-    """
-    import meshio
-
-    folder = _vtk_folder(path)
-    root = ElementTree.Element("VTKFile", type="Collection", version="0.1")
-    collection = ElementTree.SubElement(root, "Collection")
-    vertices = [("vertex", np.arange(len(frames.radius))[:, None])]
-    with temporary_folder(folder) as part:
-        new_folder = part / folder.name
-        new_folder.mkdir()
-        for number, frame in enumerate(frames):
-            data = {"radius": frames.radius, "kind": frames.kind, "velocity": frame.velocity}
-            if frame.spin is not None:
-                data["spin"] = frame.spin
-            name = f"{number:06}.vtu"
-            meshio.Mesh(frame.position, vertices, data).write(new_folder / name)
-            attributes = {"timestep": f"{frame.time:.9g}", "file": f"{folder.name}/{name}"}
-            ElementTree.SubElement(collection, "DataSet", attributes)
-        meshio.Mesh(_corners(frames), [("hexahedron", _HEXAHEDRON)]).write(new_folder / "cell.vtu")
-        with atomic_write(path) as temporary:
-            ElementTree.ElementTree(root).write(temporary, encoding="utf-8", xml_declaration=True)
-            new_folder.rename(folder)
-
-
-def _corners(frames: Frames) -> np.ndarray:
-    """Return the corners of the cell (8, 3); x varies slowest."""
-    return np.array(list(product(*zip(frames.low, frames.high, strict=True))))
-
-
-def write_webp(path: Path, frames: Frames) -> None:
-    """Write an endless animation of up to `MOST_FRAMES` frames, seen along y, in diameters."""
-    from sim.figures.animation import ParticleFrames, run_animation
-
-    chosen = np.unique(np.linspace(0, len(frames.times) - 1, MOST_FRAMES).astype(int))
-    places = tuple(frames._places[number] for number in chosen)
-    shown = [*replace(frames, times=frames.times[chosen], _places=places)]
-    diameter = 2 * float(frames.radius.mean())
-    content = run_animation(
-        ParticleFrames(
-            np.stack([frame.position for frame in shown]) / diameter,
-            np.stack([frame.velocity[:, 0] for frame in shown]),
-            2 * frames.radius / diameter,
-            float(frames.high[0] - frames.low[0]) / diameter,
-        )
-    )
-    with atomic_write(path) as temporary:
-        temporary.write_bytes(content)
-
-
-#: Suffixes of the files of each format, the usual one first, and the function that writes one.
-FORMATS: dict[str, tuple[tuple[str, ...], Callable[[Path, Frames], None]]] = {
-    "amber": ((".ncdf", ".nc"), write_amber),
-    "extxyz": ((".xyz", ".extxyz"), write_extxyz),
-    "lammps-dump": ((".dump", ".lammpstrj"), write_lammps_dump),
-    "vtk": ((".pvd",), write_vtk),
-    "webp": ((".webp",), write_webp),
-}

@@ -98,11 +98,8 @@ def bounds(check: Mapping[str, Any]) -> str:
 def strip(check: Mapping[str, Any]) -> dict[str, float] | None:
     """Return positions of value, bounds and allowed range on a strip, in percent of its width.
 
-    Returns
-    -------
-    dict or None
-        ``value``; ``start`` and ``length`` of the interval between the one-sided bounds; ``low``
-        and ``width`` of the allowed range. ``None`` where value or bound is unknown.
+    These are ``value``; ``start`` and ``length`` of the interval between the one-sided bounds;
+    ``low`` and ``width`` of the allowed range. ``None`` where value or bound is unknown.
     """
     value, half_width = check["value"], check["bound"]
     if value is None or half_width is None:

@@ -2,7 +2,7 @@
 
 import base64
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -72,47 +72,15 @@ OWN_GROUP = "Plots of the study"
 Address = Callable[[Path], str]
 
 
-def figure_entries(
-    specs: Iterable[FigureSpec],
-    folder: Path,
-    claims: Sequence[Mapping[str, Any]],
-    address: Address,
-) -> list[dict[str, Any]]:
-    """Return the entries of figures in the report, each with the ids of its claims.
-
-    Parameters
-    ----------
-    specs : iterable of FigureSpec
-        The specifications of the figures.
-    folder : Path
-        Folder of their files.
-    claims : sequence of mapping
-        Claims with their ``id`` and the names of their ``figures``.
-    address : callable
-        `data_uri`, which puts the files into the page, or `relative_link`, which links them.
-
-    Raises
-    ------
-    InputError
-        When a file is missing or damaged, naming it.
-    """
-    return [
-        {
-            **figure_entry(spec, folder, address),
-            "claims": [
-                claim["id"]
-                for claim in claims
-                if spec.name in (figure["name"] for figure in claim["figures"])
-            ],
-        }
-        for spec in specs
-    ]
-
-
-def figure_entry(spec: FigureSpec, folder: Path, address: Address) -> dict[str, Any]:
-    """Return title, caption, details and addresses of the files of one figure.
+def figure_entry(
+    spec: FigureSpec, folder: Path, address: Address, claims: Sequence[Mapping[str, Any]] = ()
+) -> dict[str, Any]:
+    """Return title, caption, details and addresses of the files of one figure in the report.
 
     The ``picture`` of an animation is its first frame, and ``animation`` is its address.
+    ``folder`` has the files; ``address`` is `data_uri`, which puts them into the page, or
+    `relative_link`, which links them. Of ``claims``, the entry has the ids of those with the
+    figure. `InputError` names a file that is missing or damaged.
     """
     name = spec.name
     files = {suffix: folder / f"{name}{suffix}" for suffix in (*_MEDIA, ".caption.txt")}
@@ -129,6 +97,7 @@ def figure_entry(spec: FigureSpec, folder: Path, address: Address) -> dict[str, 
         "caption": caption,
         "details": details,
         "data": address(files[".csv"]),
+        "claims": [one["id"] for one in claims if name in (own["name"] for own in one["figures"])],
     }
     if spec.animated:
         return entry | {
@@ -190,18 +159,8 @@ def relative_link(path: Path) -> str:
 def build(study_path: str | Path, results: str | Path = "results") -> Path:
     """Write ``results/<study>/report.html`` from dataset, figures and verdicts of a study.
 
-    Parameters
-    ----------
-    study_path : str or Path
-        The study file.
-    results : str or Path
-        Folder of all results.
-
-    Returns
-    -------
-    Path
-        The file written. It appears complete or not at all. Without a ``claims.json``, it says that
-        the claims have not been judged.
+    It appears complete or not at all. Without a ``claims.json``, it says that the claims have not
+    been judged.
 
     Raises
     ------
@@ -228,49 +187,53 @@ def render(
     claims: list[dict[str, Any]],
     address: Address,
 ) -> str:
-    """Return the report as HTML text.
+    """Return the report of a study with its results and the folder of its figures as HTML text.
 
-    Parameters
-    ----------
-    study : Study
-        The study.
-    results : Results
-        Its dataset.
-    figures : Path
-        Folder of its figures.
-    claims : list of dict
-        Its claims with their verdicts, as `sim.claims.verdict_files` writes them; empty if they
-        have not been judged.
-    address : callable
-        Embeds figures in the page or links them, see `sim.report.page.figure_entries`.
+    ``claims`` are its claims with their verdicts, as `sim.claims.verdict_files` writes them; empty
+    if they have not been judged. ``address`` embeds figures in the page or links them.
     """
-    dataset = results.dataset
+    dataset, folder = results.dataset, figures.parent
     caveats = Counter(str(text) for text in dataset["caveat"].values if text).most_common()
-    refusals = _refusals(study, figures.parent)
-    specs = {name: spec for name, spec in study.entries.items() if spec.answer.file not in refusals}
-    plots = [spec for name, spec in specs.items() if name in study.plots]
-    runs = _runs(results, [text for text, _ in caveats], plots)
+    files = [folder / question.file for question in study.questions]
+    refusals = {file: text for file in files if (text := refusal_in(file))}
+    doubts = {upper_first(answer_name(file)): sentence(caveats_in(file)) for file in files}
+    specs = {
+        name: spec
+        for name, spec in study.entries.items()
+        if folder / spec.answer.file not in refusals
+    }
+    runs = run_rows(dataset, [text for text, _ in caveats])
+    for run in runs:
+        run["plots"] = [
+            name
+            for name, spec in specs.items()
+            if name in study.plots and spec.is_fed_by(run["system"], run["series"])
+        ]
     parameters = varied_parameters(dataset)
     varied, settings = varied_columns(dataset, parameters)
     all_rows = claim_rows(claims, runs, study.figures)
     rows = [row for row in all_rows if row["paper"] in papers()]
-    entries = figure_entries(specs.values(), figures, rows, address)
-    surrogates = [
-        load_surrogate(figures.parent / one.file)
-        for one in study.surrogates
-        if one.file not in refusals
-    ]
-    order = _page_order(study, entries, rows)
+    entries = [figure_entry(spec, figures, address, rows) for spec in specs.values()]
+    answers = [folder / one.file for one in study.surrogates]
+    surrogates = [load_surrogate(path) for path in answers if path not in refusals]
+    order, counts = _page_order(study, entries, rows), count_verdicts(rows)
     return template("report.html.j2").render(
         study=study,
         study_files={file.name: file.read_text(encoding="utf-8") for file in study.sources},
         summary=_summary(dataset, runs),
         caveats=caveats,
         refusals=_own_reasons(list(refusals.values())),
-        doubts=_doubts(study, figures.parent),
+        doubts={name: text for name, text in doubts.items() if text},
         own_claims=[row for row in all_rows if row not in rows],
         **order,
-        **_claims(rows, results, "claims" in order["parts"]),
+        verdicts=VERDICTS,
+        outcomes=VERDICTS | REPORTED,
+        claims=rows,
+        counts=counts,
+        authors={name: papers()[name].author for name in counts},
+        reading_tables=reading_tables(rows, results) if "claims" in order["parts"] else [],
+        has_tested_claims=has_tested_claims(rows),
+        checks=engine_checks(rows),
         plots=[
             entry | {"points": [run for run in runs if entry["name"] in run["plots"]]}
             for entry in entries
@@ -286,37 +249,10 @@ def render(
         parameters=parameter_rows(dataset),
         paper_values=paper_values(one.parameters for one in study.points.values()),
         boundaries=boundary_rows(study, results.boundaries),
-        opinions=opinions_of(study, dataset, figures.parent),
+        opinions=opinions_of(study, dataset, folder),
         energy_limit=CLOSED_SHARE,
-        provenance=_provenance(dataset) | _plugin_provenance(study),
+        provenance=_provenance(study, dataset),
     )
-
-
-def _claims(
-    rows: Sequence[dict[str, Any]], results: Results, with_readings: bool
-) -> dict[str, Any]:
-    """Return what the templates show of the claims of papers and of their verdicts."""
-    counts = count_verdicts(rows)
-    return {
-        "verdicts": VERDICTS,
-        "outcomes": VERDICTS | REPORTED,
-        "claims": rows,
-        "counts": counts,
-        "authors": {name: papers()[name].author for name in counts},
-        "reading_tables": reading_tables(rows, results) if with_readings else [],
-        "has_tested_claims": has_tested_claims(rows),
-        "checks": engine_checks(rows),
-    }
-
-
-def _runs(
-    results: Results, caveats: Sequence[str], plots: Sequence[FigureSpec]
-) -> list[dict[str, Any]]:
-    """Return a row per point, with the plots that show it."""
-    runs = run_rows(results.dataset, caveats)
-    for run in runs:
-        run["plots"] = [spec.name for spec in plots if spec.is_fed_by(run["system"], run["series"])]
-    return runs
 
 
 def _own_reasons(refusals: Sequence[str]) -> list[str]:
@@ -350,20 +286,10 @@ def _page_order(
     return {"own": is_own, "gallery": gallery, "parts": parts}
 
 
-def _refusals(study: Study, folder: Path) -> dict[str, str]:
-    texts = {question.file: refusal_in(folder / question.file) for question in study.questions}
-    return {file: text for file, text in texts.items() if text}
-
-
-def _doubts(study: Study, folder: Path) -> dict[str, str]:
-    files = [folder / question.file for question in study.questions]
-    texts = {upper_first(answer_name(file)): sentence(caveats_in(file)) for file in files}
-    return {name: text for name, text in texts.items() if text}
-
-
 def _summary(dataset: xr.Dataset, runs: list[dict[str, Any]]) -> dict[str, Any]:
     is_completed, is_sound = dataset["status"] == "completed", dataset["caveat"] == ""
     missing_energy = dataset["missing_energy"].where(is_completed)
+    days = (dataset.attrs[name][:10] for name in ("first_run", "last_run"))
     return {
         "points": len(runs),
         "failed": sum(run["regime"] == "failed" for run in runs),
@@ -376,29 +302,17 @@ def _summary(dataset: xr.Dataset, runs: list[dict[str, Any]]) -> dict[str, Any]:
         "loop_time": float(dataset["loop_time"].sum()) if "loop_time" in dataset else 0.0,
         "missing_energy": float(missing_energy.where(is_sound).max()),
         "with_caveat": int((~is_sound).sum()),
-        "dates": _dates(dataset.attrs["first_run"], dataset.attrs["last_run"]),
+        "dates": " to ".join(dict.fromkeys(days)),
         "talus": __version__,
     }
 
 
-def _dates(first: str, last: str) -> str:
-    """Write the days of two ISO times, once if they are the same.
-
-    >>> _dates("2026-01-30T22:00:00Z", "2026-02-01T01:00:00Z")
-    '2026-01-30 to 2026-02-01'
-    """
-    return " to ".join(dict.fromkeys((first[:10], last[:10])))
-
-
-def _plugin_provenance(study: Study) -> dict[str, str]:
-    text = ", ".join(f"{plugin.name} ({plugin.code})" for plugin in study.plugins)
-    return {"Plug-ins": text} if text else {}
-
-
-def _provenance(dataset: xr.Dataset) -> dict[str, str]:
-    return {
+def _provenance(study: Study, dataset: xr.Dataset) -> dict[str, str]:
+    origin = {
         "Talus": __version__,
         "Engine": dataset.attrs["engine_version"],
         "Hash of the engine's sources": dataset.attrs["source_hash"],
         "Libraries": dataset.attrs["versions"],
     }
+    plugins = ", ".join(f"{plugin.name} ({plugin.code})" for plugin in study.plugins)
+    return origin | ({"Plug-ins": plugins} if plugins else {})

@@ -3,8 +3,9 @@
 import json
 import sys
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 import psutil
@@ -16,8 +17,7 @@ from sim.dataset.rounds import require_start_files
 from sim.engine.shared_runs import SharedRun, describe, find_runs
 from sim.parameters import complete_values, field_info
 from sim.parameters.density import doubts_of
-from sim.report import earlier_regimes
-from sim.study.load import Point, Study, load_study
+from sim.study.load import Study, load_study
 from sim.study.papers import paper_value_lines
 from sim.study.plot_contents import SCATTER_HINT
 from sim.study.points import PARTS, Estimate, divide_range, estimate
@@ -31,20 +31,23 @@ MOST_NAMED = 3
 #: Largest length (m) of a particle that is not taken for one in another unit.
 LARGEST_LENGTH = 0.1
 
+#: Lengths of runs are similar up to this factor.
+SIMILAR = 2.0
+
 _HEADINGS = ("id", "system", "particles", "steps", "core time", "figures", "series")
 _RIGHT = {"particles", "steps", "core time"}
 
 _NOTHING: Mapping[str, Any] = {}
 
 
-def show(path: Path, results: Path, format: str, as_point: bool = False) -> str:
+def show(path: Path, format: str, as_point: bool = False, results: Path = Path("results")) -> str:
     """Return the points of a study as ``table`` or ``json``, after warnings on standard error.
 
     Of a run file it is what the file holds, or with ``as_point`` the point file that makes it.
     """
     if path.suffix == ".nc":
         # It needs the libraries of run files.
-        from sim.report.info import describe as describe_run
+        from sim.report.runs import describe_run
 
         return describe_run(path, as_point)
     study = load_study(path, None)
@@ -55,8 +58,8 @@ def show(path: Path, results: Path, format: str, as_point: bool = False) -> str:
     shared = find_runs(results / study.name / "runs", points, study.need)
     if format == "json":
         return as_json(study, shared)
-    earlier = earlier_regimes.lines(study, results)
-    return "\n".join((as_table(study, shared), *_run_lines(study, results), *earlier))
+    lines = [*_run_lines(study, results), *earlier_lines(study, results)]
+    return "\n".join((as_table(study, shared), *lines))
 
 
 def as_table(study: Study, shared: Mapping[str, SharedRun] = _NOTHING) -> str:
@@ -66,22 +69,31 @@ def as_table(study: Study, shared: Mapping[str, SharedRun] = _NOTHING) -> str:
     other studies have. ``steps`` and ``core time`` are sums over all replicates of a point.
     """
     costs = _costs(study)
-    rows = [_row(point, costs[point.id]) for point in study.points.values()]
+    rows = [
+        (
+            point.id,
+            point.parameters.system,
+            f"{costs[point.id].particles:,}",
+            f"{costs[point.id].steps:,}",
+            duration(costs[point.id].core_seconds),
+            ",".join(point.figures) or "-",
+            ",".join(point.series),
+        )
+        for point in study.points.values()
+    ]
+    plots = [
+        f"plot {name}: {spec.title} ({count_text(len(study.figures[name]), 'point')})"
+        + f"; {SCATTER_HINT}" * bool(spec.scattered)
+        for name, spec in study.plots.items()
+    ]
     sections = [
         align_table(_HEADINGS, rows, _RIGHT),
         _design_lines(study),
-        _plot_lines(study),
+        plots,
         study.omission_notes,
-        [*_caveat_lines(study), *_pair_lines(study)],
+        _caveat_lines(study),
         paper_value_lines(point.parameters for point in study.points.values()),
-        [
-            _total_line(list(costs.values())),
-            *_shared_lines(shared, costs),
-            *_trajectory_lines(list(costs.values())),
-            *([_refinement_line(study)] if study.boundaries else []),
-            *_surrogate_lines(study),
-            *([_decision_line(study.decide.budget)] if study.decide else []),
-        ],
+        [*_cost_lines(costs, shared), *_further_lines(study)],
     ]
     return "\n\n".join("\n".join(lines) for lines in sections if lines)
 
@@ -91,23 +103,23 @@ def as_json(study: Study, shared: Mapping[str, SharedRun] = _NOTHING) -> str:
     costs = _costs(study)
     points = [
         {
-            "id": point.id,
+            "id": key,
             "system": point.parameters.system,
             "series": point.series,
             "figures": point.figures,
             "left_out": point.left_out,
             "caveat": point.parameters.caveat,
-            "shared": str(shared[point.id].path) if point.id in shared else "",
-            "particles": costs[point.id].particles,
-            "steps": costs[point.id].steps,
-            "core_seconds": round(costs[point.id].core_seconds, 3),
-            "trajectory_frames": costs[point.id].frames,
-            "trajectory_megabytes": round(costs[point.id].trajectory, 3),
+            "shared": str(shared[key].path) if key in shared else "",
+            "particles": costs[key].particles,
+            "steps": costs[key].steps,
+            "core_seconds": round(costs[key].core_seconds, 3),
+            "trajectory_frames": costs[key].frames,
+            "trajectory_megabytes": round(costs[key].trajectory, 3),
             "parameters": complete_values(point.parameters),
         }
-        for point in study.points.values()
+        for key, point in study.points.items()
     ]
-    totals = {
+    totals: dict[str, float] = {
         "points": len(points),
         "steps": sum(cost.steps for cost in costs.values()),
         "core_seconds": round(sum(cost.core_seconds for cost in costs.values()), 3),
@@ -125,8 +137,20 @@ def warnings(study: Study, results: Path) -> Iterator[str]:
 
     That is too little memory, no permission to write, and sizes that are probably not meant.
     """
-    yield from _doubtful_lengths(study)
-    yield from doubts_of(point.parameters for point in study.points.values())
+    points = [point.parameters for point in study.points.values()]
+    lengths = Counter(
+        (row.name, getattr(parameters, row.name))
+        for parameters in points
+        for row in field_info(parameters).values()
+        if row.unit == "m"
+    )
+    for (name, value), count in lengths.items():
+        if value > LARGEST_LENGTH:
+            yield (
+                f"{name}: {value:g} at {count_text(count, 'point')} is {value:g} m; if you mean "
+                f"{value:g} mm, write {value / 1000:g}"
+            )
+    yield from doubts_of(points)
     memory = psutil.virtual_memory().total / MEGABYTE
     for key, cost in _costs(study).items():
         if cost.memory > memory:
@@ -137,35 +161,8 @@ def warnings(study: Study, results: Path) -> Iterator[str]:
         yield str(error)
 
 
-def _doubtful_lengths(study: Study) -> Iterator[str]:
-    lengths = Counter(
-        (row.name, getattr(parameters, row.name))
-        for parameters in (point.parameters for point in study.points.values())
-        for row in field_info(parameters).values()
-        if row.unit == "m"
-    )
-    for (name, value), count in lengths.items():
-        if value > LARGEST_LENGTH:
-            yield (
-                f"{name}: {value:g} at {count_text(count, 'point')} is {value:g} m; if you mean "
-                f"{value:g} mm, write {value / 1000:g}"
-            )
-
-
 def _costs(study: Study) -> dict[str, Estimate]:
     return {key: estimate(point.parameters) for key, point in study.points.items()}
-
-
-def _row(point: Point, cost: Estimate) -> tuple[str, ...]:
-    return (
-        point.id,
-        point.parameters.system,
-        f"{cost.particles:,}",
-        f"{cost.steps:,}",
-        duration(cost.core_seconds),
-        ",".join(point.figures) or "-",
-        ",".join(point.series),
-    )
 
 
 def _design_lines(study: Study) -> list[str]:
@@ -179,67 +176,77 @@ def _design_lines(study: Study) -> list[str]:
     ]
 
 
-def _plot_lines(study: Study) -> list[str]:
-    return [
-        f"plot {name}: {spec.title} ({count_text(len(study.figures[name]), 'point')})"
-        + f"; {SCATTER_HINT}" * bool(spec.scattered)
-        for name, spec in study.plots.items()
-    ]
-
-
 def _caveat_lines(study: Study) -> list[str]:
-    """Return a line per caveat that is known before any run, with its first points."""
+    """Return a line per caveat that is known before any run, and one on pairs of replicates."""
     ids_by_caveat: dict[str, list[str]] = {}
     for point in study.points.values():
         if point.parameters.caveat:
             ids_by_caveat.setdefault(point.parameters.caveat, []).append(point.id)
-    return [
+    lines = [
         f"caveat for {len(ids):,} of {count_text(len(study.points), 'point')}: {text} "
         f"({', '.join(ids[:MOST_NAMED])}"
         + (f" and {len(ids) - MOST_NAMED:,} more)" if len(ids) > MOST_NAMED else ")")
         for text, ids in ids_by_caveat.items()
     ]
+    if pairs := sum(point.parameters.replicates == 2 for point in study.points.values()):
+        lines.append(
+            f"warning of replicates: 2 at {count_text(pairs, 'point')}: the 95 % interval of two "
+            "is 12.7 standard errors to either side, of three 4.3; three or more are better"
+        )
+    return lines
 
 
-def _pair_lines(study: Study) -> list[str]:
-    pairs = sum(point.parameters.replicates == 2 for point in study.points.values())
-    return [
-        f"warning of replicates: 2 at {count_text(pairs, 'point')}: the 95 % interval of two is "
-        "12.7 standard errors to either side, of three 4.3; three or more are better"
-    ] * (pairs > 0)
-
-
-def _total_line(costs: Sequence[Estimate]) -> str:
-    steps = sum(cost.steps for cost in costs)
-    total = sum(cost.core_seconds for cost in costs)
-    longest = max(cost.core_seconds for cost in costs)
-    return (
+def _cost_lines(costs: Mapping[str, Estimate], shared: Mapping[str, SharedRun]) -> list[str]:
+    """Return lines on core time, on what other studies have, and on the size of trajectories."""
+    seconds = {key: cost.core_seconds for key, cost in costs.items()}
+    total, steps = sum(seconds.values()), sum(cost.steps for cost in costs.values())
+    lines = [
         f"{count_text(len(costs), 'point')}, {steps:,} steps, estimated core time "
-        f"{duration(total)}, on {CORES} cores {duration(max(total / CORES, longest))}; "
+        f"{duration(total)}, on {CORES} cores "
+        f"{duration(max(total / CORES, *seconds.values()))}; "
         "computing alone, without compilation, Snakemake and figures"
-    )
-
-
-def _shared_lines(shared: Mapping[str, SharedRun], costs: Mapping[str, Estimate]) -> list[str]:
-    seconds = sum(
-        cost.core_seconds
-        for key, cost in costs.items()
-        if not (key in shared and shared[key].is_enough)
-    )
-    line = describe(shared.values())
-    return [f"{line}; core time of the others {duration(seconds)}"] if line else []
-
-
-def _trajectory_lines(costs: Sequence[Estimate]) -> list[str]:
-    sizes = [cost.trajectory for cost in costs if cost.trajectory]
-    if not sizes:
-        return []
-    frames = sum(cost.frames for cost in costs)
-    return [
-        f"trajectories of {count_text(len(sizes), 'point')}: at most "
-        f"{count_text(frames, 'frame')}, {sum(sizes):,.1f} MB on the disk, "
-        f"{max(sizes):,.1f} MB of one point"
     ]
+    if line := describe(shared.values()):
+        enough = sum(seconds[key] for key, run in shared.items() if run.is_enough)
+        lines.append(f"{line}; core time of the others {duration(total - enough)}")
+    if sizes := [cost.trajectory for cost in costs.values() if cost.trajectory]:
+        frames = sum(cost.frames for cost in costs.values())
+        lines.append(
+            f"trajectories of {count_text(len(sizes), 'point')}: at most "
+            f"{count_text(frames, 'frame')}, {sum(sizes):,.1f} MB on the disk, "
+            f"{max(sizes):,.1f} MB of one point"
+        )
+    return lines
+
+
+def _further_lines(study: Study) -> Iterator[str]:
+    """Yield lines on the points that rounds add; each of a boundary divides one gap.
+
+    The estimate of a boundary assumes that no run is undecided.
+    """
+    count, total = 0, 0.0
+    for boundary in study.boundaries:
+        estimates = [
+            estimate(boundary.parameters_at(value)).core_seconds
+            for value in divide_range(boundary.low, boundary.high)
+        ]
+        count += (added := (PARTS - 1) * boundary.rounds)
+        total += added * sum(estimates) / len(estimates)
+    if study.boundaries:
+        yield (
+            f"{max(boundary.rounds for boundary in study.boundaries)} rounds of refinement for "
+            f"{len(study.boundaries):,} boundaries: about {count:,} further points, estimated "
+            f"core time {duration(total)}"
+        )
+    for one in study.surrogates:
+        if one.has_rounds:
+            yield (
+                f"surrogate {one.name}: rounds of {count_text(one.batch, 'point')} may add up to "
+                f"{one.budget:g} core hours, until its error is {100 * one.error:g} %"
+            )
+    if study.decide:
+        budget = study.decide.budget
+        yield f"decisions ({program()} decide) may add up to {budget:g} core hours"
 
 
 def _run_lines(study: Study, results: Path) -> list[str]:
@@ -257,35 +264,47 @@ def _run_lines(study: Study, results: Path) -> list[str]:
     ] * (ended > 0)
 
 
-def _decision_line(budget: float) -> str:
-    return f"decisions ({program()} decide) may add up to {budget:g} core hours"
+def earlier_lines(study: Study, results: Path) -> list[str]:
+    """Return a line for each series that is asked a question: how runs of its length ended before.
 
-
-def _surrogate_lines(study: Study) -> list[str]:
-    return [
-        f"surrogate {one.name}: rounds of {count_text(one.batch, 'point')} may add up to "
-        f"{one.budget:g} core hours, until its error is {100 * one.error:g} %"
-        for one in study.surrogates
-        if one.has_rounds
-    ]
-
-
-def _refinement_line(study: Study) -> str:
-    """Write what rounds of refinement add: each divides one gap per boundary.
-
-    The estimate assumes that no run is undecided.
+    These are points of all datasets in the results, of the system, with at most twice and at least
+    half of the length. There is no line where the results have none.
     """
-    count, total = 0, 0.0
-    rounds = max(boundary.rounds for boundary in study.boundaries)
-    for boundary in study.boundaries:
-        estimates = [
-            estimate(boundary.parameters_at(value))
-            for value in divide_range(boundary.low, boundary.high)
-        ]
-        points_added = (PARTS - 1) * boundary.rounds
-        count += points_added
-        total += points_added * sum(cost.core_seconds for cost in estimates) / len(estimates)
-    return (
-        f"{rounds} rounds of refinement for {len(study.boundaries):,} boundaries: about "
-        f"{count:,} further points, estimated core time {duration(total)}"
-    )
+    lines = []
+    series = dict.fromkeys(spec.of.series for spec in study.questions)
+    earlier = list(_earlier_points(results)) if series else []
+    for name in series:
+        points = [study.points[key].parameters for key in study.series[name]]
+        length = median(point.transient + point.average for point in points)
+        regimes = Counter(
+            regime
+            for system, other, regime in earlier
+            if system == points[0].system and length / SIMILAR <= other <= length * SIMILAR
+        )
+        if regimes:
+            names = ["steady", *(one for one, _ in regimes.most_common() if one != "steady")]
+            lines.append(
+                f"series {name}: of {count_text(regimes.total(), 'point')} with runs of such a "
+                "length in the results here, "
+                + ", ".join(f"{regimes[one]:,} {one}" for one in names)
+            )
+    return lines
+
+
+def _earlier_points(results: Path) -> Iterator[tuple[str, float, str]]:
+    """Yield system, length in its time unit and regime of the points of all datasets in results.
+
+    Damaged datasets have none.
+    """
+    # Imported here: it takes longer than a table without such lines.
+    import netCDF4
+
+    names = ("system", "transient", "average", "point_regime")
+    for path in sorted(results.glob("*/dataset.nc")):
+        try:
+            with netCDF4.Dataset(path) as file:
+                columns = [file[name][:].tolist() for name in names]
+        except (OSError, RuntimeError, LookupError):
+            continue
+        for system, transient, average, regime in zip(*columns, strict=True):
+            yield str(system), float(transient) + float(average), str(regime)

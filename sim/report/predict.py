@@ -24,24 +24,13 @@ def predict(
     of: str | None,
     extrapolate: bool,
     format: str,
-    results: Path,
+    results: Path = Path("results"),
 ) -> str:
     """Return mean, half width and probabilities at some values, as ``table`` or ``json``.
 
-    Parameters
-    ----------
-    source : Path
-        A study file, or a folder of results.
-    at : sequence of str
-        Values as ``parameter=value``, or ``parameter=value,value`` for a row of each.
-    of : str, optional
-        Name or observable of the surrogate; the only one if omitted.
-    extrapolate : bool
-        Predict outside the ranges of the points, too.
-    format : str
-        ``table`` or ``json``.
-    results : Path
-        Folder of all results, for a study file.
+    ``source`` is a study file, with the folder of all ``results``, or a folder of results. Values
+    are ``parameter=value``, or ``parameter=value,value`` for a row of each. ``of`` is the name or
+    the observable of the surrogate, the only one if omitted.
 
     Raises
     ------

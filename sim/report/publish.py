@@ -4,12 +4,14 @@ import hashlib
 import json
 import re
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import nullcontext
+from importlib.util import find_spec
 from mimetypes import guess_type
 from pathlib import Path
 from stat import S_ISREG
 from typing import Any
+from urllib.parse import unquote
 
 from sim.base.errors import InputError
 from sim.base.files import require_writable, temporary_folder
@@ -29,82 +31,77 @@ from sim.study.load import Study, extra_amounts_file, load_study
 #: File of authors and licence, in the folder where the command is called.
 CITATION = Path("CITATION.cff")
 
-#: Name that the format gives to the description of a crate.
-CRATE_FILE = "ro-crate-metadata.json"
-
-#: Version of the format.
-VERSION = "1.1"
+#: Name that the format gives to the description of a crate, and its version.
+CRATE_FILE, VERSION = "ro-crate-metadata.json", "1.1"
 
 #: Profile of crates that say which command made which data.
 PROFILE = "https://w3id.org/ro/wfrun/process/0.5"
 
-#: What the keys of a citation must hold.
-_KEYS = {
-    "title": (str, "the title of what is published"),
-    "license": (str, "the name of a licence at spdx.org, as CC-BY-4.0"),
-    "authors": (list, "a list of authors, each with family-names or name"),
+#: Meaning of the files of a publication, by suffix, and media types that Python does not know.
+_MEANINGS = {
+    ".nc": "all numbers of the study, a row per point",
+    ".yaml": "study file: the whole input, or a part of it",
+    ".py": "plug-in of the study",
+    ".json": "verdicts, provenance, or what was bought to decide claims",
+    ".csv": "table",
+    ".svg": "figure",
+    ".gif": "animation",
+    ".html": "report",
+    ".png": "still picture of an animation",
+    ".txt": "caption of a figure",
 }
+_MEDIA = {".nc": "application/netcdf", ".yaml": "application/yaml"}
 
-#: Identifiers at spdx.org and orcid.org, which become addresses.
+
+#: Properties of an author, by the keys of a citation.
+_AUTHOR = {"given-names": "givenName", "family-names": "familyName", "affiliation": "affiliation"}
+
 _LICENCE = re.compile(r"[A-Za-z0-9][A-Za-z0-9.+-]{0,99}")
 _ORCID = re.compile(r"https://orcid\.org/(\d{4}-){3}\d{3}[\dX]")
 
-#: Media type and meaning of the files of a publication, by suffix.
-_FILES = {
-    ".nc": ("application/netcdf", "all numbers of the study, a row per point"),
-    ".yaml": ("application/yaml", "study file: the whole input, or a part of it"),
-    ".py": ("text/x-python", "plug-in of the study"),
-    ".json": ("application/json", "verdicts, provenance, or what was bought to decide claims"),
-    ".csv": ("text/csv", "table"),
-    ".svg": ("image/svg+xml", "figure"),
-    ".gif": ("image/gif", "animation"),
-    ".html": ("text/html", "report"),
-    ".png": ("image/png", "still picture of an animation"),
-    ".txt": ("text/plain", "caption of a figure"),
+
+def _is_line(value: Any) -> bool:
+    return isinstance(value, str) and bool(value.strip()) and value.isprintable()
+
+
+def _are_authors(value: Any) -> bool:
+    if not (isinstance(value, list) and value and all(isinstance(one, dict) for one in value)):
+        return False
+    names = [[one[key] for key in one.keys() & {"name", "family-names"}] for one in value]
+    orcids = [str(one["orcid"]) for one in value if one.get("orcid")]
+    are_names = all(own and all(map(_is_line, own)) for own in names)
+    return are_names and all(map(_ORCID.fullmatch, orcids)) and len({*orcids}) == len(orcids)
+
+
+#: What the keys of a citation must hold. Licences and ORCIDs become addresses.
+_KEYS: dict[str, tuple[Callable[[Any], bool], str]] = {
+    "title": (_is_line, "the title of what is published"),
+    "license": (
+        lambda value: isinstance(value, str) and bool(_LICENCE.fullmatch(value)),
+        "the name of a licence at spdx.org, as CC-BY-4.0",
+    ),
+    "authors": (
+        _are_authors,
+        "a list of authors, each with family-names or name, and perhaps an orcid of its own, as "
+        "https://orcid.org/0000-0002-1825-0097",
+    ),
 }
 
 
 def read_citation(path: Path) -> dict[str, Any]:
     """Return authors, licence and title of a file in the Citation File Format.
 
-    Raises
-    ------
-    InputError
-        When the file is missing, or lacks one of them.
+    It is an `InputError` when the file is missing, or lacks one of them.
     """
     if not path.is_file():
         message = f"no such file in {path.absolute().parent}, where the command was called"
         raise InputError(f"{path}: {message}; --crate takes authors and licence from it")
     given = read_yaml(path)
     citation = given if isinstance(given, dict) else {}
-    for key, (kind, allowed) in _KEYS.items():
-        if not isinstance(citation.get(key), kind) or not citation[key]:
+    for key, (holds, allowed) in _KEYS.items():
+        if not holds(citation.get(key)):
             raise InputError.of_value(path, key, citation.get(key), allowed)
-    if not _LICENCE.fullmatch(citation["license"]):
-        raise InputError.of_value(path, "license", citation["license"], _KEYS["license"][1])
-    orcids: set[str] = set()
-    for number, author in enumerate(citation["authors"]):
-        names = author.keys() & {"name", "family-names"} if isinstance(author, dict) else ()
-        if not names or not all(_is_name(author[key]) for key in names):
-            raise InputError.of_value(path, f"authors[{number}]", author, _KEYS["authors"][1])
-        orcid = author.get("orcid")
-        if orcid and (orcid in orcids or not _ORCID.fullmatch(str(orcid))):
-            allowed = "an address of this author alone, as https://orcid.org/0000-0002-1825-0097"
-            raise InputError.of_value(path, f"authors[{number}].orcid", orcid, allowed)
-        orcids.add(str(orcid))
     return citation
-
-
-def _is_name(value: Any) -> bool:
-    return isinstance(value, str) and bool(value.strip()) and value.isprintable()
-
-
-def require_rocrate() -> None:
-    """Raise `InputError` where the library that writes crates is not installed."""
-    try:
-        import rocrate  # noqa: F401
-    except ImportError:
-        raise InputError("--crate: needs the package rocrate; pip install rocrate") from None
 
 
 def write_crate(
@@ -112,99 +109,63 @@ def write_crate(
 ) -> None:
     """Describe all files of a published study in ``ro-crate-metadata.json``.
 
-    Parameters
-    ----------
-    folder : Path
-        Folder of the publication, whole but for its checksums.
-    study_file : str
-        Name of the study file in it.
-    provenance : mapping
-        Content of ``provenance.json``.
-    citation : mapping
-        Authors and licence, see `read_citation`.
+    The folder is whole but for its checksums. ``provenance`` is the content of
+    ``provenance.json``, ``citation`` has authors and licence, see `read_citation`.
     """
+    from rocrate.model import ContextEntity
     from rocrate.rocrate import ROCrate
 
     crate = ROCrate(folder, init=True, version=VERSION)
-    for entity in (*_entities(study_file, provenance, citation), *_files(folder)):
-        crate.add_or_update_jsonld(entity)
-    crate.metadata.write(folder)
 
+    def add(identifier: str, name: str, kind: str = "CreativeWork", **others: Any) -> Any:
+        properties = {"@type": kind, "name": name, **others}
+        return crate.add(ContextEntity(crate, identifier, properties))
 
-def _entities(
-    study_file: str, provenance: Mapping[str, Any], citation: Mapping[str, Any]
-) -> tuple[dict[str, Any], ...]:
-    """Return what a crate says of itself, its authors and its licence, and how it was made."""
-    licence, command = citation["license"], f"talus study {study_file}"
-    terms = _work(f"https://spdx.org/licenses/{licence}", licence)
-    profile = _work(PROFILE, "Process Run Crate")
-    authors = [_author(number, author) for number, author in enumerate(citation["authors"], 1)]
     *numbers, numerics = (
-        _work(f"#{name.replace(' ', '-')}", name, "PropertyValue", value=str(provenance[name]))
+        add(f"#{name.replace(' ', '-')}", name, "PropertyValue", value=str(provenance[name]))
         for name in ("points", "runs", "core hours", "numerics")
     )
-    talus = _work(
-        "#talus",
-        "Talus",
-        "SoftwareApplication",
-        softwareVersion=provenance["engine"],
-        softwareRequirements=provenance["libraries"],
-        additionalProperty=_refer(numerics),
-    )
-    study = _work(
+    talus = add("#talus", "Talus", "SoftwareApplication")
+    talus["softwareVersion"] = provenance["engine"]
+    talus["softwareRequirements"] = provenance["libraries"]
+    talus["additionalProperty"] = numerics
+    command = f"talus study {study_file}"
+    crate.add_action(
+        talus,
         "#study",
-        command,
-        "CreateAction",
-        description=f"{command} computed the runs; talus publish {study_file} --crate, of version "
-        f"{__version__}, published them.",
-        instrument=_refer(talus),
-        object=[{"@id": study_file}],
-        result=[{"@id": name} for name in ("dataset.nc", "report.html")],
-        startTime=provenance["from"],
-        endTime=provenance["to"],
+        object=[crate.get(study_file)],
+        result=[crate.get(name) for name in ("dataset.nc", REPORT)],
+        properties={
+            "name": command,
+            "description": f"{command} computed the runs; talus publish {study_file} --crate, of "
+            f"version {__version__}, published them.",
+            "startTime": provenance["from"],
+            "endTime": provenance["to"],
+        },
     )
-    publication = {
-        "@id": "./",
-        "name": provenance["title"] or provenance["study"],
-        "description": f"Runs, figures and verdicts of the study {provenance['study']}.",
-        "license": _refer(terms),
-        "author": [_refer(author) for author in authors],
-        "conformsTo": _refer(profile),
-        "additionalProperty": [_refer(number) for number in numbers],
-    }
-    return publication, terms, profile, *authors, *numbers, numerics, talus, study
-
-
-def _work(identifier: str, name: str, kind: str = "CreativeWork", **others: Any) -> dict[str, Any]:
-    return {"@id": identifier, "@type": kind, "name": name, **others}
-
-
-def _refer(entity: Mapping[str, Any]) -> dict[str, Any]:
-    return {"@id": entity["@id"]}
-
-
-def _author(number: int, author: Mapping[str, Any]) -> dict[str, Any]:
-    given, family = (str(author.get(key) or "") for key in ("given-names", "family-names"))
-    details = {"givenName": given, "familyName": family, "affiliation": author.get("affiliation")}
-    return _work(
-        str(author.get("orcid") or f"#author-{number}"),
-        str(author.get("name", f"{given} {family}".strip())),
-        "Organization" if "name" in author else "Person",
-        **{key: str(value) for key, value in details.items() if value},
-    )
-
-
-def _files(folder: Path) -> Iterator[dict[str, Any]]:
-    for path in sorted(path for path in folder.rglob("*") if path.is_file()):
-        guess = guess_type(path.name)[0] or "application/octet-stream"
-        media, meaning = _FILES.get(path.suffix, (guess, "file of the study"))
-        yield {
-            "@id": path.relative_to(folder).as_posix(),
-            "name": path.name,
-            "contentSize": str(path.stat().st_size),
-            "encodingFormat": media,
-            "description": meaning,
-        }
+    licence = citation["license"]
+    crate.name = provenance["title"] or provenance["study"]
+    crate.description = f"Runs, figures and verdicts of the study {provenance['study']}."
+    crate.license = add(f"https://spdx.org/licenses/{licence}", licence)
+    root = crate.root_dataset
+    authors = []
+    for number, author in enumerate(citation["authors"], 1):
+        known = {key: str(value) for key, value in author.items() if value}
+        names = {to: known[key] for key, to in _AUTHOR.items() if key in known}
+        whole = " ".join(names[to] for to in ("givenName", "familyName") if to in names)
+        kind = "Organization" if "name" in known else "Person"
+        identifier = known.get("orcid", f"#author-{number}")
+        authors.append(add(identifier, known.get("name", whole), kind, **names))
+    root["author"] = authors
+    root["conformsTo"] = add(PROFILE, "Process Run Crate")
+    root["additionalProperty"] = numbers
+    for entity in crate.get_by_type("File"):
+        path = folder / unquote(entity.id)
+        media = _MEDIA.get(path.suffix) or guess_type(path.name)[0] or "application/octet-stream"
+        entity["name"], entity["contentSize"] = path.name, str(path.stat().st_size)
+        entity["encodingFormat"] = media
+        entity["description"] = _MEANINGS.get(path.suffix, "file of the study")
+    crate.metadata.write(folder)
 
 
 #: Folder of the published studies, beside the results of other studies.
@@ -236,10 +197,7 @@ def publish(
     folder as an RO-Crate. An earlier publication of the study is replaced after everything is
     copied.
 
-    Returns
-    -------
-    Path
-        The folder written.
+    Returns the folder written.
 
     Raises
     ------
@@ -247,15 +205,12 @@ def publish(
         When a file is missing, damaged or outdated, when something else occupies the target, when
         all published studies together would be too large, or when a crate lacks authors.
     """
-    if crate:
-        require_rocrate()
+    if crate and not find_spec("rocrate"):
+        raise InputError("--crate: needs the package rocrate; pip install rocrate")
     citation = read_citation(CITATION) if crate else None
     study = load_study(study_path, results)
     folder = Path(results) / study.name
-    extra_files = [extra_amounts_file(folder).name] if extra_amounts_file(folder).is_file() else []
-    names = [*_published_files(study), *extra_files]
-    _require_files(folder, names)
-    _require_distinct(study.sources, names)
+    names = _published_files(study, folder)
     output = target / study.name
     require_writable(target, "--to")
     _require_replaceable(output, folder, target)
@@ -284,29 +239,27 @@ def publish(
     return output
 
 
-def _published_files(study: Study) -> list[str]:
-    figures = (
+def _published_files(study: Study, folder: Path) -> list[str]:
+    """Return the names of the files that are copied; all are there, and none is a study's."""
+    names = [*RESULT_FILES, *(one.file for one in study.questions)]
+    names += ["boundaries.csv"] if study.boundaries else []
+    names += [
         f"figures/{name}{end}"
         for name, spec in study.entries.items()
         for end in spec.suffixes
         if spec.animated or end != ".png"
-    )
-    boundaries = ["boundaries.csv"] if study.boundaries else []
-    return [*RESULT_FILES, *boundaries, *(one.file for one in study.questions), *figures]
-
-
-def _require_files(folder: Path, names: Sequence[str]) -> None:
+    ]
     for name in names:
         if not (folder / name).is_file():
             raise InputError(f"{folder / name}: missing; run the study to its end first")
-
-
-def _require_distinct(files: Sequence[Path], names: Sequence[str]) -> None:
-    published_names = {Path(name).parts[0] for name in (*names, *GENERATED_FILES, "boundaries.csv")}
-    for file in files:
-        if file.name in published_names:
+    bought = extra_amounts_file(folder)
+    names += [bought.name] if bought.is_file() else []
+    taken = {Path(name).parts[0] for name in (*names, *GENERATED_FILES, "boundaries.csv")}
+    for file in study.sources:
+        if file.name in taken:
             allowed = f"another name, as {file.name} is published of every study"
             raise InputError.of_value(file, "", file.name, allowed)
+    return names
 
 
 def _require_replaceable(output: Path, folder: Path, target: Path) -> None:
@@ -337,12 +290,8 @@ def write_checksums(folder: Path) -> None:
 
 
 def _require_small(temporary: Path, output: Path, target: Path) -> None:
-    others = [
-        path
-        for path in target.iterdir()
-        if path.is_dir() and path != output and not path.name.startswith(".")
-    ]
-    total = sum(map(folder_size, [temporary, *others]))
+    others = (path for path in target.iterdir() if path.is_dir() and path != output)
+    total = sum(map(folder_size, [temporary, *(one for one in others if one.name[0] != ".")]))
     if total > MOST_BYTES:
         allowed = f"at most {MOST_BYTES / 1e6:g} MB"
         raise InputError.of_value(target, "", f"{total / 1e6:.1f} MB", allowed)
@@ -387,14 +336,9 @@ def provenance(results: Results) -> dict[str, object]:
 
 
 def require_intact(study: Study, results: Results, folder: Path) -> None:
-    """Raise an error unless figures, tables and verdicts are as they were made.
+    """Raise `InputError` unless figures, tables and verdicts are as they were made.
 
-    Raises
-    ------
-    InputError
-        Where a file is missing.
-    DamagedError
-        For the first file that differs; it is set aside.
+    The first file that differs is set aside.
     """
     require_unchanged(study.entries.values(), folder / "figures")
     require_table(folder)

@@ -112,22 +112,10 @@ class LabelledResults(datasets.Results):
         return grid.assign_attrs(units=found.unit, long_name=found.meaning)
 
     def plot(self, **keys: Any) -> "Figure":
-        """Draw a plot of the points.
+        """Draw a plot of the points, as the study would draw it.
 
-        Parameters
-        ----------
-        **keys
-            The keys of an entry under ``plots`` of a study file, without its ``name``.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            The picture, as the study would draw it.
-
-        Raises
-        ------
-        InputError
-            For what would be a mistake in a study file.
+        The keys are those of an entry under ``plots`` of a study file, without its ``name``. What
+        would be a mistake there raises `InputError`.
         """
         from sim.figures.render import draw
 

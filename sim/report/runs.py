@@ -1,18 +1,22 @@
-"""Rows of the tables of runs, boundaries and parameters, and counts of the points by result."""
+"""Rows of the tables of runs, boundaries and parameters, counts of points, and a run as text."""
 
+import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
+import netCDF4
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from sim.dataset.replicates import UNSOUND_SHARE, outcomes
+from sim.dataset.replicates import UNSOUND_SHARE, layer_orders, outcomes
+from sim.engine.stored_run import RunFile, open_run_file, parameters_of, summary_of
 from sim.figures.units import label_with_unit
-from sim.parameters import SYSTEMS, Parameters, default_of, field_info
+from sim.parameters import SYSTEMS, Parameters, as_yaml, complete_values, default_of, field_info
 from sim.parameters.roles import amount_parameters
-from sim.parameters.variables import VARIABLES
+from sim.parameters.variables import SCALARS, VARIABLES
 from sim.parameters.words import setting
 from sim.report.numbers import finite_or_none, value_with_interval
 from sim.study.load import Study
@@ -129,28 +133,21 @@ def varied_parameters(dataset: xr.Dataset) -> dict[str, dict[str, np.ndarray]]:
     Each has its values, one per point of the system. Amounts, and what only asks for observables,
     are left out.
     """
-    is_of = {system: (dataset["system"] == system).values for system in SYSTEMS}
-    return {
-        system: _varied(dataset.isel(point=is_point), SYSTEMS[system])
-        for system, is_point in is_of.items()
-        if is_point.any()
-    }
-
-
-def _varied(points: xr.Dataset, model: type[Parameters]) -> dict[str, np.ndarray]:
-    values_by_name = {name: points[name].values for name in model.model_fields if name in points}
-    rows = [
-        {name: values[index] for name, values in values_by_name.items()}
-        for index in range(points.sizes["point"])
-    ]
-    left_out = {*amount_parameters(model), *(variable.asked_by for variable in VARIABLES)}
-    return {
-        name: values
-        for name, values in values_by_name.items()
-        if name not in left_out
-        and len(set(values.tolist())) > 1
-        and not all(row[name] == default_of(model, name, row) for row in rows)
-    }
+    tables = {}
+    for system, model in SYSTEMS.items():
+        points = dataset.isel(point=(dataset["system"] == system).values)
+        columns = {name: points[name].values for name in model.model_fields if name in points}
+        rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+        left_out = {*amount_parameters(model), *(variable.asked_by for variable in VARIABLES)}
+        if rows:
+            tables[system] = {
+                name: values
+                for name, values in columns.items()
+                if name not in left_out
+                and len(set(values.tolist())) > 1
+                and not all(row[name] == default_of(model, name, row) for row in rows)
+            }
+    return tables
 
 
 def parameter_rows(dataset: xr.Dataset) -> dict[str, list[dict[str, Any]]]:
@@ -186,32 +183,32 @@ def _values(values: Sequence[Any], model: type[Parameters], name: str) -> str:
 
 
 def state_of(runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return counts of the points of a study by result, and advice.
+    """Return counts of the points of a table of runs by result, and advice.
 
-    Parameters
-    ----------
-    runs : sequence of mapping
-        The table of runs, as `sim.report.runs.run_rows` returns it.
-
-    Returns
-    -------
-    dict
-        Numbers of ``points``: all, ``completed`` with at least one replicate, ``failed``,
-        ``undetermined`` (or with replicates that contradict each other), and ``unsound``, whose
-        energies do not add up. ``worst`` is the row of the worst unsound point, and ``advice`` the
-        parameter that improves it. ``longer`` are the amounts that make runs of undetermined points
-        longer, and ``drifting`` is the number of these points that drift.
+    Numbers of ``points``: all, ``completed`` with at least one replicate, ``failed``,
+    ``undetermined`` (or with replicates that contradict each other), and ``unsound``, whose
+    energies do not add up. ``worst`` is the row of the worst unsound point, and ``advice`` the
+    parameter that improves it. ``longer`` are the amounts that make runs of undetermined points
+    longer, so that stored runs are kept, and ``drifting`` of these points drift.
     """
     undetermined = [run for run in runs if run["regime"] in OPEN_REGIMES]
     unsound = [run for run in runs if run["missing_energy"] > UNSOUND_SHARE]
     worst = max(unsound, key=lambda run: run["missing_energy"], default=None)
     failed = sum(run["regime"] == "failed" for run in runs)
+    longer = {
+        "average"
+        if run["protocol"] == "published"
+        else "limit"
+        if "limit" in run["stopped"]
+        else "target"
+        for run in undetermined
+    }
     return {
         "points": len(runs),
         "completed": len(runs) - failed,
         "failed": failed,
         "undetermined": len(undetermined),
-        "longer": sorted({_amount_to_raise(run) for run in undetermined}),
+        "longer": sorted(longer),
         "drifting": sum(run["quality"] == "drifting" for run in undetermined),
         "unsound": len(unsound),
         "worst": worst,
@@ -219,8 +216,73 @@ def state_of(runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     }
 
 
-def _amount_to_raise(run: Mapping[str, Any]) -> str:
-    """Return the amount that makes the runs of a point longer, so that stored runs are kept."""
-    if run["protocol"] == "published":
-        return "average"
-    return "limit" if "limit" in run["stopped"] else "target"
+#: Attributes of a run file that tell its origin.
+_PROVENANCE = [
+    "engine_version",
+    "numerics",
+    "source_hash",
+    "created",
+    "versions",
+    "machine",
+    "command",
+]
+
+
+def describe_run(path: Path, as_point: bool = False) -> str:
+    """Return what a run file holds, or with ``as_point`` the text of the point file that makes it.
+
+    Raises
+    ------
+    InputError
+        When there is no such file, or it is not a run file.
+    """
+    with open_run_file(path) as file:
+        parameters = parameters_of(file, path)
+        if as_point:
+            return as_yaml(parameters).rstrip()
+        run = summary_of(path)
+        scalars = run.scalars | {"layer_order": layer_orders(RunFile(file), parameters)}
+        known = {name: file.getncattr(name) for name in file.ncattrs()}
+        known["caveat"] = caveats(run.attrs.get("caveat", ""), scalars, parameters)
+        sizes = [f"{name} {len(one)}" for name, one in file.dimensions.items()]
+        told = [f"{name}: {known[name]}" for name in ("reason", "caveat") if known[name]]
+        if "adopted" in known:
+            told.append(f"only its row of dataset {known['adopted']}, which was adopted")
+        tables = {
+            "parameters": _parameter_rows(parameters),
+            "replicates": _replicate_rows(file),
+            "provenance": [(name, known[name]) for name in _PROVENANCE if name in known],
+        }
+    head = [
+        *(known["point_id"], f"status: {known['status']}", *told),
+        *(f"particles: {parameters.particles:,}", f"dimensions: {', '.join(sizes)}"),
+    ]
+    sections = ["\n".join(head)]
+    for heading, rows in tables.items():
+        width = max(len(name) for name, _ in rows)
+        lines = (f"  {name:<{width}}  {text}".rstrip() for name, text in rows)
+        sections.append("\n".join([heading, *lines]))
+    return "\n\n".join(sections)
+
+
+def _parameter_rows(parameters: Parameters) -> list[tuple[str, str]]:
+    values, rows = complete_values(parameters), []
+    for name, row in field_info(parameters).items():
+        value, unit = values[name], row.scale or row.unit
+        text = f"{value:g}" if isinstance(value, float) else json.dumps(value).strip('"')
+        rows.append((name, text if unit in ("", "1") else f"{text} {unit}"))
+    limits = parameters.limits.items()
+    return rows + [(name, f"{value:.6g} m s-2") for name, (value, _) in limits]
+
+
+def _replicate_rows(file: netCDF4.Dataset) -> list[tuple[str, str]]:
+    rows = []
+    for name in SCALARS:
+        if name != "replicate_seed" and name in file.variables:
+            variable = file.variables[name]
+            values = [v if isinstance(v, str) else f"{v:.6g}" for v in variable[:].tolist()]
+            unit = getattr(variable, "units", "")
+            if any(values):
+                heading = name if unit in ("", "1") else f"{name} ({unit})"
+                rows.append((heading, " | ".join(values)))
+    return rows

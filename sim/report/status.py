@@ -5,7 +5,8 @@ import re
 import socket
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from functools import cache
@@ -43,11 +44,8 @@ from sim.surrogates.answers import summary_lines
 
 STATES = ("done", "failed", "running", "interrupted", "waiting")
 
-#: States in which a point has ended.
-ENDED_STATES = STATES[:2]
-
-#: States in which a point may take the run of another study.
-WAITING_STATES = STATES[3:]
+#: States in which a point has ended, and in which it may take the run of another study.
+ENDED_STATES, WAITING_STATES = STATES[:2], STATES[3:]
 
 #: Names of run files, states and progress files; a point stopped midway may have only the latter.
 RUN_FILES = re.compile(r"([^.].*)\.nc|\.([^.].*)\.nc\.(?:state|progress)")
@@ -63,27 +61,13 @@ DAY = 86_400
 
 @dataclass(frozen=True)
 class PointStatus:
-    """The progress of one point.
+    """The progress of one point: its ``state``, one of `STATES`, and the ``cores`` of its run.
 
-    Attributes
-    ----------
-    state : str
-        One of `STATES`.
-    cores : int
-        Cores of its run.
-    reason : str
-        Why it failed.
-    progress : Progress or None
-        Last progress report of its run, while it is running or interrupted.
-    core_seconds : float
-        Wall time (s) of the run of a point that has ended, wherever it was made, times its cores;
-        with compiling and waiting.
-    outdated : bool
-        Whether other numerics made its run file.
-    caveat : str
-        Its caveat, empty if there is none.
-    shared : SharedRun or None
-        The run of another study that a waiting or interrupted point will take.
+    ``reason`` says why it failed, ``caveat`` is its caveat. ``progress`` is the last report of a
+    run that is running or interrupted. ``core_seconds`` is the wall time (s) of the run of a point
+    that has ended, wherever it was made, times its cores; with compiling and waiting. Of an
+    ``outdated`` one, other numerics made the run file. ``shared`` is the run of another study that
+    a waiting or interrupted point will take.
     """
 
     state: str
@@ -98,28 +82,15 @@ class PointStatus:
 
 @dataclass(frozen=True)
 class StudyStatus:
-    """The progress of a study.
+    """The progress of a study, whose ``points`` are by id in the order of the study.
 
-    Attributes
-    ----------
-    study, title : str
-        As in the study file.
-    points : dict
-        `PointStatus` by id, in the order of the study.
-    core_seconds_left : float
-        Core time of the points that are missing: the estimated one, times measured over estimated
-        time of the points that are done.
-    rounds_left : int
-        Rounds whose points are not known yet, one where their number is open; this time does not
-        include them.
-    orphans : tuple of str
-        Points no longer in the study that have run files, or states of a stopped run. Empty while
-        rounds are to come, as these may need any of them.
-    budget : dict, optional
-        Core hours that rounds of decisions may add in total, ``hours``, those ``spent`` and
-        ``left``, of a study with a ``decide`` section.
-    answers : tuple of str
-        A line for each surrogate that is there.
+    ``core_seconds_left`` is the estimated core time of the points that are missing, times measured
+    over estimated time of those that are done. It does not include the points of ``rounds_left``:
+    rounds whose points are not known yet, one where their number is open. ``orphans`` are points no
+    longer in the study that have run files, or states of a stopped run; there are none while rounds
+    are to come, as these may need any of them. ``budget`` has the core hours that rounds of
+    decisions may add in total, ``hours``, those ``spent`` and ``left``, of a study with a
+    ``decide`` section. ``answers`` has a line for each surrogate that is there.
     """
 
     study: str
@@ -161,19 +132,9 @@ class StudyStatus:
 
 
 def survey(study: Study, results: str | Path = "results") -> StudyStatus:
-    """Return the progress of a study; before its start, all points are waiting.
+    """Return the progress of a study in a folder of results; before its start, all points wait.
 
-    Parameters
-    ----------
-    study : Study
-        The study.
-    results : str or Path
-        Folder of all results.
-
-    Raises
-    ------
-    InputError
-        When a file with further points of the study cannot be read.
+    It is an `InputError` when a file with further points of the study cannot be read.
     """
     folder = Path(results) / study.name
     extra = read_extra_amounts(folder) if study.decide else ExtraAmounts()
@@ -181,10 +142,9 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
     parameters = points_of_rounds(study, folder)
     runs = folder / "runs"
     starts = starts_to_run(runs, parameters, study.need)
-    try:
+    present = set()
+    with suppress(OSError):
         present = {path.name for path in runs.iterdir()}
-    except OSError:
-        present = set()
     points = {
         key: _point_status(key, value, runs, present, None if key in starts else study.need(key))
         for key, value in parameters.items()
@@ -193,10 +153,6 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
     for key, run in find_runs(runs, waiting).items():
         points[key] = replace(points[key], shared=run)
     to_come = rounds_to_come(study, folder)
-    stored = {match[1] or match[2] for name in present if (match := RUN_FILES.fullmatch(name))}
-    every = (twins(study, other).values() for other in other_engines().values())
-    known = points.keys() | set(map(point_id, chain.from_iterable(every)))
-    orphans = () if to_come else tuple(sorted(stored - known))
     budget = None
     if study.decide:
         hours = sum(point.core_seconds for point in points.values()) / 3600
@@ -209,18 +165,24 @@ def survey(study: Study, results: str | Path = "results") -> StudyStatus:
         points,
         _core_seconds_left(points, parameters),
         to_come,
-        orphans,
+        () if to_come else _orphans(study, points, present),
         budget,
         answers=tuple(summary_lines(study, folder)),
     )
+
+
+def _orphans(study: Study, points: Iterable[str], present: Iterable[str]) -> tuple[str, ...]:
+    """Return the points of files that are neither of the study nor twins by another engine."""
+    stored = {match[1] or match[2] for name in present if (match := RUN_FILES.fullmatch(name))}
+    every = (twins(study, other).values() for other in other_engines().values())
+    return tuple(sorted(stored - {*points, *map(point_id, chain.from_iterable(every))}))
 
 
 def _point_status(
     key: str, parameters: Parameters, runs: Path, present: set[str], need: Need | None
 ) -> PointStatus:
     """Return the status of one point; a running run takes precedence over an earlier run file."""
-    cores = parameters.cores
-    path = runs / f"{key}.nc"
+    cores, path = parameters.cores, runs / f"{key}.nc"
     progress = read_progress(path) if progress_file(path).name in present else None
     if progress and progress.point != key:
         progress = None
@@ -257,34 +219,26 @@ def _read_ended(path: Path, changed: int, parameters: Parameters, need: Need | N
     ``changed`` (ns) is the time of the file. It is part of the cache key, so that each version of a
     file is opened once.
     """
-    cores = parameters.cores
+    cores, caveat = parameters.cores, ""
     try:
         run = summary_of(path, amounts(parameters))
         attributes = run.attrs
         caveat = caveats(attributes.get("caveat", ""), run.scalars, parameters)
-        wall_time = float(attributes.get("wall_time", 0.0))
+        core_seconds = max(0.0, float(attributes.get("wall_time", 0.0))) * cores
     except UNREADABLE as error:
         if is_of_system(error):
             raise
         attributes = {}
-    if attributes.get("point_id") != path.stem or attributes.get("status") not in (
-        "completed",
-        "failed",
-    ):
+    state = {"completed": "done", "failed": "failed"}.get(str(attributes.get("status")))
+    if attributes.get("point_id") != path.stem or not state:
         reason = f"{path}: not the run file of this point; delete it and rerun"
         return PointStatus("failed", cores, reason)
     outdated = numerics_of(attributes) != NUMERICS
     if not outdated and not has_enough(path, parameters, need):
         # The run must still grow.
         return PointStatus("waiting", cores)
-    return PointStatus(
-        "done" if attributes["status"] == "completed" else "failed",
-        cores,
-        reason=str(attributes.get("reason", "")),
-        core_seconds=max(0.0, wall_time) * cores,
-        outdated=outdated,
-        caveat=caveat,
-    )
+    reason = str(attributes.get("reason", ""))
+    return PointStatus(state, cores, reason, None, core_seconds, outdated, caveat)
 
 
 def _core_seconds_left(
@@ -303,25 +257,18 @@ def _core_seconds_left(
 
 def show(
     study_path: Path | None,
-    results: Path,
     format: str,
     watch: float | None,
     orphans: bool = False,
     remove: bool = False,
+    results: Path = Path("results"),
 ) -> list[str] | None:
     """Print the progress of a study as ``text`` or ``json``; every ``watch`` seconds until its end.
 
     With ``orphans`` return lines on runs of no point of it instead, see `list_orphans`.
-
-    Raises
-    ------
-    InputError
-        When ``watch`` is out of range, or ``results`` is not a folder.
     """
     if watch is not None and not 1 <= watch <= DAY:
         raise InputError.of_value("--watch", "", watch, f"a number in [1, {DAY}]")
-    if results.exists() and not results.is_dir():
-        raise InputError.of_value("--results", "", str(results), "a folder")
     if remove and not orphans:
         raise InputError.of_value("--remove", "", remove, "with --orphans")
     study = load_study(study_path or DEFAULT_STUDY, results if orphans else None)
@@ -368,35 +315,24 @@ def as_text(status: StudyStatus) -> str:
 
 def as_json(status: StudyStatus) -> str:
     """Return the counts, every point and the time left (s; null while nothing runs) as JSON."""
-    points = [_point_entry(key, point) for key, point in status.points.items()]
+    points = []
+    for key, point in status.points.items():
+        entry = {"id": key} | {name: value for name, value in vars(point).items() if value}
+        if point.progress:
+            known = point.progress.model_dump(include={"done", "total", "rate", "elapsed"})
+            entry["progress"] = known | {"seconds_left": point.progress.remaining_seconds}
+        if point.shared:
+            entry["shared"] = str(point.shared.path)
+        points.append(entry)
     document = vars(status) | {"counts": status.counts} | status.totals | {"points": points}
     return json.dumps(document, indent=2, ensure_ascii=False)
-
-
-def _point_entry(key: str, point: PointStatus) -> dict[str, Any]:
-    entry = {"id": key} | {name: value for name, value in vars(point).items() if value}
-    if point.progress:
-        known = point.progress.model_dump(include={"done", "total", "rate", "elapsed"})
-        entry["progress"] = known | {"seconds_left": point.progress.remaining_seconds}
-    return entry | ({"shared": str(point.shared.path)} if point.shared else {})
 
 
 def list_orphans(study: Study, results: Path, remove: bool) -> list[str]:
     """Return a line per orphaned run of a study with its size, and a line with the total.
 
-    Parameters
-    ----------
-    study : Study
-        The study.
-    results : Path
-        Folder of all results.
-    remove : bool
-        Also remove run files, states and logs of these points.
-
-    Raises
-    ------
-    InputError
-        When rounds of refinement are still to come, as these may need any of the present runs.
+    With ``remove`` run files, states and logs of these points are removed. It is an `InputError`
+    while rounds of refinement are to come, as these may need any of the present runs.
     """
     status = survey(study, results)
     if status.rounds_left:

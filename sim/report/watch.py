@@ -78,7 +78,7 @@ class Watch(threading.Thread):
     def follow(self, log: logging.Logger) -> None:
         """Start, and add to Snakemake's log the lines of failed jobs, in place of its own."""
         self.start()
-        log.addFilter(is_news)
+        log.addFilter(lambda record: not record.getMessage().startswith(NO_NEWS))
         log.addHandler(FailedJobs(self.write))
 
     def summarize(self) -> None:
@@ -138,19 +138,8 @@ class Watch(threading.Thread):
         return ""
 
 
-def is_news(record: logging.LogRecord) -> bool:
-    """Return whether a message of Snakemake adds to the lines of points and failed jobs."""
-    return not record.getMessage().startswith(NO_NEWS)
-
-
 class FailedJobs(logging.Handler):
-    """Log handler that writes a line for each failed job of Snakemake.
-
-    Parameters
-    ----------
-    write : callable
-        Called with each line.
-    """
+    """Log handler that calls ``write`` with a line for each failed job of Snakemake."""
 
     def __init__(self, write: Callable[[str], object]):
         super().__init__()

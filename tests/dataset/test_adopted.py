@@ -94,7 +94,7 @@ def test_a_study_goes_on_from_half_of_its_runs(study, half_dataset, complete_stu
     assert adopted_ids(study) == set(ids(study, *HALF))
     status = survey(load_study(study.path, study.results), study.results)
     assert [status.counts[state] for state in ("done", "failed", "waiting")] == [2, 1, 3]
-    assert "3 of 6 points have been run" in show(study.path, study.results, "table")
+    assert "3 of 6 points have been run" in show(study.path, "table", results=study.results)
     assert status.totals["core_seconds"] == pytest.approx(1.5 * (1 + 3 + 2))
     for number in REST:
         study.write(number)
@@ -177,7 +177,7 @@ def test_what_reads_series_or_states_says_that_there_are_none(study, complete_st
         draw_figures(["p"], study.output, folder, code="x", study_path=study.path)
     with pytest.raises(InputError, match=said):
         export(path, None, tmp_path / "x.xyz", 0)
-    assert "only its row of dataset" in show(path, results, "table")
+    assert "only its row of dataset" in show(path, "table", results=results)
     assert read_stages(path, study.points[0]) == []
     assert not current_status(path, study.points[0])
 
@@ -234,9 +234,10 @@ def test_what_a_point_starts_from_is_run_with_it(tmp_path):
         assert found == expected
 
 
-def test_what_cannot_be_used_is_refused(study, complete_study, tmp_path, capsys):
+def test_what_cannot_be_used_is_refused(study, complete_study, tmp_path, monkeypatch, capsys):
     def assert_refused(study: Mixed, dataset: Path, *words: str) -> None:
-        line = refusal(capsys, "adopt", study.path, dataset, "--results", study.results)
+        monkeypatch.chdir(study.results.parent)
+        line = refusal(capsys, "adopt", study.path, dataset)
         assert all(word in line for word in (str(dataset), *words)), line
         assert not study.results.exists()
 

@@ -24,7 +24,7 @@ from tests.engine.test_states import assert_same
 from tests.engine_motion.points import belt_point
 from tests.figures.drawing import draw
 from tests.made.figures import make_figures
-from tests.made.processes import program, start_run
+from tests.made.processes import ROOT, program, start_run
 
 POINT = belt_point(beads=20, width=5, transient=1, average=3)
 LONG = belt_point(beads=200, transient=2, average=10)
@@ -133,19 +133,20 @@ def test_a_full_disk_is_told_with_the_name_of_the_file(study_results, command, n
     study, results = study_results
     path = results / "made" / name
     words = {
-        "dataset": [str(study), "--results", str(results)],
+        "dataset": [str(study)],
         "figure": ["walton_2", str(results / "made/dataset.nc"), "--output", str(path.parent)],
     }
     before = {file: file.read_bytes() for file in results.rglob("*") if file.is_file()}
     done = program(
         *(command, *words[command]),
         # Compiled modules would be cut off, too, and stay so.
-        env=os.environ | {"PYTHONDONTWRITEBYTECODE": "1"},
+        env=os.environ | {"PYTHONDONTWRITEBYTECODE": "1", "PYTHONPATH": str(ROOT)},
+        cwd=results.parent,
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)),
     )
     assert done.returncode == 1
     assert done.stderr.splitlines()[-1].startswith("error: ")
-    assert str(path) in done.stderr.splitlines()[-1], done.stderr
+    assert f"made/{name}" in done.stderr.splitlines()[-1], done.stderr
     assert {file: file.read_bytes() for file in results.rglob("*") if file.is_file()} == before
 
 

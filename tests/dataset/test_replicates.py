@@ -15,7 +15,7 @@ from sim.dataset.replicates import (
 )
 from sim.engine.stored_run import RunFile, summary_of
 from sim.parameters import BeltParameters, ChuteParameters, ConveyorParameters, amounts
-from sim.report.info import describe
+from sim.report.runs import describe_run as describe
 from tests.made.runs import HEIGHTS, write_run
 
 #: 1 % of g sin θ at the paper's angle and the drift of a target of 2 % allow more than this (m/s²).

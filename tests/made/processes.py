@@ -47,8 +47,8 @@ def is_alive(number: int) -> bool:
 
 def program(*words: str, **options) -> subprocess.CompletedProcess:
     """Run ``python -m sim`` to its end; return the finished process with its output."""
-    options = {"capture_output": True, "text": True, "timeout": HANG} | options
-    return subprocess.run([sys.executable, "-m", "sim", *words], cwd=ROOT, **options)
+    options = {"cwd": ROOT, "capture_output": True, "text": True, "timeout": HANG} | options
+    return subprocess.run([sys.executable, "-m", "sim", *words], **options)
 
 
 def refusal(capsys, *words: object) -> str:

@@ -80,8 +80,8 @@ def made_claims(points: list[str]) -> list[Judgement]:
         _judged(
             "G13",
             "Stiffness hardly matters",
-            published("default", (bad,), checks_by_number={0.1: (good,), 0.15: (bad,)}),
-            number=Number(bound="margin", what="weak", values=[0.1, 0.15], headline=0.15),
+            published("default", (bad,), checks_by_number={0.1: (good,), 0.15: (bad,), 0.77: ()}),
+            number=Number(bound="margin", what="weak", values=[0.1, 0.15, 0.77], headline=0.15),
         ),
         _judged(
             "W21",

@@ -67,7 +67,7 @@ def test_any_bytes_on_the_command_line(data, end):
         path.write_bytes(data + end)
         out, err = io.StringIO(), io.StringIO()
         with redirect_stdout(out), redirect_stderr(err):
-            code = main(["points", str(path), "--results", folder])
+            code = main(["points", str(path)])
     if code == 0:
         assert err.getvalue() == "" and out.getvalue().startswith("id ")
     else:
@@ -116,7 +116,6 @@ LONG = "x" * 300
     [
         ["compare", LONG, LONG],
         ["export", f"{LONG}.nc", "-o", "beads.xyz", "--to", "extxyz"],
-        ["points", ROOT / "config" / "quick.yaml", "--results", LONG],
     ],
 )
 def test_a_name_that_no_file_system_takes_is_bad_input(words, capsys):

@@ -48,21 +48,13 @@ def crate(tmp_path):
     return reader.ROCrate(tmp_path)
 
 
-def test_a_crate_says_who_made_it_and_under_which_licence(crate):
-    assert crate.name == "A study"
-    assert crate.license.id == "https://spdx.org/licenses/CC-BY-4.0"
-    ada, roe, group = crate.root_dataset["author"]
+def test_a_crate_says_who_made_it_under_which_licence_and_how(crate):
+    assert (crate.name, crate.license.id) == ("A study", "https://spdx.org/licenses/CC-BY-4.0")
+    ada, *others = crate.root_dataset["author"]
     assert (ada.id, ada.type, ada["name"]) == (AUTHORS[0]["orcid"], "Person", "Ada Doe")
     assert ada["affiliation"] == "Institute of Grains"
-    assert (roe["name"], roe.type, group["name"], group.type) == (
-        "Roe",
-        "Person",
-        "A group",
-        "Organization",
-    )
-
-
-def test_a_crate_says_how_its_data_were_made(crate):
+    named = [(one["name"], one.type) for one in others]
+    assert named == [("Roe", "Person"), ("A group", "Organization")]
     (action,) = crate.get_by_type("CreateAction")
     assert [one.id for one in action["object"]] == ["made.yaml"]
     assert [one.id for one in action["result"]] == ["dataset.nc", "report.html"]
@@ -74,9 +66,6 @@ def test_a_crate_says_how_its_data_were_made(crate):
     assert program["additionalProperty"]["value"] == "1"
     numbers = {one["name"]: one["value"] for one in crate.root_dataset["additionalProperty"]}
     assert numbers == {"points": "2", "runs": "6", "core hours": "0.5"}
-
-
-def test_every_file_of_a_crate_is_described(crate):
     files = {one.id: one for one in crate.get_by_type("File")}
     assert files.keys() == {"made.yaml", "dataset.nc", "report.html", "figures/walton_2.svg"}
     assert files["dataset.nc"]["encodingFormat"] == "application/netcdf"
@@ -85,11 +74,14 @@ def test_every_file_of_a_crate_is_described(crate):
 
 
 def test_a_published_study_becomes_a_crate_with_the_authors_of_the_folder(
-    finished, tmp_path, monkeypatch
+    finished, tmp_path, monkeypatch, capsys
 ):
     reader = pytest.importorskip("rocrate.rocrate")
     study, results = finished
     monkeypatch.chdir(tmp_path)
+    message = refusal(capsys, "publish", str(study), "--crate")
+    assert message.startswith(f"error: CITATION.cff: no such file in {tmp_path}, where the comm")
+    assert not (tmp_path / "results" / "published").exists()
     (tmp_path / "CITATION.cff").write_text((ROOT / "CITATION.cff").read_text())
     output = publish.publish(study, results, tmp_path / "published", crate=True)
     crate = reader.ROCrate(output)
@@ -103,48 +95,22 @@ def test_a_published_study_becomes_a_crate_with_the_authors_of_the_folder(
     assert f"{hashlib.sha256(text).hexdigest()}  ro-crate-metadata.json" in sums
 
 
-def test_a_crate_without_authors_is_refused_before_anything_is_copied(
-    finished, tmp_path, monkeypatch, capsys
-):
-    pytest.importorskip("rocrate")
-    study, _ = finished
-    monkeypatch.chdir(tmp_path)
-    message = refusal(capsys, "publish", str(study), "--crate")
-    assert message == (
-        f"error: CITATION.cff: no such file in {tmp_path}, where the command was called; --crate "
-        "takes authors and licence from it"
-    )
-    assert not (tmp_path / "results" / "published").exists()
-
-
 @pytest.mark.parametrize(
-    ("changed", "message"),
+    "changed",
     [
-        ({"title": None}, "title: got nothing; allowed: the title of what is published"),
-        ({"license": ["MIT"]}, "license: got ['MIT']; allowed: the name of a licence at spdx.org"),
-        ({"license": "a b/../c"}, "license: got 'a b/../c'; allowed: the name of a licence at sp"),
-        ({"license": "MIT\n"}, "license: got 'MIT\\n'; allowed: the name of a licence at spdx"),
-        ({"authors": [{"name": "A", "orcid": "./"}]}, "authors[0].orcid: got './'; allowed: an a"),
-        (
-            {"authors": [{"name": name, "orcid": AUTHORS[0]["orcid"]} for name in "AB"]},
-            "authors[1].orcid: got 'https://orcid.org/0000-0002-1825-0097'; allowed: an address of",
-        ),
-        ({"authors": []}, "authors: got []; allowed: a list of authors"),
-        (
-            {"authors": [{"name": None}]},
-            "authors[0]: got {'name': nothing}; allowed: a list of auth",
-        ),
-        ({"authors": [{"family-names": " "}]}, "authors[0]: got {'family-names': ' '}; allowed: a"),
-        ({"authors": [{"orcid": "x"}]}, "authors[0]: got {'orcid': 'x'}; allowed: a list of auth"),
+        *({"title": None}, {"license": ["MIT"]}, {"license": "a b/../c"}, {"license": "MIT\n"}),
+        {"authors": [{"name": "A", "orcid": "./"}]},
+        {"authors": [{"name": name, "orcid": AUTHORS[0]["orcid"]} for name in "AB"]},
+        *({"authors": one} for one in ([], ["A"], [{"name": None}], [{"family-names": " "}])),
+        {"authors": [{"orcid": "x"}]},
     ],
 )
-def test_a_citation_without_what_a_crate_needs_is_refused(tmp_path, changed, message):
-    path = tmp_path / "CITATION.cff"
+def test_a_citation_without_what_a_crate_needs_is_refused(tmp_path, changed):
+    path, (key,) = tmp_path / "CITATION.cff", changed
     known = {"title": "Grains", "license": "MIT", "authors": [{"name": "A group"}]}
     path.write_text(yaml.safe_dump(known | changed))
-    with pytest.raises(InputError) as raised:
+    with pytest.raises(InputError, match=rf"CITATION.cff: {key}: got .*; allowed: (the|a list of)"):
         read_citation(path)
-    assert str(raised.value).startswith(f"{path}: {message}")
 
 
 def test_zenodo_reads_what_the_citation_says():

@@ -37,24 +37,24 @@ class Folder:
     """A study that is run with made-up runs."""
 
     def __init__(self, root, text: str):
-        self.root, self.path = root, root / "open.yaml"
+        self.results, self.path = root / "results", root / "open.yaml"
         self.path.write_text(STUDY % text)
 
     @property
     def points(self):
-        return load_study(self.path, self.root).points
+        return load_study(self.path, self.results).points
 
     def run(self, *_) -> int:
         """Run what is wanted: further replicates repeat the first."""
         for point in self.points.values():
             spread, count = SPREAD[point.parameters.depth], point.parameters.replicates
             velocities = [spread[number % 3] for number in range(count)]
-            write_run(self.root / "open" / "runs", point.parameters, velocities)
-        build(self.path, self.root)
+            write_run(self.results / "open" / "runs", point.parameters, velocities)
+        build(self.path, self.results)
         return 0
 
     def decide(self, *options: str) -> int:
-        return main(["decide", str(self.path), "--results", str(self.root), *options])
+        return main(["decide", str(self.path), *options])
 
     def replicates(self) -> list[int]:
         return [point.parameters.replicates for point in self.points.values()]
@@ -65,12 +65,13 @@ def ran(tmp_path_factory) -> Path:
     """Return a folder with the study, its runs and its dataset."""
     folder = Folder(tmp_path_factory.mktemp("ran"), "budget: 1, precision: 0.1")
     folder.run()
-    return folder.root
+    return folder.path.parent
 
 
 @pytest.fixture
-def made(ran, tmp_path):
+def made(ran, tmp_path, monkeypatch):
     """Return a function that makes a study, with its runs, that decides something."""
+    monkeypatch.chdir(tmp_path)
 
     def make(text: str) -> Folder:
         shutil.copytree(ran, tmp_path, dirs_exist_ok=True)
@@ -92,20 +93,18 @@ def test_a_mean_that_is_not_known_well_enough_gets_replicates(made, capsys):
 def test_a_point_gets_as_many_as_the_study_allows(made, capsys):
     folder = made("budget: 10, precision: 0.05, replicates: 5")
     folder.decide()
-    assert folder.replicates() == [3, 5]
     folder.run()
-    before = extra_amounts_file(folder.root / "open").read_bytes()
-    capsys.readouterr()
+    before = extra_amounts_file(folder.results / "open").read_bytes()
     folder.decide()
-    assert "nothing is open" in capsys.readouterr().out
-    assert extra_amounts_file(folder.root / "open").read_bytes() == before
+    assert "nothing is open" in capsys.readouterr().out and folder.replicates() == [3, 5]
+    assert extra_amounts_file(folder.results / "open").read_bytes() == before
 
 
 def test_what_the_budget_does_not_hold_is_not_bought(made, capsys):
     folder = made("budget: 0.0001, precision: 0.05")
     folder.decide()
     assert "beyond the budget" in capsys.readouterr().out
-    assert not extra_amounts_file(folder.root / "open").exists()
+    assert not extra_amounts_file(folder.results / "open").exists()
 
 
 def test_rounds_go_on_until_nothing_is_open(made, monkeypatch, capfd):
@@ -120,25 +119,23 @@ def test_rounds_go_on_until_nothing_is_open(made, monkeypatch, capfd):
 
 def test_points_and_status_tell_the_budget(made, capsys):
     folder = made("budget: 10, precision: 0.05")
-    told = ("--results", str(folder.root), "--format", "json")
 
-    def status() -> dict:
-        assert main(["status", str(folder.path), *told]) == 0
+    def told(command: str) -> dict:
+        assert main([command, str(folder.path), "--format", "json"]) == 0
         return json.loads(capsys.readouterr().out)
 
-    assert main(["points", str(folder.path), *told]) == 0
-    assert json.loads(capsys.readouterr().out)["totals"]["decisions_core_hours"] == 10
-    assert status()["budget"] == {"hours": 10, "spent": 0, "left": 10}
-    taken = status()["core_seconds"]
+    assert told("points")["totals"]["decisions_core_hours"] == 10
+    assert told("status")["budget"] == {"hours": 10, "spent": 0, "left": 10}
+    taken = told("status")["core_seconds"]
     assert folder.decide() == 0
     capsys.readouterr()
-    assert status()["counts"]["waiting"] == 1
+    assert told("status")["counts"]["waiting"] == 1
     folder.run()
-    after = status()
+    after = told("status")
     spent = pytest.approx((after["core_seconds"] - taken) / 3600, abs=1e-3)
     assert after["counts"]["done"] == 2 and after["budget"]["spent"] == spent
     assert after["budget"]["left"] == pytest.approx(10 - after["budget"]["spent"], abs=1e-3)
-    assert main(["status", str(folder.path), "--results", str(folder.root)]) == 0
+    assert main(["status", str(folder.path)]) == 0
     assert "decisions: " in capsys.readouterr().out
 
 
@@ -158,9 +155,12 @@ def judged(name: str, short: Sequence[str] = (), **by_reading: list[Check]) -> S
     )
 
 
-def test_open_claims_get_the_replicates_of_their_points(made, judges, capsys):
+def test_open_claims_get_the_replicates_of_their_points_and_each_look_is_counted(
+    made, judges, capsys
+):
+    """Two rounds make three looks; points of which nothing was bought have been looked at once."""
     folder = made("budget: 10, claims: [W9]")
-    first = next(iter(folder.points))
+    first, second = folder.points
     check = Check("x", 1.5, 0.6, 1.0, 9.0, points=(first,), samples=99)
     judges(judged("W8", default=[check]), judged("W9", default=[check, check]))
     assert 1 < check.replicate_factor < 4
@@ -168,41 +168,30 @@ def test_open_claims_get_the_replicates_of_their_points(made, judges, capsys):
     out = capsys.readouterr().out
     assert out.startswith("W9: replicates of 1 point") and "W8" not in out
     assert folder.replicates() == [4, 3]
-    held = json.loads(extra_amounts_file(folder.root / "open").read_text())
+    held = json.loads(extra_amounts_file(folder.results / "open").read_text())
     assert held["amounts"] == {first: {"replicates": 4.0}} and held["rounds"] == {first: 1}
-
-
-def test_each_look_of_the_judge_is_counted(made, judges):
-    """Two rounds make three looks; points of which nothing was bought have been looked at once."""
-    folder = made("budget: 10, claims: [W9]")
-    first, second = folder.points
-    check = Check("x", 1.5, 0.6, 1.0, 9.0, points=(first,), samples=99)
-    judges(judged("W9", default=[check, check]))
-    for _ in range(2):
-        folder.run()
-        folder.decide()
+    folder.run()
+    folder.decide()
     folder.run()
     assert {point.id: point.looks for point in folder.points.values()} == {first: 3, second: 1}
-    results = load_results(folder.root / "open" / "dataset.nc")
+    results = load_results(folder.results / "open" / "dataset.nc")
     places = [Place(results, point) for point in (first, second)]
     assert [place.looks for place in places] == [3, 1]
     assert above("V", places[0].velocity, 0, places).looks == 3
 
 
-def decided_claims(*names: str) -> list[str]:
-    series = [{"name": "a", "system": "chute"}]
-    decide = {"budget": 1.0, "claims": [*names]}
-    return parse_study(
-        {"study": "s", "series": series, "decide": decide}, "s.yaml", None
-    ).decide.claims
-
-
 def test_claims_of_the_papers_may_be_decided_and_no_others():
+    study = {"study": "s", "series": [{"name": "a", "system": "chute"}]}
+
+    def decided(*names: str) -> list[str]:
+        decide = {"decide": {"budget": 1.0, "claims": [*names]}}
+        return parse_study(study | decide, "s.yaml", None).decide.claims
+
     every = [claim.id for claim in claims()]
-    assert decided_claims(*every, "all") == [*every, "all"]
+    assert decided(*every, "all") == [*every, "all"]
     for name in ("W0", "W27", "G37", "G99", "X1"):
         with pytest.raises(InputError, match=rf"s\.yaml: decide\.claims\[0\]: got '{name}'"):
-            decided_claims(name)
+            decided(name)
 
 
 def test_a_claim_is_decided_under_each_reading_of_the_whole_study(made, judges, capsys):
@@ -228,7 +217,7 @@ def test_a_claim_is_decided_under_each_reading_of_the_whole_study(made, judges, 
 def test_a_damaged_list_of_what_was_bought_is_set_aside(damage, made, capsys):
     folder = made("budget: 10, precision: 0.05")
     folder.decide()
-    path = extra_amounts_file(folder.root / "open")
+    path = extra_amounts_file(folder.results / "open")
     text = path.read_text()
     digit = text.index('"before": ') + len('"before": ')
     texts = {
@@ -236,7 +225,7 @@ def test_a_damaged_list_of_what_was_bought_is_set_aside(damage, made, capsys):
         "a digit": text[:digit] + str((int(text[digit]) + 1) % 10) + text[digit + 1 :],
     }
     path.write_text(texts[damage])
-    line = refusal(capsys, "decide", folder.path, "--results", folder.root)
+    line = refusal(capsys, "decide", folder.path)
     assert "list of what was bought" in line
     assert folder.replicates() == [3, 3]
 
@@ -262,6 +251,7 @@ def test_runs_that_are_too_short_for_a_claim_get_longer(made, judges, capsys):
 def test_runs_that_end_before_their_limit_get_more_beside_them(
     ended, tmp_path, judges, monkeypatch
 ):
+    monkeypatch.chdir(tmp_path)
     folder = Folder(tmp_path, "budget: 10, claims: [W9]")
     text = folder.path.read_text()
     folder.path.write_text(text.replace("replicates: 3", "replicates: 3, protocol: converged"))

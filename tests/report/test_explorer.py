@@ -28,16 +28,6 @@ def systems(dataset):
     )
 
 
-def column(systems, system: str, name: str) -> dict:
-    (one,) = (each for each in systems[system]["columns"] if each["name"] == name)
-    return one
-
-
-def test_links_lead_to_the_row_of_a_point(systems):
-    links = [link for table in systems.values() for link in table["links"]]
-    assert sorted(links) == sorted(f"#run-{number}" for number in range(1, len(links) + 1))
-
-
 def test_observables_are_means_of_completed_replicates_with_their_interval(dataset, systems):
     compared = 0
     for system, table in systems.items():
@@ -59,7 +49,6 @@ def test_parameters_that_do_not_vary_are_left_out(dataset, systems):
             if one["kind"] == "parameter":
                 values = dataset[one["name"]].values[(dataset["system"] == system).values]
                 assert len(set(values)) > 1, one["name"]
-    assert column(systems, "belt", "frequency")["label"] == "frequency f\N{NO-BREAK SPACE}(Hz)"
 
 
 def test_a_surrogate_is_cut_along_each_of_its_parameters(systems):

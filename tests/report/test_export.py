@@ -142,31 +142,27 @@ def test_another_program_reads_places_velocities_and_cell(to, run, system):
             np.testing.assert_allclose(cell[periodic], held.length[periodic], rtol=1e-6)
             top = (held.position[:, :, -1] + held.radius).max()
             assert cell[-1] >= 0.999999 * top
+            if to != "amber":
+                compare_text(frame, to, held, number)
 
 
-@pytest.mark.parametrize("to", ["extxyz", "lammps-dump"])
-def test_text_has_radii_spins_times_and_what_is_glued(to, run, system):
-    held = StoredReplicate(run, system)
-    with chemfiles.Trajectory(str(exported(run, to)), "r", READERS[to][0]) as trajectory:
-        frame = trajectory.read_step(1)
+def compare_text(frame, to: str, held: StoredReplicate, number: int) -> None:
+    """Compare radii, spins, times and what is glued in a frame of text with those of a run."""
+    is_xyz, is_flat = to == "extxyz", held.spin is None
     radius = [atom["radius"] for atom in frame.atoms]
     np.testing.assert_allclose(radius, held.radius, rtol=1e-7)
-    name = "Time" if to == "extxyz" else "time"
-    assert float(frame[name]) == pytest.approx(float(held.time[1]))
-    if to == "extxyz":
-        kinds = [atom["kind"] for atom in frame.atoms]
-    else:
-        kinds = [float(atom.type) for atom in frame.atoms]
-    glued = CHUTE.glued_particles if system == "chute" else 0
-    assert glued == kinds.count(2) and kinds.count(1) == POINTS[system].particles
-    if system == "chute" and to == "extxyz":
-        spin = np.array([atom["angular_velocity"] for atom in frame.atoms])
-    elif system == "chute":
-        spin = np.array([[atom[f"omega{axis}"] for axis in "xyz"] for atom in frame.atoms])
-    else:
+    assert float(frame["Time" if is_xyz else "time"]) == pytest.approx(float(held.time[number]))
+    kinds = [atom["kind"] if is_xyz else float(atom.type) for atom in frame.atoms]
+    assert kinds.count(2) == (0 if is_flat else CHUTE.glued_particles)
+    assert kinds.count(1) == (BELT if is_flat else CHUTE).particles
+    if is_flat:
         assert "omega" not in str(frame.atoms[0].list_properties())
         return
-    np.testing.assert_allclose(spin, held.spin[1], rtol=1e-6)
+    spin = [
+        atom["angular_velocity"] if is_xyz else [atom[f"omega{axis}"] for axis in "xyz"]
+        for atom in frame.atoms
+    ]
+    np.testing.assert_allclose(np.array(spin), held.spin[number], rtol=1e-6)
 
 
 def test_the_amber_file_follows_the_convention(run, system):
@@ -218,15 +214,8 @@ def test_without_a_trajectory_there_are_the_first_and_the_last_state(system, tmp
         np.testing.assert_allclose(last[:, COLUMNS[system]], expected, rtol=1e-6)
 
 
-def test_the_default_output_is_named_like_the_run_and_lies_here(run, tmp_path, monkeypatch):
-    (tmp_path / "here").mkdir()
-    monkeypatch.chdir(tmp_path / "here")
-    assert main(["export", str(run), "--to", "amber"]) == 0
-    assert [path.name for path in Path().iterdir()] == ["a.run.ncdf"]
-
-
-@pytest.mark.parametrize("to", ["vtk", "amber"])
-def test_a_study_becomes_a_folder_of_short_names(to, system, tmp_path, monkeypatch, capsys):
+def test_a_study_becomes_a_folder_of_short_names(system, tmp_path, monkeypatch, capsys):
+    to = {"chute": "vtk", "belt": "amber"}[system]
     monkeypatch.chdir(tmp_path)
     points = [POINTS[system].model_copy(update={"gravity": g}) for g in (1.0, 2.0)]
     runs = tmp_path / "results" / "mine" / "runs"
@@ -246,18 +235,19 @@ def test_a_study_becomes_a_folder_of_short_names(to, system, tmp_path, monkeypat
     assert {path.name for path in Path(f"mine-{to}").glob(f"*{ending}")} == expected
     assert "a folder that is not there" in refusal(capsys, "export", "mine.yaml", "--to", to)
     assert not list(Path().glob(".*.part"))
-
-
-def test_a_study_without_runs_or_a_format_is_refused(run, capsys):
-    folder = run.parent
-    assert "results with runs" in refusal(capsys, "export", folder, "--to", "vtk")
-    for words in ([], ["-o", "a.pdb"]):
-        assert "--to: got nothing; allowed: one of amber" in refusal(capsys, "export", run, *words)
+    # The default output of a run is named like it and lies here.
+    assert main(["export", f"results/mine/runs/{ids[0]}.nc", "--to", to]) == 0
+    assert Path(f"{ids[0]}{ending}").is_file()
 
 
 @pytest.mark.parametrize(
     ("words", "message"),
     [
+        ([".", "--to", "vtk"], "results with runs"),
+        (["a.run.nc"], "--to: got nothing; allowed: one of amber"),
+        (["a.run.nc", "-o", "a.pdb"], "--to: got nothing; allowed: one of amber"),
+        (["text.nc", "--to", "amber"], "damaged or not a run file"),
+        (["none.nc", "--to", "amber"], "no such run file"),
         (["--replicate", "2"], "--replicate: got 2; allowed: a replicate of the run, 0 to 1"),
         (["-o", "there.xyz"], "--output: got 'there.xyz'; allowed: a name that nothing has"),
         (["-o", "a_folder"], "--output: got 'a_folder'; allowed: the name of a file; a_folder is"),
@@ -270,17 +260,14 @@ def test_a_study_without_runs_or_a_format_is_refused(run, capsys):
 def test_mistakes_are_one_line_and_leave_nothing(words, message, run, monkeypatch, capsys):
     monkeypatch.chdir(run.parent)
     Path("there").touch()
+    Path("text.nc").write_text("no run")
     Path("there.xyz").touch()
     Path("a_folder").mkdir()
     before = sorted(Path().rglob("*"))
-    assert message in refusal(capsys, "export", run.name, "--to", "extxyz", *words)
+    if words[0].startswith("-"):
+        words = [run.name, "--to", "extxyz", *words]
+    assert message in refusal(capsys, "export", *words)
     assert sorted(Path().rglob("*")) == before
-
-
-def test_what_is_no_run_file_is_told(tmp_path, capsys):
-    (tmp_path / "x.nc").write_text("no run")
-    for name, words in (("x.nc", "damaged or not a run file"), ("y.nc", "no such run file")):
-        assert words in refusal(capsys, "export", tmp_path / name, "--to", "amber")
 
 
 def test_a_write_that_fails_leaves_nothing(run, monkeypatch):

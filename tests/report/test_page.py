@@ -1,37 +1,27 @@
-"""The page of a report: its outline as a snapshot, what it embeds, and what it warns of or refuses.
+"""The page of a report: outlines as snapshots, and what it warns of or refuses.
 
-``python -m tests.report.test_page`` draws the outline anew.
+``python -m tests.report.test_page`` draws the outlines anew.
 """
 
-import base64
 import re
-import shutil
 import tempfile
 from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 import xarray as xr
 
 from sim.base.errors import InputError
-from sim.base.seals import DamagedError, parse_sealed_json, to_sealed_json
+from sim.base.seals import parse_sealed_json, to_sealed_json
 from sim.claims.verdict_files import write
 from sim.dataset.build import build as build_dataset
-from sim.dataset.results import load_results
-from sim.figures.caption import parted
 from sim.figures.render import draw_figures
 from sim.parameters import ChuteParameters, amounts
-from sim.report.claims import read_claims
 from sim.report.page import (
     build,
     data_uri,
-    describe_ranges,
     figure_entry,
-    headline_figures,
-    relative_link,
-    render,
 )
 from sim.report.publish import publish
 from sim.report.runs import state_of
@@ -42,11 +32,7 @@ from tests.made.figures import make_figures
 from tests.made.netcdf import store
 from tests.made.once import SharedFolder
 from tests.made.report import make_page, register_animation, write_claims
-from tests.made.runs import FAILURE, make_study, write_run
-
-OUTLINE = Path(__file__).with_name("outline.txt")
-
-DRAWN = ("walton_2", "gallas_1a", "gallas_1b", "gallas_1c")
+from tests.made.runs import make_study, write_run
 
 
 class Page(HTMLParser):
@@ -108,13 +94,6 @@ def read(made: tuple[Path, Path]) -> Page:
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory) -> Page:
-    """The report with all that there can be."""
-    _, path = make_page(tmp_path_factory.mktemp("whole"))
-    return Page(path.read_text(encoding="utf-8"))
-
-
-@pytest.fixture(scope="module")
 def made(tmp_path_factory) -> tuple[Path, Path]:
     """A study with its figures and verdicts."""
     study_path, results = make_figures(tmp_path_factory.mktemp("made"))
@@ -126,45 +105,6 @@ def made(tmp_path_factory) -> tuple[Path, Path]:
 @pytest.fixture(scope="module")
 def page(made) -> Page:
     return read(made)
-
-
-def test_the_outline_is_as_it_was(whole):
-    assert whole.outline().splitlines() == OUTLINE.read_text(encoding="utf-8").splitlines()
-
-
-def test_everything_is_inside_and_nothing_is_loaded_from_elsewhere(page, made):
-    assert not any("src" in script for script in page.all("script"))
-    targets = [a.get("href") or a.get("src") for tag in ("a", "img", "link") for a in page.all(tag)]
-    # What has none shows by script what is embedded elsewhere.
-    assert all(target.startswith(("data:", "#")) for target in targets if target is not None)
-    images = {image["id"]: image for image in page.all("img") if "src" in image}
-    data = {a["download"]: a["href"] for a in page.all("a") if "download" in a and "href" in a}
-    assert set(images) == {f"picture-{name}" for name in DRAWN}
-    assert set(data) == {f"{name}.csv" for name in DRAWN}
-    folder = made[1] / "made" / "figures"
-    for name in DRAWN:
-        assert content(images[f"picture-{name}"]["src"]) == (folder / f"{name}.svg").read_bytes()
-        assert content(data[f"{name}.csv"]) == (folder / f"{name}.csv").read_bytes()
-        caption, details = parted((folder / f"{name}.caption.txt").read_text())
-        words = " ".join([caption, *details]).split()
-        assert details and " ".join(words[:20]) in page.text
-    points = load_study(*made).points
-    assert {f"run-{point}" for point in points} <= {row.get("id") for row in page.all("tr")}
-    assert FAILURE in page.text and f"1 of {len(points)} points failed" in page.text
-
-
-def content(uri: str) -> bytes:
-    return base64.b64decode(uri.partition("base64,")[2])
-
-
-def test_a_number_with_which_no_runs_decide_is_shown_as_untestable(made):
-    folder = made[1] / "made"
-    claims = read_claims(folder / "claims.json")
-    (claim,) = [one for one in claims if one["by_number"]]
-    claim["by_number"].append({"value": 0.77, "verdict": "untestable", "checks": []})
-    found = load_results(folder / "dataset.nc")
-    shown = Page(render(load_study(*made), found, folder / "figures", claims, data_uri))
-    assert "0.77untestable no runs decide it" in shown.text
 
 
 def test_a_study_that_is_not_judged_or_tests_no_claim_says_so(made, page):
@@ -208,16 +148,6 @@ def test_points_with_a_caveat_are_marked_and_the_ledger_is_not_said_to_be_good(t
     assert (tone(doubtful), tone(page)) == ("open", "good")
 
 
-def test_damaged_verdicts_are_named_and_set_aside(made):
-    path = made[1] / "made" / "claims.json"
-    content = path.read_bytes()
-    path.write_bytes(content[:100])
-    with pytest.raises(DamagedError, match=r"claims\.json.*rerun the study"):
-        build(*made)
-    assert not path.exists()
-    path.write_bytes(content)
-
-
 def test_the_command_that_repeats_a_study_is_quoted_for_the_shell(made, tmp_path):
     study_path, results = made
     odd = tmp_path / "$(touch PWN) {a} b.yaml"
@@ -238,30 +168,6 @@ def test_a_missing_figure_is_named_and_the_old_report_stays(tmp_path):
         (tmp_path / f"{name}.gif").unlink()
         with pytest.raises(InputError, match=rf"{name}\.gif: no such animation"):
             figure_entry(FIGURES[name], tmp_path, data_uri)
-
-
-@pytest.mark.parametrize(("box", "broad"), [("0 0 460 320", False), ("0 0 900 320", True)])
-def test_broad_pictures_are_told_from_others(tmp_path, box, broad):
-    svg = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}"/>'
-    for suffix, text in ((".csv", "a\n1\n"), (".caption.txt", "Words."), (".svg", svg)):
-        (tmp_path / f"walton_2{suffix}").write_text(text)
-    assert figure_entry(FIGURES["walton_2"], tmp_path, relative_link)["broad"] is broad
-
-
-def test_words_for_a_table_tell_what_was_measured():
-    table = pd.DataFrame({name: [1.0, 2.5] for name in ("a [σ]", "b", "c", "d")})
-    table["mean velocity [m s-1]"] = [0.1, 0.4]
-    ranges = "a [σ] from 1 to 2.5, b from 1 to 2.5, c from 1 to 2.5"
-    told = f"2 rows of data, {ranges}, mean velocity [m s-1] from 0.1 to 0.4"
-    assert describe_ranges(table) == told
-    assert describe_ranges(table.head(0)) == "0 rows of data"
-
-
-def test_the_first_screen_has_the_main_figures_or_the_first():
-    entries = [{"name": name} for name in ("belt_onset", "gallas_1a", "walton_2")]
-    assert [entry["name"] for entry in headline_figures(entries)] == ["gallas_1a", "walton_2"]
-    assert headline_figures(entries[:1]) == entries[:1]
-    assert headline_figures([]) == []
 
 
 OWN = """\
@@ -326,82 +232,42 @@ def make_own(folder: Path, text: str) -> tuple[Path, Path]:
     return study_path, folder
 
 
-@pytest.fixture(scope="module")
-def study(tmp_path_factory) -> tuple[Path, Path]:
-    return make_own(tmp_path_factory.mktemp("own"), OWN)
+def make_asking(folder: Path) -> tuple[Path, Path]:
+    """Make the study with questions and its report; return its file and the report."""
+    study_path, results = make_own(folder, ASKING)
+    return study_path, build(study_path, results)
 
 
-@pytest.fixture(scope="module")
-def own(study) -> Page:
-    return read(study)
-
-
-def test_of_ones_own_study_the_state_and_the_plots_come_first(own, study):
-    assert "3 of 4 points completed; 1 undetermined; 1 failed" in own.text
-    advice = "Raise replicates, or raise average; what has been run is kept. 1 of them drifts"
-    assert advice in own.text
-    assert own.sections()[:4] == ["summary", "plots", "facts", "runs"]
-    assert {one["id"] for one in own.all("figure")} == {"figure-velocity", "figure-map"}
-    assert "<Where> it flows" in own.text and "<b>1 < 2</b>" in own.text
-    assert not own.all("where") and not own.all("b")
-    assert f"a plot of this study with --study {study[0]}." in own.text
-    # No figure of a paper is fed.
-    assert "claims" not in own.sections() and "tested claims" not in own.text
-    targets = {one["href"] for one in own.all("a") if one.get("href", "").startswith("#")}
+@pytest.mark.parametrize(("name", "make"), [("outline", make_page), ("own", make_asking)])
+def test_the_outline_is_as_it_was(name, make, tmp_path):
+    """Of the report with all that there can be, and of one's own study, whose plots come first."""
+    page = Page(make(tmp_path)[1].read_text(encoding="utf-8"))
+    assert page.outline().splitlines() == outline_file(name).read_text("utf-8").splitlines()
+    targets = {one["href"] for one in page.all("a") if one.get("href", "").startswith("#")}
     assert {target[1:] for target in targets} <= {
-        attrs["id"] for _, attrs in own.elements if "id" in attrs
+        attrs["id"] for _, attrs in page.elements if "id" in attrs
     }
 
 
-def test_plots_and_points_are_linked_and_parameters_that_vary_have_columns(own, study):
-    points = load_study(*study).points.values()
+def outline_file(name: str) -> Path:
+    return Path(__file__).with_name(f"{name}.txt")
+
+
+def test_a_study_of_ones_own_names_its_plots_and_is_published_with_them(tmp_path):
+    study = make_own(tmp_path, OWN)
+    own = read(study)
+    # No figure of a paper is fed.
+    assert own.sections()[:4] == ["summary", "plots", "facts", "runs"]
+    assert "claims" not in own.sections() and "tested claims" not in own.text
     shown = [one["data-plot"] for one in own.all("tr") if "data-plot" in one]
-    assert shown == ["velocity|map"] * len(points)
+    assert shown == ["velocity|map"] * len(load_study(*study).points)
     filters = [one["data-filter"] for one in own.all("a") if "data-filter" in one]
     assert {"plot=velocity", "plot=map", "regime=failed"} <= set(filters)
-    html = (study[1] / "own" / "report.html").read_text(encoding="utf-8")
-    table = html[html.index('<table id="runs-table"') :]
-    table = table[: table.index("</table>")]
-    heads = re.findall(r"<button[^>]*>([^<]*)</button>", table)
-    assert heads[:5] == ["No.", "Point", "n", "μ", "Velocity (m/s)"]
-    rows = re.findall(r'<tr id="run-.*?</tr>', table, re.DOTALL)
-    shown = [re.findall(r'<td class="number">([^<]*)</td>', row)[:2] for row in rows]
-    assert shown == [[f"{p.parameters.depth:g}", f"{p.parameters.friction:g}"] for p in points]
-
-
-def test_an_answer_that_is_none_is_one_line_and_a_large_error_is_named_first(tmp_path):
-    asked = read(make_own(tmp_path, ASKING))
-    assert asked.text.count("no mean, as 4 of 6 points of series flows count") == 1
-    pictures = {one["id"] for one in asked.all("figure")}
-    assert pictures >= {"figure-velocity", "figure-map"} and not [
-        p for p in pictures if "speed" in p
-    ]
-    links = {one["href"] for one in asked.all("a") if one.get("href", "").startswith("#figure-")}
-    assert {link[1:] for link in links} <= pictures | {"figure-walton_2"}
-    named = re.search(r"Surrogate odd: Caveat: its error of \d+ % is too large", asked.text)
-    assert named and named.start() < asked.text.index("Mean of 8 of 8 points")
-    # Where figures of the papers are fed, claims follow, folded.
-    assert asked.sections()[:6] == ["summary", "plots", "facts", "runs", "figures", "claims"]
-    assert "folded" in [one.get("class") for one in asked.all("details")]
-
-
-def test_a_study_of_ones_own_is_published_with_its_plots(study, tmp_path):
-    shutil.copytree(study[1], tmp_path, dirs_exist_ok=True)
     write([], "own", tmp_path / "own")
     folder = publish(tmp_path / "own.yaml", tmp_path, tmp_path / "published")
     files = {path.name for path in (folder / "figures").iterdir()}
     ends = (".svg", ".csv", ".caption.txt")
     assert files == {f"{name}{end}" for name in ("velocity", "map") for end in ends}
-
-
-def test_what_is_unsound_is_told_with_what_to_do():
-    usual = {"regime": "steady", "missing_energy": 1e-4, "system": "chute"}
-    nothing = usual | {"missing_energy": float("nan"), "regime": "failed"}
-    leaky = usual | {"missing_energy": 380.0, "system": "belt"}
-    found = state_of([usual, nothing, usual | {"missing_energy": 0.02}, leaky])
-    assert (found["points"], found["completed"], found["unsound"]) == (4, 3, 2)
-    assert found["worst"] is leaky and found["advice"] == "steps_per_cycle"
-    assert state_of([usual])["worst"] is None
 
 
 @pytest.mark.parametrize(
@@ -412,18 +278,24 @@ def test_what_is_unsound_is_told_with_what_to_do():
         ("converged", "target, accelerating", "target"),
     ],
 )
-def test_advice_on_undetermined_points_keeps_what_has_been_run(protocol, stopped, longer):
+def test_advice_keeps_what_has_been_run(protocol, stopped, longer):
     usual = {"missing_energy": 1e-4, "system": "chute", "protocol": protocol, "stopped": stopped}
     open_one = usual | {"regime": "undetermined", "quality": "short"}
-    found = state_of([open_one, open_one | {"regime": "mixed"}, usual | {"regime": "steady"}])
+    leaky = usual | {"regime": "steady", "missing_energy": 380.0, "system": "belt"}
+    nothing = usual | {"missing_energy": float("nan"), "regime": "failed"}
+    found = state_of([open_one, open_one | {"regime": "mixed"}, leaky, nothing])
     assert (found["undetermined"], found["longer"], found["drifting"]) == (2, [longer], 0)
     assert longer in amounts(ChuteParameters(protocol=protocol))
     assert state_of([open_one | {"quality": "drifting"}])["drifting"] == 1
+    assert (found["points"], found["completed"], found["unsound"]) == (4, 3, 1)
+    assert found["worst"] is leaky and found["advice"] == "steps_per_cycle"
 
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as place:
         SharedFolder.folder = Path(place) / "made"
         SharedFolder.folder.mkdir()
-        drawn = Page(make_page(Path(place) / "page")[1].read_text(encoding="utf-8"))
-    OUTLINE.write_text(drawn.outline(), encoding="utf-8")
+        for name, make in (("outline", make_page), ("own", make_asking)):
+            (folder := Path(place) / name).mkdir()
+            drawn = Page(make(folder)[1].read_text(encoding="utf-8"))
+            outline_file(name).write_text(drawn.outline(), encoding="utf-8")

@@ -22,25 +22,27 @@ def pictures() -> list[str]:
     return [f"figures/{name}{suffix}" for name in drawn for suffix in FIGURES[name].suffixes[1:]]
 
 
-def test_everything_a_reader_needs_is_there(finished, tmp_path):
+def names(folder: Path) -> set[str]:
+    return {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_everything_a_reader_needs_is_there_linked_and_can_be_checked(finished, tmp_path):
     study, results = finished
     output = publish.publish(study, results, tmp_path / "published")
-    names = {path.relative_to(output).as_posix() for path in output.rglob("*") if path.is_file()}
-    assert names == {
-        "report.html",
-        "dataset.nc",
-        "claims.json",
-        "claims.csv",
-        "verdicts.csv",
-        *pictures(),
-        "made.yaml",
-        "provenance.json",
-        "SHA256SUMS",
-    }
+    made = {"report.html", "dataset.nc", "claims.json", "claims.csv", "verdicts.csv", "made.yaml"}
+    assert names(output) == {*made, *pictures(), "provenance.json", "SHA256SUMS"}
     assert (output / "made.yaml").read_text() == study.read_text()
     origin = json.loads((output / "provenance.json").read_text())
     assert origin["study"] == "made" and origin["points"] > 10 and origin["failed runs"] == 3
     assert origin["from"] <= origin["to"] and origin["core hours"] > 0
+    lines = (output / "SHA256SUMS").read_text().splitlines()
+    checksums = {name: sum for sum, name in (line.split("  ") for line in lines)}
+    assert checksums.keys() == names(output) - {"SHA256SUMS"}
+    for name, checksum in checksums.items():
+        assert hashlib.sha256((output / name).read_bytes()).hexdigest() == checksum
+    page = (output / "report.html").read_text()
+    linked = set(re.findall(r'(?:src|href)="(?!#|data:)([^"]*)"', page))
+    assert linked == {name for name in pictures() if Path(name).suffix in (".svg", ".csv")}
 
 
 def test_what_was_bought_to_decide_goes_with_it(finished, tmp_path):
@@ -54,18 +56,6 @@ def test_what_was_bought_to_decide_goes_with_it(finished, tmp_path):
     write_extra_amounts(results / "made", ExtraAmounts(amounts, 0.0))
     output = publish.publish(study, results, tmp_path / "published")
     assert (output / "bought.json").is_file()
-
-
-def test_the_report_links_its_figures_and_holds_everything_else(finished, tmp_path):
-    output = publish.publish(*finished, tmp_path / "published")
-    page = (output / "report.html").read_text()
-    linked = set(re.findall(r'(?:src|href)="(?!#|data:)([^"]*)"', page))
-    assert linked == {f"figures/{name}" for name in linked_names()}
-    assert all((output / name).is_file() for name in linked)
-
-
-def linked_names() -> list[str]:
-    return [Path(name).name for name in pictures() if Path(name).suffix in (".svg", ".csv")]
 
 
 def test_publishing_again_replaces_all_of_it(finished, tmp_path):
@@ -85,16 +75,17 @@ def tree(folder: Path) -> dict[str, bytes]:
 
 @pytest.mark.parametrize(
     "place",
-    ["results", "results/made", "results/link", "above", "other", "file", "lost", "linked", "led"],
+    ["results", "results/made", "results/link", ".", "other", "file", "lost", "linked", "led"],
 )
-def test_only_what_was_published_is_replaced(finished, tmp_path, place, capsys):
+def test_only_what_was_published_is_replaced(finished, tmp_path, monkeypatch, place, capsys):
     study, results = finished
+    monkeypatch.chdir(tmp_path)
     (results / "link").symlink_to(".")
-    if place == "above":
-        results = tmp_path / "above" / "made"
-        (tmp_path / "results").rename(tmp_path / "moved")
-        results.parent.mkdir()
-        (tmp_path / "moved").rename(results)
+    if place == ".":
+        # The results would be within the publication.
+        monkeypatch.chdir((tmp_path / "results").rename(tmp_path / "made"))
+        Path("results").symlink_to(".")
+        place = ".."
     elif place == "other":
         (tmp_path / "other" / "made").mkdir(parents=True)
         (tmp_path / "other" / "made" / "precious").write_text("text")
@@ -107,8 +98,7 @@ def test_only_what_was_published_is_replaced(finished, tmp_path, place, capsys):
         (tmp_path / place / "made").rename(tmp_path / place / "elsewhere")
         (tmp_path / place / "made").symlink_to("elsewhere" if place == "linked" else "nowhere")
     before = tree(tmp_path)
-    options = ("publish", study, "--results", results, "--to", tmp_path / place)
-    assert refusal(capsys, *options).startswith("error: --to: got ")
+    assert refusal(capsys, "publish", study, "--to", place).startswith("error: --to: got ")
     assert tree(tmp_path) == before
 
 
@@ -122,19 +112,18 @@ def test_only_what_was_published_is_replaced(finished, tmp_path, place, capsys):
         ("0.5]}\n    figures: [walton_2]", "0.5]}", "figures of chute-"),
     ],
 )
-def test_a_study_changed_since_its_runs_is_refused(finished, tmp_path, old, new, named, capsys):
+def test_a_study_changed_since_its_runs_is_refused(finished, monkeypatch, old, new, named, capsys):
     study, results = finished
+    monkeypatch.chdir(study.parent)
     text = study.read_text()
     assert old in text
     study.write_text(text.replace(old, new))
     before = tree(results)
     for command in ("publish", "report", "claims"):
-        options = ("--to", tmp_path / "published") if command == "publish" else ()
-        line = refusal(capsys, command, study, "--results", results, *options)
+        line = refusal(capsys, command, study)
         assert line.startswith(f"error: {study}: {named}"), line
         assert line.endswith("run the study again")
     assert tree(results) == before
-    assert not (tmp_path / "published").exists()
 
 
 #: Ways to damage a file: nothing or half of it is left, its last line is lost, a bit is flipped.
@@ -146,64 +135,48 @@ DAMAGE = {
 }
 
 
-@pytest.mark.parametrize("command", ["publish", "report"])
+DAMAGED = [
+    *(("dataset.nc", damage) for damage in DAMAGE),
+    ("claims.json", "line"),
+    *((f"figures/walton_2{end}", "bit") for end in (".csv", ".svg", ".png", ".caption.txt")),
+]
+
+
 @pytest.mark.parametrize(
-    ("name", "damage"),
+    ("command", "name", "damage"),
     [
-        *(("dataset.nc", damage) for damage in DAMAGE),
-        ("claims.json", "line"),
-        *((f"figures/walton_2{end}", "bit") for end in (".csv", ".svg", ".png", ".caption.txt")),
+        *((command, *one) for command in ("publish", "report") for one in DAMAGED),
+        *(("publish", f"{name}.csv", "half") for name in ("claims", "verdicts")),
     ],
 )
-def test_what_is_damaged_is_named_and_set_aside(finished, tmp_path, name, command, damage, capsys):
+def test_what_is_damaged_is_named_and_set_aside(
+    finished, monkeypatch, name, command, damage, capsys
+):
     study, results = finished
-    path = results / "made" / name
+    monkeypatch.chdir(study.parent)
+    path = Path("results") / "made" / name
     path.write_bytes(DAMAGE[damage](path.read_bytes()))
-    options = ("--to", tmp_path / "published") if command == "publish" else ()
-    line = refusal(capsys, command, study, "--results", results, *options)
+    line = refusal(capsys, command, study)
     assert line.startswith(f"error: {path}: damaged") and "rerun the study" in line
     assert not path.exists() and path.with_name(f"{path.name}.damaged").exists()
-    assert not (tmp_path / "published").exists()
-
-
-@pytest.mark.parametrize("name", ["claims.csv", "verdicts.csv"])
-def test_a_damaged_table_is_not_published(finished, tmp_path, name):
-    study, results = finished
-    path = results / "made" / name
-    path.write_bytes(DAMAGE["half"](path.read_bytes()))
-    with pytest.raises(DamagedError, match=name):
-        publish.publish(study, results, tmp_path / "published")
-
-
-def test_a_figure_whose_drawing_nobody_has_noted_is_refused(finished, tmp_path):
-    study, results = finished
-    (results / "made" / "figures" / RECORD_FILE).unlink()
-    with pytest.raises(DamagedError, match=r"walton_2.*\.drawn\.json does not know it"):
-        publish.publish(study, results, tmp_path / "published")
-
-
-def test_what_is_published_can_be_checked_by_its_checksums(finished, tmp_path):
-    output = publish.publish(*finished, tmp_path / "published")
-    lines = (output / "SHA256SUMS").read_text().splitlines()
-    checksums = {name: sum for sum, name in (line.split("  ") for line in lines)}
-    files = {path.relative_to(output).as_posix() for path in output.rglob("*") if path.is_file()}
-    assert checksums.keys() == files - {"SHA256SUMS"}
-    for name, checksum in checksums.items():
-        assert hashlib.sha256((output / name).read_bytes()).hexdigest() == checksum
+    assert not (results / "published").exists()
 
 
 @pytest.mark.parametrize("name", ["dataset.nc", "claims.csv", "figures", "SHA256SUMS"])
-def test_a_study_file_named_like_what_is_published_is_refused(finished, tmp_path, name, capsys):
+def test_a_study_file_named_like_what_is_published_is_refused(finished, monkeypatch, name, capsys):
     study, results = finished
+    monkeypatch.chdir(study.parent)
     study = study.rename(study.with_name(name))
-    target = tmp_path / "published"
-    line = refusal(capsys, "publish", study, "--results", results, "--to", target)
+    line = refusal(capsys, "publish", study)
     assert line.startswith(f"error: {study}: got '{name}'; allowed: another name")
-    assert not target.exists()
+    assert not (results / "published").exists()
 
 
 def test_an_unfinished_study_is_refused(finished, tmp_path):
     study, results = finished
+    (results / "made" / "figures" / RECORD_FILE).unlink()
+    with pytest.raises(DamagedError, match=r"walton_2.*\.drawn\.json does not know it"):
+        publish.publish(study, results, tmp_path / "published")
     (results / "made" / "claims.json").unlink()
     with pytest.raises(InputError, match=r"claims.json: missing; run the study to its end"):
         publish.publish(study, results, tmp_path / "published")
@@ -211,9 +184,10 @@ def test_an_unfinished_study_is_refused(finished, tmp_path):
 
 
 def test_too_much_is_refused_and_what_was_published_stays(finished, tmp_path, monkeypatch, capsys):
-    study, results = finished
+    study, _ = finished
+    monkeypatch.chdir(tmp_path)
     target = tmp_path / "published"
-    options = ["publish", str(study), "--results", str(results), "--to", str(target)]
+    options = ["publish", str(study), "--to", str(target)]
     assert main(options) == 0
     (target / "other").mkdir()
     (target / "other" / "report.html").write_bytes(bytes(2000))

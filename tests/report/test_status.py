@@ -2,7 +2,6 @@
 
 import json
 import os
-import signal
 import subprocess
 import sys
 
@@ -10,19 +9,18 @@ import pytest
 
 from sim.__main__ import main
 from sim.base.errors import duration
-from sim.engine.command import warm
-from sim.engine.progress import read_progress
 from sim.parameters import canonical_values, parse_point, point_id
 from sim.report.status import STATES, as_json, as_text
 from sim.study.points import estimate
 from tests.made.folder import BOUNDED, EARLIER, LATER, STUDY, Folder
 from tests.made.netcdf import edit_file
-from tests.made.processes import refusal, start_run, wait_until
+from tests.made.processes import refusal
 from tests.made.runs import FAILURE, write_run
 
 
 @pytest.fixture
-def folder(tmp_path) -> Folder:
+def folder(tmp_path, monkeypatch) -> Folder:
+    monkeypatch.chdir(tmp_path)
     return Folder(tmp_path)
 
 
@@ -37,7 +35,7 @@ def test_a_study_that_was_not_started_waits(folder):
     assert not folder.results.exists()
 
 
-def test_every_state_is_told_from_the_others(folder):
+def test_every_state_is_told_in_text_and_in_json(folder, capsys):
     done, failed, running, interrupted, _ = folder.ids
     folder.finish(done)
     folder.finish(failed, failed=[0])
@@ -46,32 +44,30 @@ def test_every_state_is_told_from_the_others(folder):
     status = folder.survey()
     states = ["done", "failed", "running", "interrupted", "waiting"]
     assert [point.state for point in status.points.values()] == states
-    assert status.points[failed].reason == FAILURE
     assert status.points[running].progress.percent == 50
     assert status.totals["cores"] == 1
     assert status.totals["core_seconds"] == pytest.approx(3.0)
     text = as_text(status)
     assert "5 points: 1 done, 1 failed, 1 running, 1 interrupted, 1 waiting" in text
     assert f"{failed}: {FAILURE}" in text
+    assert main(["status", str(folder.file), "--format", "json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["counts"] == dict.fromkeys(STATES, 1) and document["seconds_left"] > 0
+    assert [point["id"] for point in document["points"]] == folder.ids
+    assert document["points"][1]["reason"] == FAILURE
+    progress = {"done": 500, "total": 1000, "rate": 5e3, "elapsed": 10.0, "seconds_left": 10.0}
+    assert document["points"][2]["progress"] == progress
 
 
 @pytest.mark.parametrize(
     ("changes", "state"),
     [
-        ({}, "running"),
+        # The clock was put back; the process number is another's now.
         ({"updated": LATER}, "running"),
         ({"updated": EARLIER}, "interrupted"),
         ({"host": "elsewhere"}, "running"),
         ({"host": "elsewhere", "updated": EARLIER}, "interrupted"),
         ({"point": "another"}, "waiting"),
-    ],
-    ids=[
-        "its process lives",
-        "the clock was put back",
-        "its process number is another's now",
-        "on another machine, of late",
-        "on another machine, long ago",
-        "of another point",
     ],
 )
 def test_a_run_goes_on_or_was_interrupted(folder, changes, state):
@@ -152,27 +148,6 @@ def test_points_of_later_rounds_belong_to_the_study(tmp_path):
     assert list(folder.survey().points) == [*folder.ids, point_id(extra)]
 
 
-def test_a_killed_run_was_interrupted(tmp_path):
-    text = "study: made\nseries: [{name: a, system: belt, base: {frequency: 20, average: 1.0e+5}}]"
-    folder = Folder(tmp_path, text)
-    (key,) = folder.ids
-    point = folder.study.points[key].parameters
-    warm([point])
-    folder.runs.mkdir(parents=True)
-    output = folder.runs / f"{key}.nc"
-    process = start_run(point, output)
-    try:
-        wait_until(lambda: (said := read_progress(output)) and said.done > 1e5, process)
-        running = folder.survey()
-        assert running.counts["running"] == 1
-        assert running.totals["seconds_left"] > 0 and running.points[key].progress.rate > 0
-    finally:
-        process.send_signal(signal.SIGKILL)
-        process.communicate()
-    assert folder.state(key) == "interrupted"
-    assert "interrupted" in as_text(folder.survey())
-
-
 def test_text_is_a_short_aligned_table_of_what_has_started_and_failed(tmp_path):
     folder = Folder(tmp_path, STUDY.replace("[1, 2, 3]", str([1 + n / 10 for n in range(30)])))
     for number, key in enumerate(folder.ids[:30]):
@@ -185,13 +160,13 @@ def test_text_is_a_short_aligned_table_of_what_has_started_and_failed(tmp_path):
     assert "and 7 more" in lines and "and 10 more" in lines and len(lines) <= 24
 
 
-def test_a_study_that_is_over_says_what_it_took(folder):
+def test_a_study_is_shown_until_it_is_over_and_says_what_it_took(folder, capsys):
     for key in folder.ids:
         folder.finish(key)
-    status = folder.survey()
-    assert status.is_over and status.totals["seconds_left"] == 0.0
-    assert as_text(status) == "made: A made-up study\n5 points: 5 done\n\n" + (
-        "time of all runs 7.5 s, with compiling and waiting"
+    assert folder.survey().is_over and folder.survey().totals["seconds_left"] == 0.0
+    assert main(["status", str(folder.file), "--watch", "5"]) == 0
+    assert capsys.readouterr().out == "made: A made-up study\n5 points: 5 done\n\n" + (
+        "time of all runs 7.5 s, with compiling and waiting\n"
     )
 
 
@@ -211,37 +186,12 @@ def test_points_with_a_caveat_are_counted(folder):
     assert told[1:] == ["", "", "the time step is long", ""]
 
 
-def test_json_holds_every_point(folder):
-    folder.finish(folder.ids[0])
-    folder.finish(folder.ids[1], failed=[0])
-    folder.write_progress(folder.ids[2])
-    document = json.loads(as_json(folder.survey()))
-    assert document["counts"]["waiting"] == 2
-    assert [point["id"] for point in document["points"]] == folder.ids
-    _, failed, running, *_ = document["points"]
-    assert failed["reason"] == FAILURE
-    progress = {"done": 500, "total": 1000, "rate": 5e3, "elapsed": 10.0, "seconds_left": 10.0}
-    assert running["progress"] == progress
-    assert document["seconds_left"] > 0
-
-
-def test_the_command_shows_a_study_until_it_is_over(folder, capsys):
-    for key in folder.ids:
-        folder.finish(key)
-    options = ["--results", str(folder.results)]
-    assert main(["status", str(folder.file), *options, "--watch", "5"]) == 0
-    assert "5 points: 5 done" in capsys.readouterr().out
-    assert main(["status", str(folder.file), *options, "--format", "json"]) == 0
-    assert json.loads(capsys.readouterr().out)["counts"]["done"] == 5
-
-
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
         (["none.yaml"], "none.yaml: no such file"),
         (["--watch", "0"], "--watch: got 0; allowed: a number in [1, 86400]"),
         (["--watch", "nan"], "--watch: got nan; allowed: a number in [1, 86400]"),
-        (["--results", "README.md"], "--results: got 'README.md'; allowed: a folder"),
         (["--remove"], "--remove: got true; allowed: with --orphans"),
     ],
 )
@@ -249,61 +199,43 @@ def test_mistakes_give_one_line(arguments, words, capsys):
     assert words in refusal(capsys, "status", *arguments)
 
 
-@pytest.fixture
-def shrunk(tmp_path) -> Folder:
-    """A study of which every point is run, and then one value is taken out."""
-    made = Folder(tmp_path)
-    for key in made.ids:
-        run = made.finish(key)
-        run.with_name(f".{run.name}.state").write_bytes(bytes(1000))
-    return Folder(tmp_path, STUDY.replace("[1, 2, 3]", "[1, 3]"))
-
-
 def run_orphans(folder: Folder, *options: str) -> int:
-    return main(
-        ["status", "--orphans", str(folder.file), "--results", str(folder.results), *options]
-    )
+    return main(["status", "--orphans", str(folder.file), *options])
 
 
-def test_orphans_are_told_left_alone_and_removed_when_told_to(shrunk, capsys):
+def test_orphans_are_told_left_alone_and_removed_when_told_to(tmp_path, monkeypatch, capsys):
+    """Of a study of which one value is taken out: a whole run, and what a stopped one has left."""
+    monkeypatch.chdir(tmp_path)
+    made = Folder(tmp_path)
+    _, whole, stopped, *_ = made.ids
+    for key in made.ids:
+        made.write_progress(key) if key == stopped else made.finish(key)
+        (made.runs / f".{key}.nc.state").write_bytes(bytes(1000))
+    shrunk = Folder(tmp_path, STUDY.replace("[1, 2, 3]", "[1]"))
     before = sorted(path.name for path in shrunk.runs.iterdir())
     status = shrunk.survey()
-    (orphan,) = status.orphans
-    assert orphan.startswith("chute-depth2-")
-    assert "runs of no point of the study: 1" in as_text(status)
-    assert f'"{orphan}"' in as_json(status)
+    assert status.orphans == (whole, stopped)
+    assert "runs of no point of the study: 2" in as_text(status)
+    assert f'"{whole}"' in as_json(status)
     assert run_orphans(shrunk) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert lines[0].startswith(orphan) and lines[-1].startswith("1 run, 0.")
+    assert lines[0].startswith(whole) and lines[-1].startswith("2 runs, 0.")
     assert sorted(path.name for path in shrunk.runs.iterdir()) == before
     assert run_orphans(shrunk, "--remove") == 0
     left = {path.name for path in shrunk.runs.iterdir()}
     assert left == {name for key in shrunk.ids for name in (f"{key}.nc", f".{key}.nc.state")}
-    assert not any(orphan in name for name in left)
     capsys.readouterr()
     assert run_orphans(shrunk, "--remove") == 0
     assert capsys.readouterr().out == "none\n"
 
 
-def test_what_a_run_that_was_stopped_has_left_is_removed_too(tmp_path, capsys):
-    made = Folder(tmp_path)
-    kept, gone = made.ids[0], made.ids[1]
-    for key in (kept, gone):
-        made.write_progress(key)
-        (made.runs / f".{key}.nc.state").write_bytes(bytes(1000))
-    folder = Folder(tmp_path, STUDY.replace("[1, 2, 3]", "[1, 3]"))
-    assert run_orphans(folder) == 0
-    assert capsys.readouterr().out.startswith(f"{gone}  0.0 MB\n1 run, ")
-    assert run_orphans(folder, "--remove") == 0
-    left = {f".{kept}.nc.state", f".{kept}.nc.progress"}
-    assert {path.name for path in folder.runs.iterdir()} == left
-
-
-def test_nothing_is_an_orphan_while_rounds_are_to_come(tmp_path, capsys):
+def test_nothing_is_an_orphan_while_rounds_are_to_come(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
     made = Folder(tmp_path)
     made.finish(made.ids[0])
     bounded = Folder(tmp_path, BOUNDED)
     assert bounded.survey().orphans == ()
-    assert run_orphans(bounded, "--remove") == 2
-    assert "boundaries: got '" in capsys.readouterr().err
+    assert "boundaries: got '" in refusal(
+        capsys, "status", "--orphans", str(bounded.file), "--remove"
+    )
     assert (made.runs / f"{made.ids[0]}.nc").exists()

@@ -181,7 +181,6 @@ def test_the_paper_is_loaded_beside_those_that_ship(tmp_path):
     ("name", "old", "new", "message"),
     [
         ("paper.yaml", "system: chute", "system: slide", "system.*'slide'"),
-        ("paper.yaml", "author:", "autor:", "paper.yaml: a(utor|uthor)"),
         (
             "paper.yaml",
             "author: ",
@@ -191,20 +190,12 @@ def test_the_paper_is_loaded_beside_those_that_ship(tmp_path):
         ("paper.yaml", "[silbert_slopes]", '["\\a"]', r"paper.yaml: headline\[0\]: got"),
         ("figures.yaml", "lead: ", 'lead: "\\u202e" #', r"figures.yaml: figures\[0\].lead: got"),
         ("paper.yaml", "name: silbert", "name: walton", "Talus has one of this name"),
-        ("figures.yaml", "kind: curves", "kind: waves", r"figures.yaml: figures\[0\].kind"),
-        ("figures.yaml", "x: angle", "x: angel", r"figures.yaml: figures\[0\].x: got 'angel'"),
         ("figures.yaml", "silbert_slopes", "walton_2", "a name that no other figure has"),
         ("claims.yaml", "judges.steeper", "judges.flatter", "claims.yaml: .*flatter"),
         ("claims.yaml", "{least}", "{most}", "claims.yaml: judge silbert_steeper: .*most"),
-        ("claims.yaml", "{least: 3}", "{fewest: 3}", "claims.yaml: judge silbert_steeper"),
         ("claims.yaml", f"id: {CLAIM}", "id: W1", "claims.yaml: judge 'W1': a name has"),
         ("claims.yaml", "claims:", "claim:", "claims.yaml: .*claims, a list, and nothing else"),
-        (
-            "judges.py",
-            "import trend",
-            "import trends",
-            "claims.yaml: judges.py line 3: .*trends",
-        ),
+        ("judges.py", "import trend", "import trends", "claims.yaml: judges.py line 3: .*trends"),
         ("__init__.py", "talus.paper(", "talus.papre(", "plugins.0.*line 5: AttributeError"),
     ],
 )

@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from sim.study.load import load_study
-from sim.study.points import estimate
 from tests.made.processes import wait_until
 from tests.made.project import command, jobs, planned_jobs, points, snakemake
 
@@ -37,7 +36,6 @@ class Killed:
         os.killpg(self.process.pid, signal.SIGKILL)
         self.process.wait()
         self.before = {path: path.stat().st_mtime_ns for path in self.runs.glob("*.nc")}
-        self.log = log.read_text()
         self.resumed = snakemake(tree, "dataset", study="small.yaml")
 
     def _stopped_halfway(self, tree: Path, log: Path) -> bool:
@@ -68,7 +66,9 @@ def killed(tmp_path_factory) -> Killed:
     return Killed(tmp_path_factory.mktemp("killed"))
 
 
-def test_a_killed_workflow_resumes_by_itself(killed):
+def test_a_killed_workflow_resumes_by_itself_and_a_living_one_keeps_its_lock(killed):
+    assert killed.second.returncode != 0
+    assert "cannot be locked" in killed.second.stdout + killed.second.stderr
     assert len(killed.before) < len(killed.study.points)
     assert killed.resumed.returncode == 0, killed.resumed.stderr
     assert {path.stem for path in killed.runs.glob("*.nc")} == set(killed.study.points)
@@ -76,11 +76,6 @@ def test_a_killed_workflow_resumes_by_itself(killed):
     assert len(rerun) <= 1
     # An empty folder may be left, of a process that was killed after it had renamed its file.
     assert not [path for path in killed.runs.glob(".*.part") if any(path.iterdir())]
-
-
-def test_a_living_workflow_keeps_its_lock(killed):
-    assert killed.second.returncode != 0
-    assert "cannot be locked" in killed.second.stdout + killed.second.stderr
 
 
 def test_a_killed_study_starts_again_while_another_runs_in_the_folder(tmp_path):
@@ -101,14 +96,6 @@ def test_a_killed_study_starts_again_while_another_runs_in_the_folder(tmp_path):
         for process in processes:
             os.killpg(process.pid, signal.SIGKILL)
             process.wait()
-
-
-def test_the_longest_points_start_first(killed):
-    study = killed.study
-    costs = [estimate(study.points[point].parameters).core_seconds for point in points(killed.log)]
-    all_costs = [estimate(point.parameters).core_seconds for point in study.points.values()]
-    assert len(costs) >= 3
-    assert costs == sorted(all_costs, reverse=True)[: len(costs)]
 
 
 def test_a_damaged_run_is_named_and_computed_again_by_a_rerun(killed):
