@@ -93,6 +93,10 @@ class DiskMotion:
         contacts = shaking.BedContacts(self.law, self.pairs, self.belt, self.obstacle, self.search)
         return shaking.advance_disks(self.disks, contacts, self.loop, self.motion, steps)
 
+    def refresh(self) -> int:
+        """Rebuild the list; return the status."""
+        return shaking.refresh_beads(self.disks, self.pairs)
+
     def run(self, steps: int) -> "DiskMotion":
         """Advance by a number of steps, giving the list more room as needed."""
         return run_on(self, self.loop, steps)

@@ -5,16 +5,15 @@ from itertools import product
 from math import pi, sqrt
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from sim.engine.boundary.belt import belt_state
-from sim.engine.compile import FASTMATH, append_negative, assume_no_alias, kernel
+from sim.engine.compile import append_negative, assume_no_alias, kernel
 from sim.engine.contact.damping import SpringDamping, disk_force, spring_damping
 from sim.engine.contact.friction import blank_memory, contact_force, cube_root, inverse_square_root
 from sim.engine.contact.walton_braun import WaltonBraun, walton_braun
 from sim.engine.dynamics.cells import LIST_FULL, OK
-from sim.engine.dynamics.disks import CORRECTORS, Gear, correct, flush, predict
+from sim.engine.dynamics.disks import CORRECTORS, Gear, correct, predict
 from sim.engine.dynamics.team import barrier
 
 #: The chute's spheres and the belt's mean bead, SI.
@@ -67,12 +66,9 @@ LAWS = [
     )
 ]
 
-#: The same for beads: readings of the law and name of the integrator.
-BEAD_LAWS = [
-    ({"damping_mass": "own", "attraction": "kept"}, "gear"),
-    ({"damping_mass": "own", "attraction": "kept"}, "verlet"),
-    ({"damping_mass": "reduced", "attraction": "clipped"}, "verlet"),
-]
+#: The same for beads: readings of the law and name of the integrator, two kinds of loops.
+REDUCED = {"damping_mass": "reduced", "attraction": "clipped"}
+BEAD_LAWS = [({}, "gear"), (REDUCED, "verlet")]
 
 
 def sphere_law(**changes) -> WaltonBraun:
@@ -101,16 +97,6 @@ def weight_components(angle: float) -> tuple[float, float, float]:
     """Gravity (m/s2) on a plane inclined by ``angle`` degrees."""
     slope = np.radians(angle)
     return float(GRAVITY * np.sin(slope)), 0.0, float(-GRAVITY * np.cos(slope))
-
-
-def compiled(piece):
-    """A piece of the engine, which only kernels call, as compiled code that a test can call."""
-
-    @numba.njit(fastmath=FASTMATH, error_model="numpy")
-    def called(*arguments):
-        return piece(*arguments)
-
-    return called
 
 
 @kernel
@@ -207,7 +193,7 @@ class Oscillator(NamedTuple):
 
 
 @kernel
-def damped_oscillation(integrator, taylor, oscillator, steps, corrections=1):
+def damped_oscillation(integrator, taylor, oscillator, steps, corrections):
     """Advance Taylor terms (6, 2, N) of an `Oscillator` by some steps."""
     stiffness, damping, drive = oscillator
     for _ in range(steps):
@@ -218,12 +204,6 @@ def damped_oscillation(integrator, taylor, oscillator, steps, corrections=1):
                     speed = taylor[1, d, i] / integrator.time_step
                     acceleration = drive - stiffness * taylor[0, d, i] - damping * speed
                     correct(integrator, taylor, d, i, acceleration)
-
-
-@kernel
-def flushed(taylor):
-    """Set vanishing Taylor terms to zero, in place."""
-    flush(taylor)
 
 
 def lattice(shape: tuple[int, ...], spacing: float, jitter: float, rng, base=0.0) -> np.ndarray:

@@ -77,12 +77,19 @@ class SphereMotion:
 
     def _advance(self, steps: int, rank: int) -> int:
         contacts = leap_frog.FlowContacts(self.laws, self.pairs, self.plane, self.memory)
-        drive = Gravity(self.gravity)
-        thread = Thread(rank, self.team.gate, self.scratch[rank])
-        moved = self.spheres, self.pairs, self.plane, self.flow.sharing, thread, self.memory[0]
+        drive, (*_, thread, _) = Gravity(self.gravity), (moved := self._moved(rank))
         refresh = address_of(refresh_together, kind_of(*moved), *moved)
         motion = leap_frog.Motion(drive, self.time_step, self.overlap_limit, self._inertia, refresh)
         return leap_frog.advance_spheres(self.spheres, contacts, self.flow, motion, thread, steps)
+
+    def _moved(self, rank: int = 0) -> tuple:
+        """Arguments of the kernel that rebuilds the list."""
+        thread = Thread(rank, self.team.gate, self.scratch[rank])
+        return self.spheres, self.pairs, self.plane, self.flow.sharing, thread, self.memory[0]
+
+    def refresh(self) -> int:
+        """Rebuild the list of a single thread; return the status."""
+        return refresh_together(*self._moved())
 
     def run(self, steps: int) -> "SphereMotion":
         """Advance by a number of steps, giving the list more room as needed."""

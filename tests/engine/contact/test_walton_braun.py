@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 from sim.claims.experiments import contact_path, random_curve, vector_spring
 from sim.engine.contact.friction import SMALLEST
-from tests.engine.reference.walton_braun import Contact, ContactLaw, update
+from tests.engine.reference.laws import Contact, ContactLaw, update
 from tests.engine_motion.helpers import (
     CAPS,
     EXPONENTS,

@@ -6,8 +6,7 @@ import pytest
 from sim.engine.contact.spring_dashpot import spring_dashpot
 from sim.engine.systems import leap_frog
 from tests.engine.reference import chute as slow
-from tests.engine.reference.spring_dashpot import SpringDashpotLaw
-from tests.engine.reference.walton_braun import ContactLaw
+from tests.engine.reference.laws import ContactLaw, SpringDashpotLaw
 from tests.engine_motion.helpers import (
     GRAVITY,
     LAWS,
