@@ -203,13 +203,13 @@ def test_transport_begins_where_the_belt_reaches_the_acceleration_of_gravity(amp
 
 
 def test_a_single_bead_at_rest_on_the_belt_is_not_transported():
-    assert abs(transport(12, column=Column(beads=1))) < 1e-6
+    assert abs(transport(12.0, column=Column(beads=1))) < 1e-6
 
 
 def test_without_shear_friction_nothing_is_transported():
-    assert transport(40, column=Column(shear_damping=0.0)) == 0
+    assert transport(40.0, column=Column(shear_damping=0.0)) == 0
 
 
 def test_flat_vibrations_carry_the_same_share_of_the_belts_velocity():
     """The vertical motion does not know of the horizontal one, which is linear in it."""
-    assert transport(20, angle=30) == pytest.approx(transport(20, angle=60))
+    assert transport(20.0, angle=30) == pytest.approx(transport(20.0, angle=60))

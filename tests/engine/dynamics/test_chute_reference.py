@@ -104,7 +104,7 @@ def test_short_flow_equals_the_reference(readings, base):
 
 
 @pytest.mark.parametrize("base", [0.0, 10 * RADIUS], ids=["on the plane", "free"])
-@pytest.mark.parametrize("attraction", ["kept", "clipped"])
+@pytest.mark.parametrize("attraction", ["kept", pytest.param("clipped", marks=pytest.mark.long)])
 def test_short_flow_of_springs_and_dashpots_equals_the_reference(base, attraction):
     step = 2e-6
     values = [
