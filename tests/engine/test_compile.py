@@ -157,12 +157,10 @@ def test_a_direct_call_and_one_at_an_address_are_the_same_machine_code():
 SPECIAL = np.array([np.nan, -np.nan, 0.0, -0.0, np.inf, -np.inf, 5e-324, -5e-324, 1.0, -1.0])
 
 
-@pytest.mark.parametrize("size", range(0, 41, 4))
-def test_numbers_of_negative_gaps_are_appended_in_their_order(size):
+def test_numbers_of_negative_gaps_are_appended_in_their_order():
     """Neither zeros nor what is not a number is negative; what lies before the list stays."""
-    rng = np.random.default_rng(size)
-    for number, share in product(range(4), (0.0, 0.1, 0.5, 0.9, 1.0)):
-        length = size + number
+    rng = np.random.default_rng(1)
+    for length, share in product(range(44), (0.0, 0.1, 0.5, 0.9, 1.0)):
         gap = rng.exponential(size=length + 3) * np.where(rng.random(length + 3) < share, -1, 1)
         for values in (gap, rng.choice(SPECIAL, length)):
             for first, free in ((0, 0), (1000, 3), (2**32 - 64, 17)):
@@ -175,6 +173,7 @@ def test_numbers_of_negative_gaps_are_appended_in_their_order(size):
                 assert np.array_equal(out[free + count + 8 :], before[free + count + 8 :])
 
 
+@pytest.mark.long
 @pytest.mark.skipif(platform.machine() != "x86_64", reason="names a processor of another kind")
 def test_so_they_are_appended_where_vectors_are_shorter():
     run(APPEND, **SHORTER_VECTORS)

@@ -225,17 +225,14 @@ def load_paper(name: str, content: bytes) -> None:
 
 @FEW
 @given(st.data())
-def test_mutated_texts_of_a_paper(data):
-    name = data.draw(st.sampled_from(sorted(PAPER)))
-    load_paper(name, data.draw(mutated_texts([PAPER[name]])).encode(errors="surrogatepass"))
-
-
-@FEW
-@given(st.data())
-def test_mutated_trees_of_a_paper(data):
-    name = data.draw(st.sampled_from(sorted(PAPER)))
-    tree = data.draw(mutated_trees([yaml.safe_load(PAPER[name])], NODES, PLAIN))
-    load_paper(name, yaml.safe_dump(tree, allow_unicode=True).encode(errors="surrogatepass"))
+def test_mutated_files_of_a_paper(data):
+    text = PAPER[name := data.draw(st.sampled_from(sorted(PAPER)))]
+    if data.draw(st.booleans()):
+        text = data.draw(mutated_texts([text]))
+    else:
+        tree = data.draw(mutated_trees([yaml.safe_load(text)], NODES, PLAIN))
+        text = yaml.safe_dump(tree, allow_unicode=True)
+    load_paper(name, text.encode(errors="surrogatepass"))
 
 
 @FEW

@@ -30,7 +30,7 @@ TOTAL = {
 
 def profile_of(kind, height, radius, velocity, slices=60, slice_height=SLICE):
     profile = empty_profile(slices, np.shape(velocity)[1])
-    arrays = [np.array(values, float) for values in (height, radius, np.transpose(velocity))]
+    arrays = [np.array(one, float, order="C") for one in (height, radius, np.transpose(velocity))]
     add_sample(profile, kind, slice_height, *arrays)
     return profile
 

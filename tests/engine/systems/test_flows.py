@@ -63,7 +63,7 @@ def test_shallow_flows_become_steady_in_balance_with_gravity(changes, velocity):
 def test_steady_velocity_does_not_depend_on_the_time_step():
     """Between t_c/20 and t_c/80, within the 2 % that one such run is uncertain by, thrice."""
     found = []
-    for steps in (20, 40, 80):
+    for steps in (20, 80):
         p = chute_point(depth=1.24, cell=6, transient=80, average=150, steps_per_collision=steps)
         found.append(trend_of(p)[1].velocity.value / p.velocity_unit)
     assert np.ptp(found) < 0.1 * np.mean(found)
