@@ -21,8 +21,8 @@ from sim.parameters import Parameters, parse_point
 from sim.parameters.laws import LAW
 from tests.conformance import names_of
 from tests.engine_motion.helpers import LAWS, rotation
+from tests.engine_motion.motion import Impacts, SphereMotion
 from tests.engine_motion.points import energy_residual, series_of
-from tests.engine_motion.spheres import NORMAL, TANGENT, Impacts, SphereMotion
 
 #: Laws with what else their points say: options, and readings that change Walton and Braun's.
 CASES = {name: {} for name in names_of(LAW)}
@@ -153,13 +153,13 @@ def test_without_friction_surfaces_slide_as_before(case, partners):
     assert not np.any(rims)
 
 
-def oblique(case: str, partners: str, number: int = 30, frame=None) -> Impacts:
+def oblique(case: str, partners: str, number: int = 30) -> Impacts:
     """Return random impacts of spheres that slide and spin."""
     rng, point = np.random.default_rng(11), point_of(case)
     slides = velocity_units(point, *rng.uniform(-0.6, 0.6, number))
     spins = 40 * rng.normal(size=(number, len(PARTNERS[partners]), 3))
     speeds = np.full(number, 0.2 * point.velocity_unit)
-    return impacts(point, partners, speeds, slides=slides, spins=spins, frame=frame)
+    return impacts(point, partners, speeds, slides=slides, spins=spins)
 
 
 @with_partners
@@ -227,15 +227,6 @@ def test_forces_are_opposite_and_torques_those_of_one_force(case, partners):
         touched += bool(scale) and np.abs(first).max() > 0
     assert touched > 50
     assert np.abs(motion.momentum()).max() < 1e-12 * motion.mass.max() * np.linalg.norm(made.start)
-
-
-@with_property()
-def test_an_impact_in_a_turned_frame_is_the_turned_impact(case):
-    frame = np.array([NORMAL, TANGENT]) @ rotation(np.random.default_rng(5)).T
-    here, there = (
-        oblique(case, "equal", frame=one).run_until_parted().velocities() for one in (None, frame)
-    )
-    assert there == pytest.approx(here, abs=1e-8 * np.abs(here).max())
 
 
 @with_property()

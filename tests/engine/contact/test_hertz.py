@@ -12,7 +12,7 @@ from sim.laws.hertz import effective_modulus, force
 from sim.parameters import ChuteParameters
 from sim.parameters.dashpot import damping_fraction
 from tests.engine.reference.hertz_impact import Friction, rebound
-from tests.engine_motion.spheres import Impacts
+from tests.engine_motion.motion import Impacts
 
 #: Of spheres with Poisson's ratio 0.3.
 SHARE = 2 * (1 - 0.3) / (2 - 0.3)
@@ -130,16 +130,6 @@ def test_a_closed_cycle_of_shear_and_load_has_its_exact_work(sheared_at, unloadi
     )
     assert work == pytest.approx(0.5 * (k - 2 * held + other) * s**2, rel=1e-9)
     assert (work > 0) == (sheared_at == "shallow" or unloading == "rescaled")
-
-
-STICKING = np.linspace(0.1, 1.0, 4)
-
-
-@pytest.mark.parametrize("partners", PARTNERS)
-def test_with_two_sevenths_of_the_stiffness_a_sticking_impact_turns_the_slip_round(partners):
-    """The friction is then 2/7 of the slope times the normal force all along, below μ = 0.3."""
-    impact = impacts(Friction(2 / 7, 0.3), partners, STICKING, 800, unit=1e-7)
-    np.testing.assert_allclose(impact.slips(), -STICKING, atol=1e-3)
 
 
 def test_hertz_at_a_hundredth_of_a_diameter_is_the_spring():

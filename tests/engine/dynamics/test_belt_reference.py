@@ -7,7 +7,6 @@ from sim.engine.boundary.belt import Belt, Obstacle
 from sim.engine.dynamics.disks import Verlet
 from sim.engine.systems import shaking
 from tests.engine.reference import belt as slow
-from tests.engine_motion.disks import DiskMotion
 from tests.engine_motion.helpers import (
     BEAD,
     BEAD_GRAVITY,
@@ -21,6 +20,7 @@ from tests.engine_motion.helpers import (
     lattice,
     wrapped,
 )
+from tests.engine_motion.motion import DiskMotion
 
 STEPS = 80
 SPEED, FREQUENCY, PHASE = 0.1, 30.0, 0.7

@@ -17,7 +17,7 @@ from tests.engine_motion.helpers import (
     weight_components,
     wrapped,
 )
-from tests.engine_motion.spheres import SphereMotion
+from tests.engine_motion.motion import SphereMotion
 
 STEPS = 80
 SPEED, SPIN = 0.05, 100.0

@@ -7,7 +7,6 @@ from sim.engine.boundary.belt import Belt, Obstacle
 from sim.engine.dynamics.cells import NOT_FINITE, OK, OVERLAP
 from sim.engine.dynamics.disks import Gear, Verlet
 from sim.engine.systems import shaking
-from tests.engine_motion.disks import AT_REST, DiskMotion
 from tests.engine_motion.helpers import (
     BEAD,
     BEAD_GRAVITY,
@@ -19,6 +18,7 @@ from tests.engine_motion.helpers import (
     lattice,
     wrapped,
 )
+from tests.engine_motion.motion import AT_REST, DiskMotion
 from tests.engine_motion.points import belt_point
 
 #: Readings with their integrators: two kinds of loops, which golden points have as well.
@@ -115,26 +115,6 @@ def test_reduced_mass_conserves_the_momentum_of_free_beads(shear):
     assert np.abs(motion.run(400).mass @ motion.velocity - before).max() < 1e-12 * scale
     own_mass = crowd(law=bead_law(shear_damping=shear)).run(400)
     assert np.abs(own_mass.mass @ own_mass.velocity - before).max() > 1e-3 * scale
-
-
-def test_a_free_cluster_of_beads_loses_energy_with_the_reduced_mass():
-    """With the own mass there is no such law: its forces do not even conserve momentum."""
-    motion = crowd(law=bead_law(**REDUCED), integrator=Verlet)
-
-    def energy():
-        moving = 0.5 * (motion.mass[:, None] * motion.velocity**2).sum()
-        difference = motion.position[None] - motion.position[:, None]
-        distance = np.linalg.norm(wrapped(difference.reshape(-1, 2), 5 * BEAD, 0.0), axis=1)
-        reach = np.add.outer(motion.radius, motion.radius).ravel()
-        overlap = np.where(distance > 0, np.clip(reach - distance, 0, None), 0)
-        return moving + 0.25 * YOUNG * (overlap**2).sum()
-
-    levels = [energy()]
-    for _ in range(30):
-        motion.run(10)
-        levels.append(energy())
-    assert np.diff(levels).max() < 1e-4 * levels[0]
-    assert levels[-1] < 0.6 * levels[0]
 
 
 @pytest.mark.parametrize("base", [FAR, -0.4 * BEAD])
@@ -237,17 +217,6 @@ def test_a_bead_bounces_off_the_resting_belt_with_the_reduced_mass(size, ghost, 
     motion = DiskMotion(start, [[0.0, -0.1]], law=bead_law(**REDUCED), **options).run(2500)
     expected = restitution(rate, YOUNG / mass, clipped=True)
     assert motion.velocity[0, 1] / 0.1 == pytest.approx(expected, abs=1e-3)
-
-
-@pytest.mark.parametrize("radius", [0.25 * BEAD, 0.75 * BEAD])
-def test_ghosts_touch_a_bead_one_radius_above_their_surface(radius):
-    for surface in (0.0, 0.5 * BEAD):
-        belt = Belt(BEAD, BEAD, 2 * np.pi * 20, 1.1, surface)
-        reach = BEAD * np.sin(1.1 + 2 * np.pi * 20 * 1e-9) + surface + radius
-        for gap, touching in ((1e-8, 0), (-1e-8, 1)):
-            start = [[0.0, reach + gap]]
-            motion = DiskMotion(start, [[0.0, 0.0]], radius=radius, belt=belt, time_step=1e-9)
-            assert motion.run(1).loop.sums[shaking.CONTACTS] == touching
 
 
 WIDTH = 10 * BEAD

@@ -20,7 +20,7 @@ from tests.engine_motion.helpers import (
     sphere_law,
     weight_components,
 )
-from tests.engine_motion.spheres import SphereMotion
+from tests.engine_motion.motion import SphereMotion
 
 
 def bounce_error(steps_per_collision: float) -> float:

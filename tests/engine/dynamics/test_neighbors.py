@@ -11,7 +11,6 @@ from sim.engine.contact.friction import VECTOR
 from sim.engine.dynamics.cells import LIST_FULL, NOT_FINITE, OK, make_box
 from sim.engine.dynamics.mean_flow import AGE, SLOPE, allowed_stray, set_stream
 from sim.engine.dynamics.neighbors import empty_pair_list
-from tests.engine_motion.disks import DiskMotion
 from tests.engine_motion.helpers import (
     MASS,
     RADIUS,
@@ -20,7 +19,7 @@ from tests.engine_motion.helpers import (
     listed_pairs,
     pair_names,
 )
-from tests.engine_motion.spheres import SphereMotion
+from tests.engine_motion.motion import DiskMotion, SphereMotion
 
 UNIT = 1e-3
 

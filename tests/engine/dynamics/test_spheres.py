@@ -16,7 +16,7 @@ from tests.engine_motion.helpers import (
     weight_components,
     wrapped,
 )
-from tests.engine_motion.spheres import Impacts, SphereMotion
+from tests.engine_motion.motion import Impacts, SphereMotion
 
 SPEEDS = np.geomspace(1e-3, 1.0, 7)
 PLACE = np.array([0.0, 0.0, 20 * RADIUS])

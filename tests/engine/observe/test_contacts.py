@@ -12,14 +12,16 @@ from sim.engine.observe.contacts import (
     no_slip,
     no_stress,
 )
-from sim.engine.observe.force_balance import inertial_number, shear_rate, stress_ratio
+from sim.engine.observe.force_balance import inertial_number, shear_rate
+from sim.engine.observe.profiles import ratio
 from sim.engine.systems import build, leap_frog
 from sim.engine.systems.leap_frog import FlowContacts
 from sim.parameters import parse_point
-from tests.engine.dynamics.test_chute_reference import SPEED
 from tests.engine_motion.helpers import MASS, RADIUS
+from tests.engine_motion.motion import SphereMotion
 from tests.engine_motion.points import chute_point, sums_of
-from tests.engine_motion.spheres import SphereMotion
+
+SPEED = 0.05
 
 SMALL = {"depth": 2, "cell": 5, "stress_profiles": True}
 READINGS = [
@@ -111,8 +113,8 @@ def test_a_flow_that_shears_evenly_has_the_inertial_number_of_its_definition():
     assert found[5:-5] == pytest.approx(rate * sigma * (2500.0 / 50.0) ** 0.5)
     assert np.isnan(found[[0, 4, -5, -1]]).all()
     assert np.isnan(shear_rate(velocity[:8], 1e-4, sigma)).all()
-    ratio = stress_ratio(np.full(40, 20.0), normal)
-    assert ratio[0] == pytest.approx(0.4) and np.isnan(ratio[-1])
+    found = ratio(np.full(40, 20.0), normal)
+    assert found[0] == pytest.approx(0.4) and np.isnan(found[-1])
 
 
 POINTS = {

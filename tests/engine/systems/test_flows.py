@@ -176,7 +176,7 @@ def test_profiles_of_the_start_of_the_cycle_are_those_of_one_sample_in_twenty(ph
     total, start_profiles = system.no_profiles(), []
     for number in range(1, 41):
         sums = sums_of(system)
-        total = [add_sums(*pair) for pair in zip(total, sums, strict=True)]
+        total = add_sums(total, sums)
         if number % 20 == begins:
             start_profiles.append(system.profiles(sums))
     tables, profiles = system.tables(total), system.profiles(total)
