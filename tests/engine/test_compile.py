@@ -191,10 +191,9 @@ NAME = source_hash(COMPILED_PARTS)
 
 
 @pytest.fixture(autouse=True)
-def temporary(tmp_path, monkeypatch) -> Path:
+def temporary(tmp_path_factory, monkeypatch) -> Path:
     """The system's folder of temporary files; nothing is named and there is no home."""
-    folder = tmp_path / "temporary"
-    folder.mkdir()
+    folder = tmp_path_factory.mktemp("temporary")
     monkeypatch.setattr("tempfile.tempdir", str(folder))
     for name in ("TALUS_CACHE_DIR", "XDG_CACHE_HOME"):
         monkeypatch.delenv(name, raising=False)
