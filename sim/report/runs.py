@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from sim.dataset.replicates import UNSOUND_SHARE, layer_orders, outcomes
+from sim.dataset.replicates import UNSOUND_SHARE, caveats, layer_orders, outcomes
 from sim.engine.stored_run import RunFile, open_run_file, parameters_of, summary_of
 from sim.figures.units import label_with_unit
 from sim.parameters import SYSTEMS, Parameters, as_yaml, complete_values, default_of, field_info

@@ -21,8 +21,8 @@ from sim.parameters import Parameters, parse_point
 from sim.parameters.laws import LAW
 from tests.conformance import names_of
 from tests.engine_motion.helpers import LAWS, rotation
+from tests.engine_motion.motion import Impacts, SphereMotion
 from tests.engine_motion.points import energy_residual, series_of
-from tests.engine_motion.spheres import NORMAL, TANGENT, Impacts
 
 #: Laws with what else their points say: options, and readings that change Walton and Braun's.
 CASES = {name: {} for name in names_of(LAW)}
@@ -47,8 +47,8 @@ LACKING = {
     ("walton_braun reset", "energy"): "the second push is for nothing",
 }
 
-#: Clipped as springs and dashpots are; the loops of each case take long to compile.
-LONG = {"drag clipped"}
+#: Clipped as "hertz rescaled" is; the loops of each case take long to compile.
+LONG = {"drag clipped", "spring_dashpot clipped"}
 
 FRICTION = 0.3
 
@@ -110,9 +110,9 @@ def test_the_time_of_the_shortest_collision_is_what_the_law_says(case):
         radii, mass = np.full(2, 0.5 * point.diameter * (1 - spread)), point.lightest_mass
         law = law_of(point, Partners(FRICTION, 0.5 * mass, point.time_step))
         made = Impacts(law, radii, [mass, mass], point.time_step, velocity_units(point, 0.1, 10))
-        pushes = np.array([made.motion.run(2).force.reshape(2, -1).any(axis=1) for _ in range(500)])
+        pushes = np.array([made.motion.run(4).force.reshape(2, -1).any(axis=1) for _ in range(250)])
         assert not pushes[-1].any()
-        assert min(pushes.sum(axis=0) / 100) == pytest.approx(1, rel=0.1)
+        assert min(pushes.sum(axis=0) / 50) == pytest.approx(1, rel=0.12)
 
 
 @with_partners
@@ -153,13 +153,13 @@ def test_without_friction_surfaces_slide_as_before(case, partners):
     assert not np.any(rims)
 
 
-def oblique(case: str, partners: str, number: int = 30, frame=None) -> Impacts:
+def oblique(case: str, partners: str, number: int = 30) -> Impacts:
     """Return random impacts of spheres that slide and spin."""
     rng, point = np.random.default_rng(11), point_of(case)
     slides = velocity_units(point, *rng.uniform(-0.6, 0.6, number))
     spins = 40 * rng.normal(size=(number, len(PARTNERS[partners]), 3))
     speeds = np.full(number, 0.2 * point.velocity_unit)
-    return impacts(point, partners, speeds, slides=slides, spins=spins, frame=frame)
+    return impacts(point, partners, speeds, slides=slides, spins=spins)
 
 
 @with_partners
@@ -230,15 +230,6 @@ def test_forces_are_opposite_and_torques_those_of_one_force(case, partners):
 
 
 @with_property()
-def test_an_impact_in_a_turned_frame_is_the_turned_impact(case):
-    frame = np.array([NORMAL, TANGENT]) @ rotation(np.random.default_rng(5)).T
-    here, there = (
-        oblique(case, "equal", frame=one).run_until_parted().velocities() for one in (None, frame)
-    )
-    assert there == pytest.approx(here, abs=1e-8 * np.abs(here).max())
-
-
-@with_property()
 def test_any_history_is_that_of_the_turned_and_the_swapped_partners(case):
     """And its friction is tangential, and within the limit of those laws that have one."""
     point = point_of(case)
@@ -303,3 +294,85 @@ def test_points_beyond_the_masses_and_overlaps_of_a_law_are_refused_or_have_a_ca
 
 def test_laws_that_ship_and_the_table_of_what_is_lacking_are_those_that_points_may_name():
     assert set(shipped("law")) == set(LAW.usual) and {case for case, _ in LACKING} <= CASES.keys()
+
+
+# What holds for every contact law that presses on: closed cycles, rest, and a block that sticks.
+#
+# `test_laws` has the cases and what laws lack.
+
+
+def closed_cycles(rng, steps: int = 1000, rounds: int = 3) -> tuple[np.ndarray, np.ndarray]:
+    """Return overlaps (n,) and slips (n, 3) in m of a contact that begins, goes round and ends."""
+    time, mode = np.linspace(0, rounds, rounds * steps + 1)[:, None], np.arange(1, 4)
+    sines, cosines = rng.normal(size=(2, 3, 3)) / mode[:, None]
+    angle = 2 * np.pi * time * mode
+    curves = np.sin(angle) @ sines + (np.cos(angle) - 1) @ cosines
+    curves /= np.abs(curves).max(axis=0)
+    loading = np.linspace(0, 1, 200)
+    overlap = 1e-5 * (1 + 0.8 * curves[:, 0])
+    path = np.concatenate([loading[:-1] * overlap[0], overlap, loading[-2::-1] * overlap[-1]])
+    slip = np.zeros((path.size, 3))
+    slip[200 : 200 + rounds * steps, :2] = 1e-6 * np.diff(curves[:, 1:], axis=0)
+    return path, slip
+
+
+@pytest.mark.parametrize("friction", [FRICTION, 50.0])
+@with_property("cycle")
+def test_no_closed_cycle_of_load_and_shear_gives_energy(case, friction):
+    """Friction alone gives none, whether it sticks all the time (50) or slides now and then."""
+    point = point_of(case)
+    law = law_of(point, Partners(friction, 0.5 * point.mass, point.time_step))
+    if not point.option("law").compiled_by_hand:
+        law = PartnerLaw(law, 0.25 * point.diameter, 0.5 * point.mass)
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        overlap, slip = closed_cycles(rng)
+        normal = np.tile([0.0, 0.0, 1.0], (overlap.size, 1))
+        force, along, _ = contact_path(law, overlap, normal, slip)
+        means = [0.5 * (one + np.roll(one, 1, axis=0)) for one in (force, along)]
+        rubbing = (means[1] * slip).sum(axis=1)
+        pressing = means[0] * np.diff(overlap, prepend=0.0)
+        assert rubbing.sum() >= -1e-3 * np.abs(rubbing).sum()
+        assert rubbing.sum() + pressing.sum() >= 0
+
+
+def placed(case: str, slope: float, **options) -> SphereMotion:
+    """Return a sphere that begins to press the plane, where gravity has a slope of ``slope``."""
+    point = point_of(case, restitution=0.5, steps_per_collision=40)
+    law = law_of(point, Partners(FRICTION, point.mass, point.time_step))
+    radius, weight = 0.5 * point.diameter, point.gravity / np.hypot(1, slope)
+    return SphereMotion(
+        [[0.0, 0.0, radius]],
+        np.zeros((1, 3)),
+        law=law,
+        time_step=point.time_step,
+        radius=radius,
+        mass=point.mass,
+        gravity=(float(slope * weight), 0.0, -float(weight)),
+        **options,
+    )
+
+
+@with_property("rest")
+def test_a_sphere_on_the_plane_comes_to_rest_with_its_weight_on_it(case):
+    one = placed(case, 0.0).run(6000)
+    weight = one.mass[0] * -one.gravity[2]
+    for _ in range(50):
+        assert one.run(7).force[0, 2] == pytest.approx(weight, rel=1e-6)
+
+
+@pytest.mark.parametrize("share", [0.98, 1.02])
+@with_property("stick")
+def test_a_block_sticks_below_the_friction_limit_and_slides_above_it(case, share):
+    slope, steps = share * FRICTION, 6000
+    one = placed(case, slope, inertia=np.inf).run(6000)
+    start, speed = one.position[0, 0], one.velocity[0, 0]
+    one.run(steps)
+    time = steps * one.time_step
+    excess = one.gravity[0] + FRICTION * one.gravity[2]
+    way = one.position[0, 0] - start
+    if share > 1:
+        assert way == pytest.approx(speed * time + 0.5 * excess * time**2, rel=1e-3)
+    else:
+        # Its spring swings, as nothing damps it, about one place.
+        assert abs(way) < 1e-2 * abs(0.5 * excess) * time**2

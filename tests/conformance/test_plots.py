@@ -171,15 +171,15 @@ def test_a_kind_draws_its_picture_data_and_caption(wanted, state, found, tmp_pat
     assert len(rows) or state == "none"
     assert ("Left out because the run failed: " in text) == (state == "none")
     assert len(rows) == 0 or any("[" in heading for heading in rows)
-    if state == "all" and wanted in OWN_FORMS:
+    if state == "all" and wanted == OWN_FORMS[0]:
         again = render(spec, dataset, tmp_path / "again")
         assert [path.read_bytes() for path in again] == [path.read_bytes() for path in files]
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("wanted", sorted({*FORMS} - {*OWN_FORMS}))
+@pytest.mark.parametrize("wanted", sorted({*FORMS} - {OWN_FORMS[0]}))
 def test_the_same_data_give_the_same_bytes(wanted, found, tmp_path):
-    """Of a study's own plots the test above says so."""
+    """Of one form the test above says so."""
     spec, dataset = found(wanted)
     first, second = (render(spec, dataset, tmp_path / name) for name in ("first", "second"))
     assert [path.read_bytes() for path in first] == [path.read_bytes() for path in second]

@@ -110,7 +110,7 @@ def test_the_suite_passes_under_other_pythons(tmp_path, capsys):
         shutil.rmtree(tree)
 
 
-KINDS = ("parameters", "study_files", "files_beside")
+KINDS = ("parameters", "study_files")
 FILES = [f"tests/properties/test_{kind}.py" for kind in KINDS]
 PASSED = re.compile(r"(\d+) passing")
 

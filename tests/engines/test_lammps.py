@@ -139,7 +139,12 @@ MORE_IMPACTS = ((0.95, 0.0), (0.7, 0.3))
 
 @pytest.mark.parametrize("impacts", [IMPACTS, pytest.param(MORE_IMPACTS, marks=pytest.mark.long)])
 @pytest.mark.parametrize(
-    ("case", "partner"), [(case, partner) for case, (_, them) in CASES.items() for partner in them]
+    ("case", "partner"),
+    [
+        pytest.param(case, partner, marks=[pytest.mark.long] * (case == "spring_dashpot clipped"))
+        for case, (_, them) in CASES.items()
+        for partner in them
+    ],
 )
 def test_impacts_have_the_digits_of_ours_and_of_plain_python(case, partner, impacts):
     for restitution, slope in impacts:

@@ -31,9 +31,10 @@ from tests.made.processes import ROOT, SHORTER_VECTORS
 
 POINTS = points()
 
-#: Laws and readings that golden points of the chute have as well: only how they meet a moving plane
-#: is new, and compiling takes long.
+#: Laws and readings that other golden points have as well: only how they meet a plane that moves,
+#: or rests, is new, and compiling takes long.
 KNOWN_LAWS = {
+    "chute_sliding_along_slip",
     "conveyor_hertz",
     "conveyor_hertz_rescaled",
     "conveyor_drag",

@@ -8,7 +8,7 @@ from sim.claims.experiments import contact_path
 from sim.engine.contact.damping import spring_damping
 from sim.engine.contact.walton_braun import walton_braun
 from tests.engine_motion.helpers import (
-    PAIRED_READINGS,
+    CONTACT_LAWS,
     READINGS,
     disk_forces,
 )
@@ -71,7 +71,7 @@ STEPS = 200
 Z = np.array([0.0, 0.0, 1.0])
 
 #: Readings of the law of the spheres: those that other tests compile too, in a search all.
-SEARCHED = st.sampled_from(PAIRED_READINGS if settings.default.max_examples <= 50 else READINGS)
+SEARCHED = st.sampled_from(CONTACT_LAWS if settings.default.max_examples <= 50 else READINGS)
 
 
 @st.composite

@@ -6,6 +6,8 @@ rheology the stress ratio is a function of the inertial number alone.
 
 import numpy as np
 
+from sim.engine.observe.profiles import ratio
+
 #: Numbers of blocks of the window for the errors of the base forces; the largest error is used.
 BLOCKS = (6, 10, 20)
 
@@ -104,13 +106,6 @@ def shear_rate(velocity: np.ndarray, slice_height: float, diameter: float) -> np
     return rate
 
 
-def stress_ratio(shear: np.ndarray, normal: np.ndarray) -> np.ndarray:
-    """Return shear over normal stress, not-a-number where there is no normal stress."""
-    ratio = np.full(shear.shape, np.nan)
-    np.divide(shear, normal, out=ratio, where=normal > 0.0)
-    return ratio
-
-
 def inertial_number(
     rate: np.ndarray, normal: np.ndarray, diameter: float, density: float
 ) -> np.ndarray:
@@ -119,6 +114,4 @@ def inertial_number(
     ``rate`` in 1/s, the normal stress P in Pa, σ in m and the ``density`` ρ of the particles'
     material in kg/m³; not-a-number where there is no normal stress.
     """
-    number = np.full(rate.shape, np.nan)
-    np.divide(density, normal, out=number, where=normal > 0.0)
-    return np.abs(rate) * diameter * np.sqrt(number)
+    return np.abs(rate) * diameter * np.sqrt(ratio(density, normal))

@@ -4,7 +4,7 @@ A particle has an exact share in each slice that it crosses; velocities have mom
 """
 
 from math import acos, ceil, cos, log10, pi, sin, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import types
@@ -33,7 +33,7 @@ class Profile(NamedTuple):
 
     def velocity(self) -> np.ndarray:
         """Return the mean velocity along x (m/s), not-a-number in empty slices."""
-        return _ratio(self.moved, self.weight)
+        return ratio(self.moved, self.weight)
 
     def temperature(self) -> np.ndarray:
         """Return the granular temperature (m²/s²) per direction, (H, D).
@@ -42,10 +42,11 @@ class Profile(NamedTuple):
         velocity between samples does not count as agitation.
         """
         weight = self.weight[:, None]
-        return _ratio(self.squared, weight) - _ratio(self.relative, weight) ** 2
+        return ratio(self.squared, weight) - ratio(self.relative, weight) ** 2
 
 
-def _ratio(sums: np.ndarray, weight: np.ndarray) -> np.ndarray:
+def ratio(sums: Any, weight: np.ndarray) -> np.ndarray:
+    """Return sums over weights, not-a-number where there is no weight."""
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.where(weight > 0, sums / weight, np.nan)
 
@@ -186,10 +187,9 @@ class Squares(NamedTuple):
 
     def tables(self, field: Field) -> dict[str, np.ndarray]:
         """Return mean velocity along x (m/s), not-a-number without beads, and density (m⁻²)."""
-        with np.errstate(invalid="ignore", divide="ignore"):
-            velocity = np.where(field.count > 0, field.moved / field.count, np.nan)
+        with np.errstate(invalid="ignore"):
             density = field.count / (field.samples[0] * self.width * self.height)
-        return {"field_velocity": velocity, "field_density": density}
+        return {"field_velocity": ratio(field.moved, field.count), "field_density": density}
 
 
 def squares(width: float, diameter: float, amplitude: float) -> Squares:

@@ -120,12 +120,6 @@ def slope(series: np.ndarray, interval: float) -> Interval:
     return Interval(step.value / interval, step.error / interval, step.half_width / interval)
 
 
-def detrend(series: np.ndarray) -> np.ndarray:
-    """Return a series minus its mean and its linear trend."""
-    _, _, residuals = _fit_line(series)
-    return residuals
-
-
 def batch_means(series: np.ndarray, batches: int) -> np.ndarray:
     """Return means over equal batches; surplus samples are omitted at the start."""
     length = len(series) // batches
@@ -276,7 +270,7 @@ def _independent(cycles: np.ndarray, scales: Scales) -> float:
         return 0.0
     if np.ptp(cycles) == 0.0:
         return 0.0
-    residuals = detrend(cycles)
+    _, _, residuals = _fit_line(cycles)
     error = mean(residuals).error
     return float((residuals.std(ddof=1) / error) ** 2) if error > 0.0 else float(len(cycles))
 

@@ -28,9 +28,9 @@ def map_arrays(function: Callable[..., np.ndarray], *sums: _Kind) -> _Kind:
     return kind(*map(function, *arrays))
 
 
-def add_sums(first: _Kind, second: _Kind) -> _Kind:
-    """Return the sum of two sums, array by array."""
-    return map_arrays(np.add, first, second)
+def add_sums(first: Sums, second: Sums) -> Sums:
+    """Return the sums of several pairs of sums, array by array."""
+    return tuple(map_arrays(np.add, *pair) for pair in zip(first, second, strict=True))
 
 
 def zero_samples(samples: int, template: _Kind) -> _Kind:
@@ -38,14 +38,14 @@ def zero_samples(samples: int, template: _Kind) -> _Kind:
     return map_arrays(lambda part: np.zeros((samples, *part.shape)), template)
 
 
-def first_samples(sums: _Kind, samples: int) -> _Kind:
-    """Return the sums of the first ``samples`` samples."""
-    return map_arrays(lambda part: part[:samples], sums)
+def first_samples(sums: Sums, samples: int) -> Sums:
+    """Return several sums of the first ``samples`` samples."""
+    return tuple(map_arrays(lambda part: part[:samples], one) for one in sums)
 
 
-def copy_sample(sums: _Kind, number: int) -> _Kind:
-    """Return a copy of the sums of sample ``number``."""
-    return map_arrays(lambda part: part[number].copy(), sums)
+def copy_sample(sums: Sums, number: int) -> Sums:
+    """Return a copy of several sums of sample ``number``."""
+    return tuple(map_arrays(lambda part: part[number].copy(), one) for one in sums)
 
 
 def mask_samples(sums: _Kind, mask: np.ndarray) -> _Kind:
@@ -104,11 +104,11 @@ class ProfileBlocks:
     def add(self, profiles: Sums) -> None:
         """Add the profiles of K samples, one per index of the first axis of the arrays."""
         count, first = len(profiles[0][0]), 0
-        self.latest = tuple(copy_sample(sums, count - 1) for sums in profiles)
+        self.latest = copy_sample(profiles, count - 1)
         while first < count:
             last = min(count, first + self._length - self._filled)
             if self._filled == 0:
-                self._blocks.append(tuple(copy_sample(sums, first) for sums in profiles))
+                self._blocks.append(copy_sample(profiles, first))
             start = first + (self._filled == 0)
             for total, sums in zip(self._blocks[-1], profiles, strict=True):
                 add_samples(total, sums, start, last)
@@ -116,7 +116,7 @@ class ProfileBlocks:
             first = last
             if self._filled == 0 and len(self._blocks) == MAX_BLOCKS:
                 pairs = zip(self._blocks[::2], self._blocks[1::2], strict=True)
-                self._blocks = [_add(first_half, second_half) for first_half, second_half in pairs]
+                self._blocks = [add_sums(*pair) for pair in pairs]
                 self._length *= 2
 
     def blocks(self) -> list[tuple[int, Sums]]:
@@ -136,12 +136,8 @@ class ProfileBlocks:
         first = min(-(-start // self._length), len(self._blocks) - 1)
         total = self._blocks[first]
         for block in self._blocks[first + 1 :]:
-            total = _add(total, block)
+            total = add_sums(total, block)
         return total
-
-
-def _add(first: Sums, second: Sums) -> Sums:
-    return tuple(add_sums(*pair) for pair in zip(first, second, strict=True))
 
 
 def _stack(blocks: list[Sums]) -> Sums:
@@ -153,7 +149,7 @@ def _stack(blocks: list[Sums]) -> Sums:
 
 def _unstack(stack: Sums) -> list[Sums]:
     count = len(stack[0][0]) if stack else 0
-    return [tuple(copy_sample(sums, number) for sums in stack) for number in range(count)]
+    return [copy_sample(stack, number) for number in range(count)]
 
 
 class ContactList(NamedTuple):

@@ -25,7 +25,7 @@ from sim.engine.observe.profiles import (
     empty_profile,
     waves,
 )
-from sim.engine.observe.samples import append_contact, first_samples, zero_samples
+from sim.engine.observe.samples import append_contact, zero_samples
 from sim.engine.systems import shaking
 
 
@@ -75,15 +75,6 @@ class BedSamples(NamedTuple):
     centres: Profile
     area: Profile
     field: Field
-
-    def profiles(self) -> tuple[Profile, Profile, Field]:
-        """Return profiles and fields of the samples so far."""
-        number = int(self.number[0])
-        return (
-            first_samples(self.centres, number),
-            first_samples(self.area, number),
-            first_samples(self.field, number),
-        )
 
 
 def make_samples(samples: int, beads: int, slices: int, squares: Squares) -> BedSamples:

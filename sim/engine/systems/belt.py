@@ -13,7 +13,7 @@ from sim.engine.dynamics.disks import make_disks, rescale_terms
 from sim.engine.dynamics.neighbors import empty_pair_list, make_search
 from sim.engine.observe.profiles import wave_power
 from sim.engine.observe.regime import Scales
-from sim.engine.observe.samples import ContactList, Samples, Sums, make_ledger
+from sim.engine.observe.samples import ContactList, Samples, Sums, first_samples, make_ledger
 from sim.engine.systems import bed_samples, shaking
 from sim.engine.systems.bed_samples import list_bed_contacts
 from sim.engine.systems.replica import PATH_INTERVALS, Replica
@@ -265,11 +265,11 @@ class Belt(Replica):
 
     def _profiles(self, room: bed_samples.BedSamples) -> Sums:
         """Return profiles and field of the samples taken, and the sums requested by phase."""
-        centres, area, field = room.profiles()
-        p = self.parameters
-        cycles = self._steps_in_cycle(int(room.number[0])) / self.cycle_steps + p.phase / 360.0
+        p, count = self.parameters, int(room.number[0])
+        sums: Any = first_samples((room.centres, room.area, room.field), count)
+        cycles = self._steps_in_cycle(count) / self.cycle_steps + p.phase / 360.0
         phase = np.round(cycles * self.period).astype(int) % self.period
-        return centres, area, field, *self.slices.phase_sums(centres, area, phase)
+        return *sums, *self.slices.phase_sums(*sums[:2], phase)
 
     def _velocity(self) -> np.ndarray:
         return self.disks.taylor[1] / self.time_step

@@ -193,26 +193,19 @@ class PlaneFlow(Replica):
             failure = str(error)
         if not states:
             return None, failure
-        sums = sums and tuple(first_samples(part, len(states)) for part in sums)
+        sums = sums and first_samples(sums, len(states))
         return Samples(self._values(stack(states)), sums), failure
 
     def _state(self) -> Any:
         """Return the state at the end of a sample."""
-        spheres = self.spheres
-        return State(
-            self.flow.sums.copy(),
-            *flow_energies(spheres.position, spheres.velocity, spheres.rim, spheres.mass),
-            *self._stored(),
-        )
-
-    def _stored(self) -> tuple[float, ...]:
-        """Return the energies (J) in springs between particles and to the plane, as in `State`."""
         spheres, plane, step = self.spheres, self.plane, self.flow.step[0]
         (pair_law, plane_law), time_step = self.laws, self.time_step
         memory, plane_memory = memory_after(self.memory, step), memory_after(plane.memory, step)
         between = pair_law, spheres, self.pairs, memory, time_step
         below = plane_law, spheres, plane, plane_memory, time_step
-        return (
+        return State(
+            self.flow.sums.copy(),
+            *flow_energies(spheres.position, spheres.velocity, spheres.rim, spheres.mass),
             *call_directly(stored_in_spheres, self.kind, *between),
             *call_directly(stored_in_plane, self.kind, *below),
         )

@@ -6,8 +6,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sim.engine.observe.contacts import XX, XZ, YY, ZZ, Slip, Stress, no_slip, no_stress
-from sim.engine.observe.force_balance import inertial_number, shear_rate, stress_ratio
-from sim.engine.observe.profiles import Profile, Squares, empty_profile, no_overlaps, squares
+from sim.engine.observe.force_balance import inertial_number, shear_rate
+from sim.engine.observe.profiles import (
+    Profile,
+    Squares,
+    empty_profile,
+    no_overlaps,
+    ratio,
+    squares,
+)
 from sim.engine.observe.samples import Sums, mask_samples
 from sim.parameters import BeltParameters
 from sim.parameters.spheres import SphereParameters
@@ -87,7 +94,7 @@ class FlowProfiles(NamedTuple):
         tables["frictional_dissipation_profile"] = slip.rubbed / volume
         normal = contact[:, ZZ] + kinetic[:, ZZ]
         rate = shear_rate(profile.velocity(), self.slice_height, self.diameter)
-        tables["stress_ratio_profile"] = stress_ratio(contact[:, XZ] + kinetic[:, XZ], normal)
+        tables["stress_ratio_profile"] = ratio(contact[:, XZ] + kinetic[:, XZ], normal)
         tables["inertial_number_profile"] = inertial_number(
             rate, normal, self.diameter, self.density
         )
@@ -200,8 +207,7 @@ def _fluctuation_temperature(centres: Profile, phases: Phases) -> np.ndarray:
     mean = np.divide(phases.moved, count, out=np.zeros_like(phases.moved), where=count > 0)
     squares = centres.squared - (mean * phases.moved).sum(axis=0)
     freedom = centres.weight - (phases.count > 0).sum(axis=0)
-    temperature = np.full(len(freedom), np.nan)
-    return np.divide(squares.mean(axis=1), freedom, out=temperature, where=freedom > 0)
+    return ratio(squares.mean(axis=1), freedom)
 
 
 def bed_profiles(p: BeltParameters) -> BedProfiles:

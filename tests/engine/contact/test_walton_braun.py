@@ -1,4 +1,4 @@
-"""Walton and Braun's law along the path of one contact: the slow reference, and exact results.
+"""Laws along the path of one contact: the slow reference, and exact results of Walton and Braun's.
 
 Of the latter: the hysteretic normal force, friction at a fixed normal force (claim W2), exponent 0
 against an independent vector spring (claim W3), and which way the friction of a sliding contact
@@ -14,14 +14,13 @@ from scipy.integrate import solve_ivp
 
 from sim.claims.experiments import contact_path, random_curve, vector_spring
 from sim.engine.contact.friction import SMALLEST
-from tests.engine.reference.walton_braun import Contact, ContactLaw, update
+from sim.engine.contact.spring_dashpot import spring_dashpot
+from tests.engine.reference.laws import Contact, ContactLaw, SpringDashpotLaw, update
 from tests.engine_motion.helpers import (
-    CAPS,
-    EXPONENTS,
-    MEMORIES,
-    PAIRED_READINGS,
+    CONTACT_LAWS,
+    LAWS,
+    MASS,
     READINGS,
-    SLIDINGS,
     cube_roots,
     dissipated_energy,
     inverse_square_roots,
@@ -51,11 +50,7 @@ def closed_stretches(overlap):
 
 
 @pytest.mark.parametrize(
-    "readings",
-    [
-        pytest.param(one, marks=[pytest.mark.long] * (one not in PAIRED_READINGS))
-        for one in READINGS
-    ],
+    "readings", [*CONTACT_LAWS, *(pytest.param(one, marks=pytest.mark.long) for one in READINGS)]
 )
 def test_law_equals_the_reference(readings):
     law, slow = sphere_law(**readings), ContactLaw(100.0, 0.85, 0.4, **readings)
@@ -74,6 +69,26 @@ def test_law_equals_the_reference(readings):
                 assert abs(memory_now[4] * force - contact.turning_point) < 1e-10 * scale
                 assert memory_now[5] == (contact.sense < 0)
                 assert abs(memory_now[6] - contact.largest_overlap) < 1e-12 * 1e-5
+
+
+@pytest.mark.parametrize("attraction", ["kept", "clipped"])
+def test_springs_and_dashpots_equal_the_reference(attraction):
+    """The reference takes the approach from the slip."""
+    values = (100.0, 0.7, 0.4, 0.5 * MASS, 2e-6, 0.8, attraction)
+    law, slow, pulls = spring_dashpot(*values), SpringDashpotLaw(*values), 0
+    for seed, slip_size in product(range(2), (1e-8, 2e-7, 2e-6)):
+        overlap, normal, slip = history(seed, slip_size)
+        for closed in closed_stretches(overlap):
+            path = contact_path(law, overlap[closed], normal[closed], slip[closed])
+            contact, before = Contact(), 0.0
+            steps = zip(overlap[closed], normal[closed], slip[closed], *path[:2], strict=True)
+            for gap, k_hat, ds, force, friction in steps:
+                moved = ds - (gap - before) * k_hat
+                expected, shear, contact = slow.update(contact, gap, k_hat, moved)
+                assert abs(force - expected) < 1e-12 * 1e-5 * law.damping
+                assert np.abs(friction - shear).max() < 1e-10 * 1e-5 * law.damping
+                before, pulls = gap, pulls + (force < 0)
+    assert bool(pulls) == (attraction == "kept")
 
 
 def test_histories_visit_sticking_sliding_reversal_and_forceless_contact():
@@ -109,9 +124,9 @@ def rest_overlap(law) -> float:
 
 
 @pytest.mark.parametrize("restitution", [0.3, 0.85, 1.0])
-@pytest.mark.parametrize("memory", MEMORIES)
-def test_force_loads_along_k1_and_unloads_and_reloads_along_k2(memory, restitution):
-    law = sphere_law(restitution=restitution, overlap_memory=memory)
+@pytest.mark.parametrize("readings", LAWS)
+def test_force_loads_along_k1_and_unloads_and_reloads_along_k2(readings, restitution):
+    law = sphere_law(restitution=restitution, **readings)
     rest = rest_overlap(law)
     rising = np.linspace(0.01, 1.0, 50) * PEAK
     falling = np.linspace(PEAK, 1.001 * rest + 1e-3 * PEAK, 50)
@@ -123,17 +138,17 @@ def test_force_loads_along_k1_and_unloads_and_reloads_along_k2(memory, restituti
     assert force[100:] == pytest.approx(expected, rel=1e-9)
     assert law.loading / law.unloading == pytest.approx(restitution**2, rel=1e-14)
     path = np.concatenate([np.linspace(0, PEAK, 5001)[1:], np.linspace(PEAK, 0, 5001)[1:-1]])
-    if memory == "separation":
+    if readings["overlap_memory"] == "separation":
         expected = 0.5 * law.loading * PEAK**2 * (1 - restitution**2)
         loss = np.trapezoid(normal_forces(law, path), path)
         assert loss == pytest.approx(expected, abs=1e-3 * law.loading * PEAK**2)
         assert dissipated_energy(law, path) == pytest.approx(expected, rel=1e-9, abs=1e-20)
 
 
-@pytest.mark.parametrize("memory", MEMORIES)
-def test_a_contact_without_force_loads_again_as_its_memory_says(memory):
+@pytest.mark.parametrize("readings", LAWS)
+def test_a_contact_without_force_loads_again_as_its_memory_says(readings):
     """Below the dent, separation stays without force, shrink pushes along K2, reset along K1."""
-    law = sphere_law(overlap_memory=memory)
+    law = sphere_law(**readings)
     low, rise = 0.5 * rest_overlap(law), 0.01 * PEAK
     force = normal_forces(law, [PEAK, low, low + rise])
     assert force[1] == 0.0
@@ -142,7 +157,7 @@ def test_a_contact_without_force_loads_again_as_its_memory_says(memory):
         "shrink": law.unloading * rise,
         "reset": law.loading * (low + rise),
     }
-    assert force[2] == pytest.approx(expected[memory], rel=1e-9, abs=1e-18)
+    assert force[2] == pytest.approx(expected[readings["overlap_memory"]], rel=1e-9, abs=1e-18)
 
 
 OVERLAP = 1e-5
@@ -162,10 +177,10 @@ def along_x(law, displacement) -> np.ndarray:
     return contact_path(law, overlap, np.tile(Z, (len(slip), 1)), slip)[1][:, 0]
 
 
-@pytest.mark.parametrize("exponent", EXPONENTS)
-def test_force_follows_the_differential_equation_up_and_back(exponent):
+@pytest.mark.parametrize("readings", [*LAWS, LAWS[2] | {"tangential_exponent": 2.0}])
+def test_force_follows_the_differential_equation_up_and_back(readings):
     """dT/ds = K_T(T), solved by an independent integrator in the unit mu F_N, within 1e-3."""
-    law = sphere_law(tangential_exponent=exponent)
+    law, exponent = sphere_law(**readings), readings["tangential_exponent"]
     limit = limit_of(law)
     length = limit / law.tangential
     turn = {0.0: 0.7, 1 / 3: 0.9, 1.0: 1.8, 2.0: 7.0}[exponent]
@@ -205,12 +220,11 @@ FORCE = 1e-3
 PATHS = range(40)
 
 
-def compare_springs(seed: int, steps: int, cap: str, swing: float):
-    """Engine and spring along one path: differences, slip per step and limit, all in N, (n,).
+def compare_springs(law, seed: int, steps: int, swing: float):
+    """Engine and spring along one path: differences, limit and forces of the spring, in N, (n,).
 
     An elastic law makes the normal force proportional to the overlap, so any F_N can be had.
     """
-    law = sphere_law(restitution=1.0, tangential_exponent=0.0, friction_cap=cap)
     path = 3.0 * law.limit.friction * FORCE / law.tangential * random_curve(seed, steps)
     slip = np.zeros((steps, 3))
     slip[:, :2] = np.diff(path, axis=0)
@@ -220,16 +234,17 @@ def compare_springs(seed: int, steps: int, cap: str, swing: float):
     friction = law.limit.friction
     expected = vector_spring(slip[:, :2].copy(), normal_force, law.tangential, friction)
     difference = np.linalg.norm(force[:, :2] - expected, axis=1)
-    loads = law.tangential * np.linalg.norm(slip, axis=1)
-    return difference, loads, friction * normal_force, np.linalg.norm(expected, axis=1)
+    return difference, friction * normal_force, np.linalg.norm(expected, axis=1)
 
 
-@pytest.mark.parametrize("cap", CAPS)
-def test_the_vector_spring_is_met_exactly(cap):
-    """At a constant normal force, and with the cap after at one that varies."""
-    sliding = []
-    for seed, swing in product(PATHS, (0.0, 0.7) if cap == "after" else (0.0,)):
-        difference, _, limit, size = compare_springs(seed, 1000, cap, swing)
+@pytest.mark.parametrize("readings", LAWS[1:])
+def test_the_vector_spring_is_met_exactly(readings):
+    """With exponent 0, at a constant normal force, and with the cap after at one that varies."""
+    law, sliding = sphere_law(restitution=1.0, **readings), []
+    law = law._replace(stiffening=type(law.stiffening)(0.0))
+    is_cut_after = readings["friction_cap"] == "after"
+    for seed, swing in product(PATHS, (0.0, 0.7) if is_cut_after else (0.0,)):
+        difference, limit, size = compare_springs(law, seed, 1000, swing)
         assert (difference < 1e-12 * limit).all()
         sliding.append(np.mean(size > (1 - 1e-9) * limit))
     assert 0.1 < np.mean(sliding) < 0.9
@@ -238,12 +253,12 @@ def test_the_vector_spring_is_met_exactly(cap):
 START = np.radians(60.0)
 
 
-def angles(sliding: str, step: float, steps: int, exponent: float = 1 / 3) -> np.ndarray:
+def angles(sliding: str, step: float, steps: int) -> np.ndarray:
     """Angles (S,) of the friction with a slip along x, of ``step`` μ F_N/K0 each.
 
     Before it the contact has slipped far at the angle START.
     """
-    law = sphere_law(sliding_direction=sliding, tangential_exponent=exponent)
+    law = sphere_law(sliding_direction=sliding)
     scale = law.limit.friction * law.loading * OVERLAP / law.tangential
     earlier_slip = np.tile([np.cos(START), np.sin(START), 0.0], (40, 1))
     slip = scale * np.concatenate([0.5 * earlier_slip, np.tile([step, 0.0, 0.0], (steps, 1))])
@@ -252,7 +267,7 @@ def angles(sliding: str, step: float, steps: int, exponent: float = 1 / 3) -> np
     return np.arctan2(friction[40:, 1], friction[40:, 0])
 
 
-@pytest.mark.parametrize("sliding", SLIDINGS)
+@pytest.mark.parametrize("sliding", ["printed", "slip"])
 def test_short_slips_turn_it_as_the_equation_says(sliding):
     errors = []
     for step in (0.1, 0.05, 0.025):
@@ -269,7 +284,9 @@ def test_it_settles_along_long_slips_but_as_printed(step):
     assert np.abs(angles("printed", step, 20)[-5:]).min() > 0.1
 
 
-@pytest.mark.parametrize(("sliding", "ratio"), [("slip", 0.1), ("printed", 0.08)])
+@pytest.mark.parametrize(
+    ("sliding", "ratio"), [("printed", 0.08), pytest.param("slip", 0.1, marks=pytest.mark.long)]
+)
 def test_what_a_flow_that_slides_feels_at_the_plane(sliding, ratio):
     """The coefficient of friction; as printed about three quarters of it."""
     point = chute_point(

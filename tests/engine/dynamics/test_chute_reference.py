@@ -6,8 +6,7 @@ import pytest
 from sim.engine.contact.spring_dashpot import spring_dashpot
 from sim.engine.systems import leap_frog
 from tests.engine.reference import chute as slow
-from tests.engine.reference.spring_dashpot import SpringDashpotLaw
-from tests.engine.reference.walton_braun import ContactLaw
+from tests.engine.reference.laws import ContactLaw, SpringDashpotLaw
 from tests.engine_motion.helpers import (
     GRAVITY,
     LAWS,
@@ -18,7 +17,7 @@ from tests.engine_motion.helpers import (
     weight_components,
     wrapped,
 )
-from tests.engine_motion.spheres import SphereMotion
+from tests.engine_motion.motion import SphereMotion
 
 STEPS = 80
 SPEED, SPIN = 0.05, 100.0
@@ -105,7 +104,7 @@ def test_short_flow_equals_the_reference(readings, base):
 
 
 @pytest.mark.parametrize("base", [0.0, 10 * RADIUS], ids=["on the plane", "free"])
-@pytest.mark.parametrize("attraction", ["kept", "clipped"])
+@pytest.mark.parametrize("attraction", ["kept", pytest.param("clipped", marks=pytest.mark.long)])
 def test_short_flow_of_springs_and_dashpots_equals_the_reference(base, attraction):
     step = 2e-6
     values = [

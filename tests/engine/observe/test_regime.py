@@ -255,11 +255,12 @@ def run_to_the_end(velocity, shortest):
     return length, start, trend, ""
 
 
-def test_a_run_stops_when_its_mean_is_known_well_enough():
-    """Of 30 noisy runs all stop at the target, before the limit, and nineteen in twenty cover."""
+@pytest.mark.parametrize("count", [10, pytest.param(30, marks=pytest.mark.long)])
+def test_a_run_stops_when_its_mean_is_known_well_enough(count):
+    """Noisy runs all stop at the target, before the limit, and nineteen in twenty cover."""
     rng = np.random.default_rng(5)
     covered, lengths = [], []
-    for _ in range(30):
+    for _ in range(count):
         velocity = 5.0 + with_transient(rng, 40_000, 10, 5.0, 0.004)
         length, _, trend, reason = run_to_the_end(velocity, 400)
         assert reason == regime.TARGET

@@ -8,8 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .spring_dashpot import SpringDashpotLaw
-from .walton_braun import Contact, ContactLaw
+from .laws import Contact, ContactLaw, SpringDashpotLaw
 
 PLANE = -1
 """Stands for particle j in the key of a contact with the plane."""

@@ -42,8 +42,8 @@ def transport_of_a_block(friction: float, strength: float, ratio: float, steps: 
     velocity, cycle = 0.0, []
     for _ in range(12):
         cycle = []
-        for goal, gain in zip(plane[1:], most, strict=True):
-            velocity += np.clip(goal - velocity, -gain, gain)
+        for goal, gain in zip(plane[1:].tolist(), most.tolist(), strict=True):
+            velocity += min(max(goal - velocity, -gain), gain)
             cycle.append(velocity)
     return np.mean(cycle) / (ratio * strength)
 

@@ -1,22 +1,26 @@
-"""The leap-frog loop: order, sums over steps, how it stops, and orientations (claim W4)."""
+"""Leap-frog: order, sums over steps, how it stops, orientations (claim W4); the beads' schemes."""
+
+from math import factorial
 
 import numpy as np
 import pytest
 
-from sim.engine.dynamics import spheres as engine
 from sim.engine.dynamics.cells import NOT_FINITE, OK, OVERLAP
-from sim.engine.dynamics.spheres import unrotated_orientations
+from sim.engine.dynamics.disks import CORRECTORS, TERMS, Gear, Verlet, flush, rescale_terms
 from sim.engine.systems import leap_frog
+from tests.engine.reference.belt import GEAR_COEFFICIENTS
 from tests.engine_motion.helpers import (
     GRAVITY,
     MASS,
     RADIUS,
-    compiled,
+    Oscillator,
+    damped_oscillation,
+    gear,
     lattice,
     sphere_law,
     weight_components,
 )
-from tests.engine_motion.spheres import SphereMotion
+from tests.engine_motion.motion import SphereMotion
 
 
 def bounce_error(steps_per_collision: float) -> float:
@@ -119,23 +123,11 @@ def test_short_flow_converges_with_the_time_step():
     assert errors[2] < 0.02
 
 
-rotate = compiled(engine.rotate)
-
-
-def turn(orientation, spin, time_step: float) -> None:
-    """Turn orientations (4, N) of spheres of many sizes by spins (N, 3) during one step."""
-    radius = RADIUS * np.linspace(0.5, 1.5, len(spin))
-    rotate(orientation, radius * np.transpose(spin), radius, time_step, 0, len(spin))
-
-
-def turn_steadily(spin, steps: int, angle: float) -> np.ndarray:
-    """Orientations after a total rotation by ``angle`` about constant spins (N, 3)."""
-    spin = np.atleast_2d(np.array(spin, float))
-    orientation = unrotated_orientations(len(spin))
-    time_step = angle / np.linalg.norm(spin[0]) / steps
-    for _ in range(steps):
-        turn(orientation, spin, time_step)
-    return orientation.T
+def turn_steadily(spin, steps: int, angle: float) -> SphereMotion:
+    """A free sphere after a total rotation by ``angle`` about a constant spin (1/s)."""
+    time_step = angle / np.linalg.norm(spin) / steps
+    options = {"orientations": True, "time_step": time_step, "radius": 0.7 * RADIUS}
+    return SphereMotion([[0, 0, 50 * RADIUS]], np.zeros((1, 3)), [spin], **options).run(steps)
 
 
 def exact(spin, angle: float) -> np.ndarray:
@@ -146,19 +138,17 @@ def exact(spin, angle: float) -> np.ndarray:
 @pytest.mark.parametrize("spin", [(0, 0, 3.0), (40.0, 0, 0), (0, -5.0, 0), (1.0, -2.0, 2.0)])
 def test_constant_spin_gives_the_exact_rotation(spin):
     """Half a turn in steps as in a flow (0.1 degrees): right to third order in the step."""
-    orientation_now = turn_steadily(spin, 1800, np.pi)[0]
-    assert orientation_now == pytest.approx(exact(spin, np.pi), abs=1e-6)
-    coarse = np.abs(turn_steadily(spin, 90, np.pi)[0] - exact(spin, np.pi)).max()
-    fine = np.abs(turn_steadily(spin, 180, np.pi)[0] - exact(spin, np.pi)).max()
-    assert coarse / fine == pytest.approx(4.0, rel=0.05)
+    found = [turn_steadily(spin, steps, np.pi).orientation[0] for steps in (90, 180, 1800)]
+    errors = [np.abs(one - exact(spin, np.pi)).max() for one in found]
+    assert errors[2] < 1e-6
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.05)
 
 
 def test_spins_are_along_the_axes_of_the_laboratory():
     """A quarter turn about x, then one about z, takes the body's y axis to the laboratory's z."""
-    orientation = np.ascontiguousarray(turn_steadily((1.0, 0, 0), 5000, np.pi / 2).T)
-    for _ in range(5000):
-        turn(orientation, np.array([[0.0, 0.0, 1.0]]), np.pi / 10_000)
-    w, x, y, z = orientation[:, 0]
+    motion = turn_steadily((1.0, 0, 0), 5000, np.pi / 2)
+    motion.spheres.rim[:] = np.array([[0.0], [0.0], [1.0]]) * motion.spheres.radius
+    w, x, y, z = motion.run(5000).orientation[0]
     images_of_y = np.array([2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)])
     assert images_of_y == pytest.approx([0.0, 0.0, 1.0], abs=1e-5)
     images_of_x = np.array([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)])
@@ -178,3 +168,80 @@ def test_trajectories_do_not_depend_on_orientations_by_a_single_bit():
     assert len(unoriented.orientation) == 0
     assert np.abs(oriented.orientation[:, 1:]).max() > 0.1
     assert np.linalg.norm(oriented.orientation, axis=1) == pytest.approx(1.0, abs=1e-14)
+
+
+RATE, END = 0.3, 10.0
+OSCILLATOR = Oscillator(1.0, 2 * RATE)
+
+
+def derivatives(time: float) -> np.ndarray:
+    """Position of x'' = -x - 2 RATE x', x(0) = 1, x'(0) = 0, and its first five derivatives."""
+    root = complex(-RATE, np.sqrt(1 - RATE**2))
+    weight = -root.conjugate() / (root - root.conjugate())
+    return np.array([2 * (weight * root**k * np.exp(root * time)).real for k in range(TERMS)])
+
+
+def oscillate(integrator, steps: int, known_terms: int = TERMS, corrections: int = 1):
+    """Taylor terms (6,) at END from an exact start that knows some derivatives."""
+    step = END / steps
+    scale = np.array([step**k / factorial(k) for k in range(TERMS)])
+    taylor = np.zeros((TERMS, 2, 1))
+    taylor[:known_terms, :, 0] = (derivatives(0.0) * scale)[:known_terms, None]
+    damped_oscillation(integrator(step), taylor, OSCILLATOR, steps, corrections)
+    return taylor[:, 0, 0] / scale
+
+
+def orders(integrator, known_terms: int = TERMS, corrections: int = 1) -> np.ndarray:
+    """Observed orders of position and velocity between 200, 400 and 800 steps."""
+    exact = derivatives(END)[:2]
+    errors = [
+        oscillate(integrator, steps, known_terms, corrections)[:2] - exact
+        for steps in (200, 400, 800)
+    ]
+    return np.log2(np.abs(np.array(errors[:-1]) / np.array(errors[1:])))
+
+
+@pytest.mark.parametrize("corrections", [1, 2])
+@pytest.mark.parametrize("order", CORRECTORS)
+def test_gear_is_of_the_order_that_it_says(order, corrections):
+    assert orders(gear(order), order + 1, corrections).min() == pytest.approx(order, abs=0.2)
+    assert not oscillate(gear(order), 50, order + 1)[order + 1 :].any()
+
+
+def test_gear_started_from_the_acceleration_alone_is_of_second_order_or_better():
+    assert orders(Gear, known_terms=3).min() > 1.9
+
+
+def test_verlet_is_of_second_order_without_damping_and_stays_so_with_it():
+    """The damping sees a predicted velocity, with an error of second order in the acceleration."""
+    assert orders(Verlet).min() > 1.8
+    assert abs(oscillate(Verlet, 800)[0] - derivatives(END)[0]) < 1e-4
+
+
+@pytest.mark.parametrize("order", GEAR_COEFFICIENTS)
+def test_corrector_coefficients_are_those_for_forces_that_depend_on_the_velocity(order):
+    padded_coefficients = (*GEAR_COEFFICIENTS[order], *[0.0] * (TERMS - order - 1))
+    assert CORRECTORS[order] == pytest.approx(padded_coefficients, rel=1e-15)
+
+
+@pytest.mark.parametrize("integrator", [Gear, Verlet])
+def test_a_new_time_step_goes_on_along_the_same_motion(integrator):
+    """Half the way with one step, half with another three times as long."""
+    short, long = END / 6000, END / 2000
+    scale = np.array([short**k / factorial(k) for k in range(TERMS)])
+    taylor = np.zeros((TERMS, 2, 1))
+    taylor[:, :, 0] = (derivatives(0.0) * scale)[:, None]
+    damped_oscillation(integrator(short), taylor, OSCILLATOR, 3000, 1)
+    before = taylor[:3, 0, 0] / [1.0, short, short**2]
+    rescale_terms(taylor, short, long)
+    assert taylor[:3, 0, 0] / [1.0, long, long**2] == pytest.approx(before, rel=1e-12)
+    damped_oscillation(integrator(long), taylor, OSCILLATOR, 1000, 1)
+    assert taylor[0, 0, 0] == pytest.approx(derivatives(END)[0], abs=2e-5)
+
+
+def test_flush_takes_subnormal_terms_only():
+    taylor = np.full((TERMS, 2, 3), 1e-150)
+    taylor[:, :, 1] = 1e-310
+    flush(taylor)
+    assert (taylor[2:, :, 1] == 0.0).all() and (taylor[:2, :, 1] > 0.0).all()
+    assert (taylor[:, :, [0, 2]] == 1e-150).all()

@@ -1,22 +1,28 @@
-"""Spheres in motion under the engine's kernels alone, and impacts of two or with the plane."""
+"""Spheres and disks in motion under the kernels alone, and impacts of two or with the plane."""
 
 from functools import partial
 
 import numpy as np
 
+from sim.engine.boundary.belt import Belt, Obstacle
 from sim.engine.boundary.drive import Gravity
 from sim.engine.boundary.plane import make_plane
 from sim.engine.compile import address_of, kind_of
+from sim.engine.contact.damping import SpringDamping
 from sim.engine.contact.friction import enlarge_memory, make_memory
 from sim.engine.dynamics.cells import make_box
-from sim.engine.dynamics.neighbors import double_room, empty_pair_list
+from sim.engine.dynamics.disks import Gear, make_disks
+from sim.engine.dynamics.neighbors import double_room, empty_pair_list, make_search
 from sim.engine.dynamics.spheres import SOLID, make_scratch, make_spheres
 from sim.engine.dynamics.team import Team
-from sim.engine.systems import leap_frog
+from sim.engine.systems import leap_frog, shaking
 from sim.engine.systems.sharing import Thread, refresh_together
 from tests.engine_motion.helpers import (
+    BEAD,
+    BEAD_MASS,
     MASS,
     RADIUS,
+    bead_law,
     collision_time,
     initial_order,
     run_on,
@@ -77,12 +83,19 @@ class SphereMotion:
 
     def _advance(self, steps: int, rank: int) -> int:
         contacts = leap_frog.FlowContacts(self.laws, self.pairs, self.plane, self.memory)
-        drive = Gravity(self.gravity)
-        thread = Thread(rank, self.team.gate, self.scratch[rank])
-        moved = self.spheres, self.pairs, self.plane, self.flow.sharing, thread, self.memory[0]
+        drive, (*_, thread, _) = Gravity(self.gravity), (moved := self._moved(rank))
         refresh = address_of(refresh_together, kind_of(*moved), *moved)
         motion = leap_frog.Motion(drive, self.time_step, self.overlap_limit, self._inertia, refresh)
         return leap_frog.advance_spheres(self.spheres, contacts, self.flow, motion, thread, steps)
+
+    def _moved(self, rank: int = 0) -> tuple:
+        """Arguments of the kernel that rebuilds the list."""
+        thread = Thread(rank, self.team.gate, self.scratch[rank])
+        return self.spheres, self.pairs, self.plane, self.flow.sharing, thread, self.memory[0]
+
+    def refresh(self) -> int:
+        """Rebuild the list of a single thread; return the status."""
+        return refresh_together(*self._moved())
 
     def run(self, steps: int) -> "SphereMotion":
         """Advance by a number of steps, giving the list more room as needed."""
@@ -181,11 +194,10 @@ class Impacts:
     the direction across both. The momenta of a pair cancel.
     """
 
-    def __init__(self, law, radii, mass, time_step, speeds, slides=0.0, spins=0.0, frame=None):
+    def __init__(self, law, radii, mass, time_step, speeds, slides=0.0, spins=0.0):
         self.radii, self.mass = np.array(radii, float), np.array(mass, float)
         self.step, self.is_pair = time_step, len(radii) == 2
-        first = [NORMAL, TANGENT] if self.is_pair else [[0, 0, -1.0], [0, 1.0, 0]]
-        self.frame = np.array(first if frame is None else frame, float)
+        self.frame = np.array([NORMAL, TANGENT] if self.is_pair else [[0, 0, -1.0], [0, 1.0, 0]])
         self.axes = np.vstack([self.frame, np.cross(*self.frame)])
         normal, tangent = self.frame
         speeds = np.atleast_1d(np.array(speeds, float))
@@ -250,3 +262,98 @@ class Impacts:
     def slips(self) -> np.ndarray:
         """Return the velocities of the surfaces along each other, m/s (n,)."""
         return self.velocities()[:, 1] - self.velocities()[:, 2:].sum(axis=1)
+
+
+AT_REST = Belt(0.0, 0.0, 0.0, 0.0, 0.0)
+NO_OBSTACLE = Obstacle(0.0, 0.0, 0.0)
+
+
+class DiskMotion:
+    """Disks above the belt under the engine's integrators, without a system around them.
+
+    ``acceleration`` (m/s2) is what the integrator is told of the past; without it the first step is
+    a little off, as with every predictor that starts from position and velocity alone. The engine
+    sorts its ``disks``; the properties are in the order of the initial state.
+    """
+
+    def __init__(
+        self,
+        position,
+        velocity,
+        *,
+        acceleration=0.0,
+        law: SpringDamping | None = None,
+        integrator=Gear,
+        time_step: float = 2.5e-5,
+        radius=0.5 * BEAD,
+        mass=BEAD_MASS,
+        width: float = 20 * BEAD,
+        gravity: float = 0.0,
+        belt: Belt = AT_REST,
+        obstacle: Obstacle = NO_OBSTACLE,
+        skin: float = 0.3 * BEAD,
+        room: int = 12,
+        overlap_limit: float = 0.95,
+        corrections: int = 1,
+    ):
+        self.law, self.integrator = law or bead_law(), integrator(time_step)
+        self.disks = make_disks(position, velocity, radius, mass, time_step)
+        self.disks.taylor[2] = 0.5 * np.transpose(acceleration) * time_step**2
+        self.loop, self.length, self.box = shaking.make_shaking(), (width, 0.0), make_box(width)
+        self.pairs = empty_pair_list(self.disks.radius, self.box, skin, room)
+        self.search = make_search(len(self.disks.mass))
+        self.belt, self.obstacle = belt, obstacle
+        refresh = address_of(shaking.refresh_beads, "", self.disks, self.pairs)
+        self.motion = shaking.BedMotion(
+            self.integrator, gravity, overlap_limit, corrections, refresh
+        )
+
+    def _ordered(self, columns) -> np.ndarray:
+        return initial_order(columns, self.disks.label)
+
+    @property
+    def taylor(self) -> np.ndarray:
+        """Taylor terms (6, N, 2), m."""
+        return np.array([self._ordered(term) for term in self.disks.taylor])
+
+    @property
+    def position(self) -> np.ndarray:
+        """Positions (N, 2), m."""
+        return self._ordered(self.disks.taylor[0])
+
+    @property
+    def velocity(self) -> np.ndarray:
+        """Velocities (N, 2), m/s."""
+        return self._ordered(self.disks.taylor[1]) / self.integrator.time_step
+
+    @property
+    def force(self) -> np.ndarray:
+        """Forces of the last step (N, 2), N."""
+        return self._ordered(self.disks.force)
+
+    @property
+    def mass(self) -> np.ndarray:
+        """Masses (N,), kg."""
+        return self._ordered(self.disks.mass)
+
+    @property
+    def radius(self) -> np.ndarray:
+        """Radii (N,), m."""
+        return self._ordered(self.disks.radius)
+
+    def advance(self, steps: int) -> int:
+        """Advance by a number of steps, once; return the status."""
+        contacts = shaking.BedContacts(self.law, self.pairs, self.belt, self.obstacle, self.search)
+        return shaking.advance_disks(self.disks, contacts, self.loop, self.motion, steps)
+
+    def refresh(self) -> int:
+        """Rebuild the list; return the status."""
+        return shaking.refresh_beads(self.disks, self.pairs)
+
+    def run(self, steps: int) -> "DiskMotion":
+        """Advance by a number of steps, giving the list more room as needed."""
+        return run_on(self, self.loop, steps)
+
+    def make_room(self) -> None:
+        """Double the room of the list."""
+        self.pairs = double_room(self.pairs)

@@ -1,1 +1,0 @@
-"""Deliberate bugs, to see that the tests notice them."""
