@@ -38,19 +38,19 @@ ONLY = {
 #: Most lines of code of each room: no docstring, comment, import or blank line. Whoever adds takes
 #: away elsewhere; a commit that raises a number here says what for.
 WEIGHT = {
-    "base": 1_431,
-    "parameters": 1_411,
-    "study": 3_407,
-    "engine": 5_668,
+    "base": 1_400,
+    "parameters": 1_354,
+    "study": 3_042,
+    "engine": 5_566,
     "laws": 182,
     "engines": 402,
     "measures": 455,
-    "dataset": 1_545,
-    "surrogates": 1_785,
-    "figures": 3_621,
-    "claims": 1_435,
-    "papers": 2_324,
-    "report": 2_537,
+    "dataset": 1_481,
+    "surrogates": 1_678,
+    "figures": 3_246,
+    "claims": 1_344,
+    "papers": 2_187,
+    "report": 2_385,
 }
 
 
