@@ -1,4 +1,4 @@
-"""Hertz's law: exact results, its differential equations; the belt's drags."""
+"""Hertz's law: exact results, its differential equations, full Mindlin; the belt's drags."""
 
 from math import sqrt
 
@@ -11,7 +11,7 @@ from sim.engine.contact.functions import PartnerLaw
 from sim.laws.hertz import effective_modulus, force
 from sim.parameters import ChuteParameters
 from sim.parameters.dashpot import damping_fraction
-from tests.engine.reference.hertz_impact import Friction, rebound
+from tests.engine.reference.hertz_impact import Friction, mindlin_rebound, rebound
 from tests.engine_motion.motion import Impacts
 
 #: Of spheres with Poisson's ratio 0.3.
@@ -130,6 +130,19 @@ def test_a_closed_cycle_of_shear_and_load_has_its_exact_work(sheared_at, unloadi
     )
     assert work == pytest.approx(0.5 * (k - 2 * held + other) * s**2, rel=1e-9)
     assert (work > 0) == (sheared_at == "shallow" or unloading == "rescaled")
+
+
+def test_full_mindlin_slides_and_rebounds_alike_where_impacts_slide_most_of_the_time():
+    """Micro-slip gives up tangential energy of sticking impacts, which the law does not."""
+    law, critical = Friction(SHARE, 0.3), 7 * SHARE - 1
+    angles = np.array([0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, critical, 6.0])
+    slopes = angles * law.friction / law.share
+    slips_of_law, full = impacts(law, slopes=slopes).slips(), mindlin_rebound(law, slopes)
+    difference = (slips_of_law - full) * law.share / law.friction
+    assert (np.abs(difference[angles < critical]) < 0.5).all()
+    assert (np.abs(difference[angles >= 3.0]) < 0.22).all()
+    assert (np.abs(difference[angles >= critical]) < 3e-3).all()
+    assert (full[(angles > 0.7) & (angles < critical)] < 0).all()
 
 
 def test_hertz_at_a_hundredth_of_a_diameter_is_the_spring():
