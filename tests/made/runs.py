@@ -162,13 +162,18 @@ def _attributes(parameters: Parameters, failed: Sequence[int], numerics: int) ->
 STUDY = """\
 study: made
 title: A made-up study
-defaults: {chute: {replicates: 2}, belt: {replicates: 3}}
+defaults:
+  chute: {replicates: 2}
+  belt: {replicates: 3}
 series:
   - name: depths
     system: chute
     grid: {depth: [0.5, 2.5, 5, 10], restitution: [0.7, 0.85]}
     figures: [walton_2]
-  - {name: rough, system: chute, grid: {depth: [2.5, 5], friction: [0.4, 0.5]}, figures: [walton_2]}
+  - name: rough
+    system: chute
+    grid: {depth: [2.5, 5], friction: [0.4, 0.5]}
+    figures: [walton_2]
   - name: angles
     system: belt
     grid: {frequency: [10, 20, 50, 80], vibration_angle: [30, 45, 60]}
