@@ -33,7 +33,7 @@ EVERY, DURATION = 2, 130
 _FOLLOWED, _MARKS = 8, 2.0
 
 #: Most inches of a picture's width, of its height, and of a diameter in it.
-_MOST_WIDTH, _MOST_HEIGHT, _MOST_DIAMETER = 7.4, 6.0, 0.5
+_MOST_WIDTH, _MOST_HEIGHT, _MOST_DIAMETER = 7.4, 6.0, 0.85
 
 #: Quantiles of the velocities between which colours differ: a single fast particle would otherwise
 #: give all others one colour.
