@@ -23,20 +23,17 @@ from sim.figures.spheres import COLOURS, DARK, Scene, across_sides, draw_particl
 from sim.figures.style import SETTINGS, SHORT_DASH
 from sim.study.plottable import TALLEST
 
-#: Number of frames of a chute flow.
-FRAMES = 24
-
-#: How far the fastest spheres may go from frame to frame, in diameters, for the eye to follow them.
-STRIDE = 0.35
+#: Frames of a chute flow, and how far the fastest spheres go from one to the next, in diameters.
+FRAMES, STRIDE = 24, 0.35
 
 #: A frame shows one state of so many of the path, for so long (ms).
 EVERY, DURATION = 2, 130
 
-#: Distance of the marks on the belt, in mean diameters.
-_MARKS = 2.0
+#: Beads whose paths are drawn, and distance of the marks on the belt, in mean diameters.
+_FOLLOWED, _MARKS = 8, 2.0
 
 #: Most inches of a picture's width, of its height, and of a diameter in it.
-_MOST_WIDTH, _MOST_HEIGHT, _MOST_DIAMETER = 7.4, 6.0, 0.5
+_MOST_WIDTH, _MOST_HEIGHT, _MOST_DIAMETER = 7.4, 6.0, 0.85
 
 #: Quantiles of the velocities between which colours differ: a single fast particle would otherwise
 #: give all others one colour.
@@ -46,8 +43,7 @@ _COLOUR_QUANTILES = (0.02, 0.98)
 def select(data: FigureData) -> FigureData:
     """Return the data with a single point: the first with particles, published protocol first.
 
-    With the option ``point: "slowest"`` of a figure, slower flows precede faster ones. Without any
-    particles, the first point is taken.
+    With ``point: "slowest"``, slower flows precede faster ones.
     """
     rows = data.rows
     if data.spec.point == "slowest":
@@ -168,11 +164,10 @@ class ParticleFrames:
 
 
 def _animate_belt(row: Mapping[str, Any], state: xr.Dataset) -> Animation:
-    path, time = state["path"].values.astype(float), state["path_time"].values.astype(float)
-    speed, sizes = np.gradient(path[..., 0], time, axis=0), 2 * state["radius"].values
-    beads = ParticleFrames(
-        path / row["diameter"], speed, sizes / row["diameter"], float(row["width"])
-    )
+    position, time = state["path"].values.astype(float), state["path_time"].values.astype(float)
+    speed, unit = np.gradient(position[..., 0], time, axis=0), row["diameter"]
+    sizes = 2 * state["radius"].values / unit
+    beads = ParticleFrames(position / unit, speed, sizes, float(row["width"]))
     low, high = -row["amplitude"] - 1.0, min(beads.ends[1] + 0.5, TALLEST)
     figure, axes = beads.prepare(low, high)
     axes.set(xlabel="along the belt x/⟨d⟩", ylabel="height z/⟨d⟩")
@@ -181,17 +176,26 @@ def _animate_belt(row: Mapping[str, Any], state: xr.Dataset) -> Animation:
     draw_obstacle(axes, row)
     drawn = [beads.draw(axes, 0)]
     (line,) = axes.plot([], [], "|-", color=DARK, linewidth=2.2, markersize=9, zorder=3)
+    first = beads.position[0, :, 0]
+    followed = np.argsort(first)[:: max(1, len(first) // _FOLLOWED)]
+    # Each path begins within the cell.
+    paths = beads.position[:, followed] - [[beads.period, 0]] * (
+        first[followed, None] // beads.period
+    )
+    look: dict[str, Any] = {"color": "#d55e00", "linewidth": 0.9, "zorder": 4}
+    trails = [axes.plot([], [], **look)[0] for _ in followed]
     clock = axes.set_title(" ", loc="left", fontsize=8.5)
 
     def show(frame: int) -> None:
         number = EVERY * frame
+        for trail, path in zip(trails, paths[: number + 1].transpose(1, 2, 0), strict=True):
+            trail.set_data(*path)
         drawn.pop().remove()
         drawn.append(beads.draw(axes, number))
         places, level = belt_marks(row, time[number])
         line.set_data(places, np.full(len(places), level))
-        clock.set_text(
-            f"f = {row['frequency']:g} Hz, t = {time[number] * row['frequency']:.2f} cycles"
-        )
+        cycles = time[number] * row["frequency"]
+        clock.set_text(f"f = {row['frequency']:g} Hz, t = {cycles:.2f} cycles")
 
     return Animation(figure, (len(time) - 1) // EVERY, show, DURATION)
 

@@ -114,10 +114,7 @@ def draw_obstacle(axes: Axes, row: Mapping[Any, Any]) -> None:
 
 
 def _draw_belt(axes: Axes, row: Mapping[Any, Any], beads: np.ndarray) -> None:
-    """Draw the average position of the belt and the obstacle, and count beads above the picture.
-
-    ``beads`` are their lowest heights (⟨d⟩).
-    """
+    """Draw the belt and the obstacle, and count beads whose lowest height is above the picture."""
     draw_obstacle(axes, row)
     axes.axhline(0, color="black", linewidth=1.3, label="average position of the belt")
     if count := int((beads > axes.get_ylim()[1]).sum()):

@@ -49,8 +49,7 @@ def current_record(
 ) -> FigureRecord | None:
     """Return the record of a figure as its files are now, or None where a file is missing.
 
-    The source is the hash of ``code``, entry of the catalogue, dataset and the answer that it
-    shows, if any.
+    It was drawn by ``code`` from an entry of the catalogue, a dataset, and its answer, if any.
     """
     source = hashlib.sha256(f"{code} {spec!r}".encode())
     try:
