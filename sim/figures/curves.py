@@ -37,6 +37,8 @@ from sim.figures.style import (
     PALE_LINE,
     PALE_MARKER_SIZE,
     PATTERNS,
+    RING,
+    RING_MEANS,
     CurveStyle,
     Look,
     explain_markers,
@@ -129,6 +131,9 @@ def _draw_family(
     if rows.empty:
         return
     explain_markers(axes, rows)
+    value, half = quantity.value[rows.index], quantity.half_width[rows.index]
+    if half.notna().any() and (is_single := half.isna() & value.notna()).any():
+        axes.plot(rows[x[0]][is_single], value[is_single], label=RING_MEANS, **RING)
     curves = split_curves(rows, x[0], keys, ())
     curves.sort(key=lambda curve: curve[1]["protocol"].iloc[0] != "published")
     labels, styles = labels_and_styles([names for names, _ in curves], look)

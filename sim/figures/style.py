@@ -60,8 +60,15 @@ SETTINGS: dict[Any, Any] = {
 #: Opacity of what is pale.
 PALE = 0.3
 
-#: Legend entries of markers that are pale or open.
-MEANINGS = PALE_MEANS, OPEN_MEANS = "may be steady (short run)", "not steady"
+#: Legend entries of markers that are pale, open or have a ring.
+MEANINGS = "may be steady (short run)", "not steady", "one replicate"
+PALE_MEANS, OPEN_MEANS, RING_MEANS = MEANINGS
+
+#: Look of the ring around a point of one replicate where others have bars.
+RING: dict[str, Any] = {
+    **{"marker": "o", "markersize": 8.5, "markerfacecolor": "none", "markeredgewidth": 0.8},
+    **{"linestyle": "none", "color": "#666666", "zorder": 3.2},
+}
 
 #: Style of a line of the converged protocol beside the published one, and size of its markers where
 #: no line joins them.

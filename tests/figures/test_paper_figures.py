@@ -17,7 +17,7 @@ from sim.figures.curves import MOST_BARS, quantities_by_axis
 from sim.figures.plot import completed_rows
 from sim.figures.profiles import THIN, means
 from sim.figures.regimes import MARKS, boundary_sentences, creeping
-from sim.figures.style import DASH_DOT, DOTTED, LONG_DASH, SHORT_DASH
+from sim.figures.style import DASH_DOT, DOTTED, LONG_DASH, RING_MEANS, SHORT_DASH
 from sim.parameters import BeltParameters
 from sim.study.load import load_study
 from tests.figures import drawing
@@ -190,6 +190,15 @@ def test_a_crowded_line_has_a_band_and_lines_join_no_open_marker(made_dataset):
 
 
 # Profiles of the belt.
+
+
+def test_a_ring_marks_what_one_replicate_tells_where_others_have_bars(made_dataset):
+    data = data_of_figure("gallas_6", made_dataset)
+    rows = data.rows.assign(half_width=data.rows["half_width"].where(np.arange(len(data.rows)) > 0))
+    axes = picture(replace(data, rows=rows)).axes[0]
+    (ring,) = (line for line in axes.get_lines() if line.get_label() == RING_MEANS)
+    assert ring.get_ydata() == rows["velocity"].iloc[:1].to_list()
+    assert all(line.get_label() != RING_MEANS for line in picture(data).axes[0].get_lines())
 
 
 def profiles(data) -> pd.DataFrame:
