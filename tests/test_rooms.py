@@ -40,14 +40,14 @@ ONLY = {
 WEIGHT = {
     "base": 1_400,
     "parameters": 1_354,
-    "study": 3_042,
-    "engine": 5_566,
+    "study": 3_044,
+    "engine": 5_571,
     "laws": 182,
     "engines": 402,
     "measures": 455,
     "dataset": 1_481,
     "surrogates": 1_678,
-    "figures": 3_246,
+    "figures": 3_260,
     "claims": 1_344,
     "papers": 2_187,
     "report": 2_385,
@@ -92,7 +92,9 @@ def lines_of_code(path: Path) -> int:
 
 @pytest.mark.parametrize("room", [*ROOMS, PAPERS])
 def test_a_room_is_no_heavier_than_its_price(room):
-    assert sum(map(lines_of_code, (PACKAGE / room).rglob("*.py"))) <= WEIGHT[room]
+    weight = sum(map(lines_of_code, (PACKAGE / room).rglob("*.py")))
+    remedy = "take as many away, or raise WEIGHT and say in the commit what for"
+    assert weight <= WEIGHT[room], f"{room}: {weight} lines of code: {remedy}"
 
 
 def test_the_package_holds_its_rooms_and_the_papers():

@@ -333,7 +333,8 @@ def replicate_values(
 ) -> list[np.ndarray]:
     """Return one array per point: an observable of its replicates, in SI units.
 
-    Replicates that failed, or have no finite value, are left out.
+    Replicates that failed, or have no finite value, are left out: values of two observables are not
+    of the same replicates.
     """
     if observable.is_mean:
         values = [_means(results, point, observable.source) for point in points]

@@ -102,6 +102,10 @@ _VARIABLE = "TALUS_CACHE_DIR"
 #: Name of a folder of compiled code: hashes of the sources and of plug-ins.
 _FOLDER_NAME = re.compile(r"[0-9a-f]{12}(-[0-9a-f]{12})?")
 
+#: Ends of numba's files in such a folder, and of all files there.
+_COMPILED = (".nbi", ".nbc")
+_CACHED = (*_COMPILED, ".json", ".txt")
+
 
 def cache_directory(with_plugins: bool = True) -> Path:
     """Return the folder of compiled code for the present sources and plug-ins.
@@ -138,14 +142,17 @@ def cache_directory(with_plugins: bool = True) -> Path:
 def remove_cache() -> str:
     """Remove the folders of compiled code; return a line that says where and how much.
 
-    The next run compiles again. A folder without compiled code stays.
+    The next run compiles again. A folder that holds anything else stays.
     """
     folder = Path(os.environ.get(_VARIABLE) or cache_folder() / "talus")
     size = 0
     for path in folder.glob("*"):
-        is_ours = _FOLDER_NAME.fullmatch(path.name) and not path.is_symlink()
-        if is_ours and list(path.rglob("*.nbi")):
-            size += sum(file.lstat().st_size for file in path.rglob("*"))
+        if not _FOLDER_NAME.fullmatch(path.name) or path.is_symlink():
+            continue
+        files = [file for file in path.rglob("*") if not file.is_dir() or file.is_symlink()]
+        is_ours = all(file.suffix in _CACHED or file.name.startswith("warm-") for file in files)
+        if is_ours and any(file.suffix in _COMPILED for file in files):
+            size += sum(file.lstat().st_size for file in files)
             shutil.rmtree(path)
     return f"{folder}: {size / 1e6:.0f} MB of compiled code removed"
 

@@ -111,7 +111,7 @@ def _distribution_notes(data: FigureData) -> list[str]:
     missing = sum(not one.size for one in values)
     omitted = int(np.isnan(above_zero(data, "y", np.concatenate([np.zeros(0), *values]))).sum())
     return [
-        "A dot per completed replicate, spread sideways; bars: medians. x is not to scale.",
+        "A dot per replicate, spread sideways; bars: medians. x is not to scale.",
         *not_drawn(missing, "without a value"),
         *not_drawn(omitted, "replicates not above 0 on a logarithmic axis"),
     ]

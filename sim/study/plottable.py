@@ -305,6 +305,8 @@ def find_observable(kind: str, key: str, name: str, system: str, error: ErrorMak
     observables = shows(system)
     if name in observables:
         return observables[name]
+    if name in SYSTEMS[system].model_fields:
+        raise error(key, name, f"an observable of the {system}; {name} is a parameter")
     for other in SYSTEMS:
         if name in shows(other):
             allowed = f"an observable of the {system}; {name} is one of the {other}"

@@ -109,7 +109,7 @@ def test_only_what_was_published_is_replaced(finished, tmp_path, monkeypatch, pl
         ("replicates: 3", "replicates: 4", "replicates of belt-"),
         ("title: A made-up", "title: Another", "title"),
         ("name: rough", "name: smooth", "series of chute-"),
-        ("0.5]}\n    figures: [walton_2]", "0.5]}", "figures of chute-"),
+        ("0.85]}\n    figures: [walton_2]", "0.85]}", "figures of chute-"),
     ],
 )
 def test_a_study_changed_since_its_runs_is_refused(finished, monkeypatch, old, new, named, capsys):

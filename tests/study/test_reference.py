@@ -17,6 +17,7 @@ from sim.parameters.choices import extended
 from sim.parameters.laws import MOTION, law
 from sim.study.figure_spec import FIGURES
 from sim.study.load import load_study, parse_study
+from sim.study.plottable import study_kinds
 from sim.study.reference import BEGIN, END, insert_reference, reference_text, schema, schema_text
 from tests.made.plugins import restore_plugins
 
@@ -144,3 +145,9 @@ def test_the_motions_are_what_each_says_of_itself(tmp_path):
         said = extended(BeltParameters, MOTION).model_fields["motion"].description
     usual = shipped("motion")["harmonic"].description
     assert said == f"motion of the base: harmonic ({usual}), slow (a slow one), fast"
+
+
+def test_every_kind_of_plot_is_told():
+    plots = (CONFIG.parent / "docs" / "plots.md").read_text(encoding="utf-8")
+    for kind in study_kinds():
+        assert f"`{kind}`" in GUIDE and f"`{kind}`" in plots, kind
