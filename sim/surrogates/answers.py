@@ -226,7 +226,10 @@ def summary_lines(study: Study, folder: Path) -> list[str]:
 
 def _summary_line(path: Path) -> str:
     """Return what an answer says of itself, and what is doubtful about it."""
-    if path.suffix == ".csv":
+    is_table = path.suffix == ".csv"
+    if read_table(path) is None if is_table else is_damaged(path):
+        return f"{answer_name(path)}: its file is damaged; rerun the study"
+    if is_table:
         line = table_line(path)
         line = line and f"{answer_name(path)}: {line}"
     else:

@@ -242,7 +242,8 @@ def make_asking(folder: Path) -> tuple[Path, Path]:
 def test_the_outline_is_as_it_was(name, make, tmp_path):
     """Of the report with all that there can be, and of one's own study, whose plots come first."""
     page = Page(make(tmp_path)[1].read_text(encoding="utf-8"))
-    assert page.outline().splitlines() == outline_file(name).read_text("utf-8").splitlines()
+    before = outline_file(name).read_text("utf-8").splitlines()
+    assert page.outline().splitlines() == before, "python -m tests.report.test_page writes it anew"
     targets = {one["href"] for one in page.all("a") if one.get("href", "").startswith("#")}
     assert {target[1:] for target in targets} <= {
         attrs["id"] for _, attrs in page.elements if "id" in attrs

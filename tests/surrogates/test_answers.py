@@ -1,6 +1,7 @@
 """Answers of a study with made-up runs, some refused: their numbers, and what every view tells."""
 
 import ast
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -134,6 +135,20 @@ def test_each_question_says_in_a_line_what_it_found_or_why_it_has_no_answer(fold
     assert as_text(survey(study, folder.parent)).endswith("\n".join(lines))
     with xr.open_dataset(folder / "calibration" / "dust.nc") as file:
         assert file.attrs["refusal"] == lines[-1]
+
+
+def test_an_answer_whose_file_has_changed_is_told_as_damaged(folder, tmp_path):
+    study, copy = _study(folder), Path(shutil.copytree(folder, tmp_path / "asked"))
+    told = zip(study.questions, summary_lines(study, folder), strict=True)
+    answered = [copy / question.file for question, line in told if ": no " not in line]
+    for path in answered:
+        content = bytearray(path.read_bytes())
+        content[len(content) // 3] ^= 1
+        path.write_bytes(content)
+    damaged = [
+        line for line in summary_lines(study, copy) if line.endswith("damaged; rerun the study")
+    ]
+    assert len(damaged) == len(answered) == 5
 
 
 @pytest.mark.parametrize(
