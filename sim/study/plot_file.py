@@ -143,8 +143,8 @@ class PlotFile(Strict):
     kind: Kind = Field(
         "curves",
         description="`curves` of a number with intervals; `map` over two parameters; `profiles` "
-        "over the height; `time_series`; `distribution` of the replicates, `likelihood` of a rise; of points "
-        "scattered in several parameters `scatter`, `main_effects`; or one of a plug-in",
+        "over the height; `time_series`; `distribution` of the replicates, `likelihood` of a rise; "
+        "of points scattered in several parameters `scatter`, `main_effects`; or one of a plug-in",
     )
     system: Literal["chute", "belt", "conveyor"] = optional(
         "which system, where the series have several"
