@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import approx_fprime
 from sklearn.base import clone
 
-from sim.surrogates.fit import Regimes, fit_lengths, fit_process
+from sim.surrogates.fit import Regimes, _objective, fit_lengths, fit_process
 from sim.surrogates.process import Process
 from tests.made.surrogates import design, kinked, smooth
 
@@ -45,6 +46,24 @@ def test_leaving_out_is_what_a_process_without_the_point_says():
             middle, unit = process._in_unit(mean, error, np.ones(1))
             assert left_out.mean[index] == pytest.approx(middle[0], rel=1e-6)
             assert left_out.error[index] == pytest.approx(unit[0], rel=1e-4)
+
+
+@pytest.mark.parametrize("has_scatter", [True, False])
+def test_the_gradient_of_the_evidence_is_its_slope(has_scatter):
+    x, y, size, rng = noisy(kinked, 16, 2, 3, 0.05)
+    evidence = _objective(Process(x, y, np.full(16, size**2), False, has_scatter))
+    theta = rng.normal(-1.0, 0.3, 3 + has_scatter)
+    slopes = approx_fprime(theta, lambda place: evidence(place)[0], 1e-6)
+    assert evidence(theta)[1] == pytest.approx(slopes, rel=1e-3, abs=1e-4)
+
+
+def test_of_several_maxima_the_one_that_tells_left_out_points_is_taken():
+    def wave(x):
+        return np.sin(12 * x[:, 0]) + x[:, 1]
+
+    x, fresh = design(14, 2, 1), np.random.default_rng(2).random((300, 2))
+    process, _ = fit_lengths(Process(x, wave(x), np.zeros(14), False, has_scatter=True))
+    assert np.abs(process.predict(fresh)[0] - wave(fresh)).mean() < 0.1
 
 
 @pytest.mark.parametrize("has_scatter", [True, False])
