@@ -46,7 +46,7 @@ WEIGHT = {
     "engines": 402,
     "measures": 455,
     "dataset": 1_481,
-    "surrogates": 1_681,
+    "surrogates": 1_682,
     "figures": 3_260,
     "claims": 1_344,
     "papers": 2_187,

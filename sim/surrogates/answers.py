@@ -227,7 +227,8 @@ def summary_lines(study: Study, folder: Path) -> list[str]:
 def _summary_line(path: Path) -> str:
     """Return what an answer says of itself, and what is doubtful about it."""
     is_table = path.suffix == ".csv"
-    if read_table(path) is None if is_table else is_damaged(path):
+    has_changed = read_table(path) is None if is_table else is_damaged(path)
+    if has_changed:
         return f"{answer_name(path)}: its file is damaged; rerun the study"
     if is_table:
         line = table_line(path)

@@ -30,6 +30,7 @@ def bed(evidence: Evidence, frequency: float, **where: Any) -> Place:
 
 
 def pair_label(damping: float, shear_damping: float) -> str:
+    """Return the name of a curve by its damping and shear damping (g): ``(50g, 100g)``."""
     return f"({damping:g}g, {shear_damping:g}g)"
 
 
