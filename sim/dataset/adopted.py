@@ -24,7 +24,7 @@ from sim.engine.stored_run import (
     has_enough,
     is_reduced,
     measured_names,
-    read_stage_amounts,
+    read_amounts,
 )
 from sim.parameters import Parameters, amounts, canonical_values, covers, point_id
 from sim.parameters.variables import ALL, SCALARS
@@ -163,8 +163,8 @@ def _stays(path: Path, wanted: Parameters | None, row: Parameters, need: Need) -
     point = wanted or row
     if is_reduced(path, point):
         return False
-    held = read_stage_amounts(path, point)
-    return has_enough(path, point, need) or (bool(held) and not covers(amounts(row), held[0]))
+    held = read_amounts(path, point)
+    return has_enough(path, point, need) or (held is not None and not covers(amounts(row), held))
 
 
 def _write_run(path: Path, point: Parameters, row: Row, dataset: str) -> None:

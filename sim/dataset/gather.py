@@ -24,7 +24,7 @@ from sim.dataset.rows import (
     stored_names,
 )
 from sim.engine.identity import numerics_of
-from sim.engine.stored_run import STATE, Replicate, RunFile, require_all, stage_amounts
+from sim.engine.stored_run import STATE, Replicate, RunFile, amounts_of, require_all
 from sim.parameters.variables import OBSERVABLE, SCALARS, Observable, observables
 from sim.study.model import Need
 from sim.study.plottable import Shown
@@ -76,7 +76,7 @@ def read_run(
             run = RunFile(file, amounts, (read_summary(path) or {}).get("scalars"))
             _require_point(run, file, path.stem)
             if amounts and not run.is_enough:
-                stored = _list_amounts(stage_amounts(file, amounts)[0])
+                stored = _list_amounts(amounts_of(file, amounts))
                 raise InputError(
                     f"{path}: holds {stored} of {_list_amounts(amounts)}; "
                     "rerun the study to let it grow"

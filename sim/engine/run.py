@@ -20,7 +20,7 @@ from sim.base.statistics import mean_interval
 from sim.engine.identity import NUMERICS, library_versions, source_hash
 from sim.engine.progress import length, progress
 from sim.engine.replicate import Origin, Replicate, origin_of, stored_replicate
-from sim.engine.run_file import Stage, read_stages, write
+from sim.engine.run_file import StoredRun, read_stored_run, write
 from sim.engine.states import States, checkpoint_interval
 from sim.engine.stored_run import current_status, is_alike, length_of, read_origin_samples
 from sim.engine.systems.recorder import Record
@@ -89,15 +89,12 @@ def _compute(
     replicates continue from their stored states. Where ``is_old``, the run file started from
     another state, and nothing of it is reused.
     """
-    stored = [] if is_old else read_stages(output, parameters)
+    stored = None if is_old else read_stored_run(output, parameters)
+    records: list[Record] = []
     if stored:
-        parameters = with_larger_amounts(parameters, amounts(stored[0].parameters))
-    same = bool(stored) and length_of(stored[0].parameters) == length_of(parameters)
-    records = list(stored[0].records) if same else []
-    if stored and not same:
-        for record in stored[0].records:
-            # Only the longest run keeps frames, because they are large.
-            record.frames.clear()
+        parameters = with_larger_amounts(parameters, amounts(stored.parameters))
+        if length_of(stored.parameters) == length_of(parameters):
+            records += stored.records
     samples = origin.samples if origin else ()
     states = States(output, parameters, checkpoint_interval(), samples)
     numbers = range(len(records), parameters.replicates)
@@ -112,11 +109,10 @@ def _compute(
             records.append(replicate.run(report_steps, states, origin and origin.start))
     # Before the run file: the states must be at least as far as its records.
     states.save()
-    stages = [Stage(parameters, records), *(stored[1:] if same else stored)]
     attributes = _attributes(parameters, records) | replicate.system.provenance
     if origin:
         attributes["origin"] = " ".join(map(str, samples[: parameters.replicates]))
-    write(output, stages, replicate.system, attributes)
+    write(output, StoredRun(parameters, records), replicate.system, attributes)
     for record in records:
         log.log(*_closing_line(parameters, record))
     if len(records) > 1:

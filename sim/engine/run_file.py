@@ -12,12 +12,11 @@ from sim.base.errors import InputError
 from sim.base.files import atomic_write
 from sim.base.seals import append_summary, seal
 from sim.engine.stored_run import (
+    amounts_of,
     has_all,
     is_run_of,
     open_run_file,
     read_attributes,
-    stage_amounts,
-    stage_groups,
 )
 from sim.engine.systems.recorder import Record
 from sim.engine.systems.replica import Replica
@@ -31,11 +30,8 @@ FILTERS = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
 CHUNK = 2**20
 
 
-class Stage(NamedTuple):
-    """One run length of a point: the records of its replicates.
-
-    ``parameters`` are those of the point, with the amounts of this stage.
-    """
+class StoredRun(NamedTuple):
+    """A run of a point: the records of its replicates; ``parameters`` have the run's amounts."""
 
     parameters: Parameters
     records: list[Record]
@@ -46,18 +42,15 @@ class Stage(NamedTuple):
         return self.parameters.sample_steps * self.parameters.time_step
 
 
-def write(
-    path: Path, stages: Sequence[Stage], system: Replica, attributes: Mapping[str, Any]
-) -> None:
+def write(path: Path, run: StoredRun, system: Replica, attributes: Mapping[str, Any]) -> None:
     """Write a run file under a temporary name, seal it, and rename it once it is complete.
 
     Parameters
     ----------
     path : Path
         The file; an existing one is replaced.
-    stages : sequence of Stage
-        The run and the shorter ones from which it has grown, the longest first. The shorter ones go
-        into groups. Frames of a trajectory are written only for the longest.
+    run : StoredRun
+        The run.
     system : Replica
         One of the replicates, for heights, axes, coordinates, and names and units of the series.
     attributes : mapping
@@ -66,34 +59,31 @@ def write(
     with atomic_write(path) as temporary:
         with netCDF4.Dataset(temporary, "w") as file:
             file.setncatts(attributes)
-            groups = [_GroupWriter(file)]
-            _write_parameters(groups[0], stages[0].parameters)
-            _write_stage(groups[0], stages[0], system)
-            _write_trajectory(groups[0], stages[0])
-            for number, stage in enumerate(stages[1:], start=1):
-                groups.append(_GroupWriter(file.createGroup(f"shorter_{number}")))
-                rows = field_info(stage.parameters)
-                for name, value in amounts(stage.parameters).items():
-                    _put(groups[-1], name, (), value, rows[name].unit, rows[name].description)
-                _write_stage(groups[-1], stage, system)
-            for group in groups:
-                group.fill()
-        records = stages[0].records
+            writer = _Writer(file)
+            _write_parameters(writer, run.parameters)
+            _write_axes(writer, run, system)
+            for name, (unit, long_name, values) in system.coordinates.items():
+                _add_dimensions(writer, [name], [len(values)])
+                _put(writer, name, (name,), values, unit, long_name)
+            _write_records(writer, run.records, system)
+            _write_trajectory(writer, run)
+            writer.fill()
+        records = run.records
         scalars = {name: [one.scalars[name] for one in records] for name in records[0].scalars}
-        held = [amounts(stage.parameters) for stage in stages]
+        held = [amounts(run.parameters)]
         summary = {"attributes": attributes, "held": held, "scalars": scalars}
         append_summary(temporary, summary)
         seal(temporary)
 
 
-class _GroupWriter:
-    """A group of a file whose variables are defined first and filled later.
+class _Writer:
+    """A file whose variables are defined first and filled later.
 
     For the library, a definition after data costs as much as all earlier definitions together.
     """
 
-    def __init__(self, group: netCDF4.Dataset):
-        self.group = group
+    def __init__(self, file: netCDF4.Dataset):
+        self.file = file
         self.queue: list[tuple[netCDF4.Variable, Any, Any]] = []
 
     def fill(self) -> None:
@@ -102,16 +92,8 @@ class _GroupWriter:
             variable[index] = values
 
 
-def _write_stage(file: _GroupWriter, stage: Stage, system: Replica) -> None:
-    _write_axes(file, stage, system)
-    for name, (unit, long_name, values) in system.coordinates.items():
-        _add_dimensions(file, [name], [len(values)])
-        _put(file, name, (name,), values, unit, long_name)
-    _write_records(file, stage.records, system)
-
-
 def _put(
-    file: _GroupWriter,
+    file: _Writer,
     name: str,
     dimensions: tuple[str, ...],
     values: Any,
@@ -124,7 +106,7 @@ def _put(
     is_integer, is_single = values.dtype.kind in "ib", values.dtype == np.float32
     kind: Any = str if is_text else "i8" if is_integer else "f4" if is_single else "f8"
     options: dict[str, Any] = {} if is_text or not dimensions else FILTERS
-    variable = file.group.createVariable(name, kind, dimensions, **options)
+    variable = file.file.createVariable(name, kind, dimensions, **options)
     if units:
         variable.units = units
     if long_name:
@@ -133,29 +115,29 @@ def _put(
     return variable
 
 
-def _put_variable(file: _GroupWriter, row: Variable, values: Any) -> Any:
+def _put_variable(file: _Writer, row: Variable, values: Any) -> Any:
     """Define a variable of the table."""
     return _put(file, row.name, row.dims, values, **row.attributes)
 
 
-def _add_dimensions(file: _GroupWriter, names: Sequence[str], sizes: Sequence[int]) -> None:
+def _add_dimensions(file: _Writer, names: Sequence[str], sizes: Sequence[int]) -> None:
     """Define those of some dimensions that the group has not yet."""
     for name, size in zip(names, sizes, strict=True):
-        if name not in file.group.dimensions:
-            file.group.createDimension(name, size)
+        if name not in file.file.dimensions:
+            file.file.createDimension(name, size)
 
 
-def _put_labels(file: _GroupWriter, name: str, labels: Sequence[str], long_name: str) -> None:
+def _put_labels(file: _Writer, name: str, labels: Sequence[str], long_name: str) -> None:
     """Define the labels of a dimension as characters, because CF coordinates must be numbers."""
     width = max(map(len, labels))
-    if (letters := f"letters_{width}") not in file.group.dimensions:
-        file.group.createDimension(letters, width)
-    variable = file.group.createVariable(name, "S1", (name, letters))
+    if (letters := f"letters_{width}") not in file.file.dimensions:
+        file.file.createDimension(letters, width)
+    variable = file.file.createVariable(name, "S1", (name, letters))
     variable.long_name, variable._Encoding = long_name, "utf-8"
     file.queue.append((variable, ..., np.array(labels, f"U{width}")))
 
 
-def _write_parameters(file: _GroupWriter, parameters: Parameters) -> None:
+def _write_parameters(file: _Writer, parameters: Parameters) -> None:
     rows, si = field_info(parameters), in_si(parameters)
     for name, value in canonical_values(parameters).items():
         row = rows[name]
@@ -170,14 +152,14 @@ def _write_parameters(file: _GroupWriter, parameters: Parameters) -> None:
         _put(file, name, (), value, "m s-2", meaning)
 
 
-def _write_axes(file: _GroupWriter, stage: Stage, system: Replica) -> None:
-    records, samples = stage.records, _samples(stage.records)
+def _write_axes(file: _Writer, run: StoredRun, system: Replica) -> None:
+    records, samples = run.records, _samples(run.records)
     names = ("replicate", "time", "height", "frame", "particle", "axis", "quaternion")
     particles = records[0].snapshots["position"][0].shape
     sizes = (len(records), samples, len(system.profile_height), 2, *particles, 4)
     _add_dimensions(file, names, sizes)
     _put(file, "replicate", ("replicate",), np.arange(len(records)), "1", "number of the replicate")
-    time = np.arange(1, samples + 1) * stage.interval
+    time = np.arange(1, samples + 1) * run.interval
     # An elapsed time without a date: in CF this is neither an axis T nor a time coordinate.
     _put(file, "time", ("time",), time, "s", "end of the sample interval, since the start")
     height = _put(
@@ -198,7 +180,7 @@ def _samples(records: list[Record]) -> int:
     return max(len(record.series["mean_velocity"]) for record in records)
 
 
-def _write_tables(file: _GroupWriter, records: list[Record]) -> None:
+def _write_tables(file: _Writer, records: list[Record]) -> None:
     """Write tables, and the paths in single precision, which suffices for their use in figures."""
     arrays = variables_of("profile", "table")
     for name, values in records[0].tables.items():
@@ -212,31 +194,31 @@ def _write_tables(file: _GroupWriter, records: list[Record]) -> None:
         _put_variable(file, arrays["path"], np.array(paths, np.float32))
 
 
-def _write_trajectory(file: _GroupWriter, stage: Stage) -> None:
+def _write_trajectory(file: _Writer, run: StoredRun) -> None:
     """Write the frames of a trajectory; missing frames of a replicate are not-a-number."""
-    spacing, records = stage.parameters.trajectory_samples, stage.records
+    spacing, records = run.parameters.trajectory_samples, run.records
     if not spacing:
         return
     count = _samples(records) // spacing
-    file.group.createDimension("trajectory_time", count)
-    time = spacing * stage.interval * np.arange(1, count + 1)
+    file.file.createDimension("trajectory_time", count)
+    time = spacing * run.interval * np.arange(1, count + 1)
     time_name = "time of the frame of the trajectory, since the start"
     _put(file, "trajectory_time", ("trajectory_time",), time, "s", time_name)
     for name, row in variables_of("trajectory").items():
-        frames_of = {k: run.frames[name] for k, run in enumerate(records) if name in run.frames}
+        frames_of = {k: one.frames[name] for k, one in enumerate(records) if name in one.frames}
         if not frames_of:
             continue
         frame = next(iter(frames_of.values()))[0]
         _add_dimensions(file, row.dims[2:], frame.shape)
         chunk = (1, max(1, min(count, CHUNK // frame.nbytes)), *frame.shape)
         options: dict[str, Any] = FILTERS | {"chunksizes": chunk, "fill_value": np.nan}
-        variable: Any = file.group.createVariable(name, "f4", row.dims, **options)
+        variable: Any = file.file.createVariable(name, "f4", row.dims, **options)
         variable.setncatts(row.attributes)
         for k, frames in frames_of.items():
             file.queue.append((variable, np.s_[k, : len(frames)], frames))
 
 
-def _write_records(file: _GroupWriter, records: list[Record], system: Replica) -> None:
+def _write_records(file: _Writer, records: list[Record], system: Replica) -> None:
     for name, series in system.series.items():
         values = np.full((len(records), _samples(records)), np.nan)
         for row, record in zip(values, records, strict=True):
@@ -258,33 +240,27 @@ def _write_records(file: _GroupWriter, records: list[Record], system: Replica) -
         _put_variable(file, SCALARS[name], values)
 
 
-def read_stages(path: Path, parameters: Parameters) -> list[Stage]:
-    """Return the runs in a run file of the same point and numerics, the longest first.
+def read_stored_run(path: Path, parameters: Parameters) -> StoredRun | None:
+    """Return the run in a run file of the same point and numerics.
 
-    The list is empty where there is no such file, or where it is damaged or reduced. Raises
-    ``OSError`` where the system does not give its bytes.
+    None where there is no such file, or where it is damaged or reduced. Raises ``OSError`` where
+    the system does not give its bytes.
     """
     with suppress(InputError), open_run_file(path) as file:
         attributes = read_attributes(file)
         if is_run_of(attributes, parameters) and has_all(attributes, None):
-            lengths = stage_amounts(file, amounts(parameters))
-            stages = zip(stage_groups(file), lengths, strict=True)
-            return [_read_stage(group, parameters, length) for group, length in stages]
-    return []
+            held = amounts_of(file, amounts(parameters)).items()
+            values = {name: type(getattr(parameters, name))(value) for name, value in held}
+            numbers = range(file.dimensions["replicate"].size)
+            records = [_read_record(file, number) for number in numbers]
+            return StoredRun(parameters.model_copy(update=values), records)
+    return None
 
 
-def _read_stage(
-    group: netCDF4.Dataset, parameters: Parameters, lengths: Mapping[str, float]
-) -> Stage:
-    values = {name: type(getattr(parameters, name))(value) for name, value in lengths.items()}
-    records = [_read_record(group, index) for index in range(group.dimensions["replicate"].size)]
-    return Stage(parameters.model_copy(update=values), records)
-
-
-def _read_record(group: netCDF4.Dataset, index: int) -> Record:
-    """Return the record of one replicate from a group of a run file."""
+def _read_record(file: netCDF4.Dataset, index: int) -> Record:
+    """Return the record of one replicate from a run file."""
     record = Record({})
-    for name, variable in group.variables.items():
+    for name, variable in file.variables.items():
         dimensions = variable.dimensions
         if dimensions[:1] != ("replicate",) or name == "replicate":
             continue

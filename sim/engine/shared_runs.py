@@ -8,7 +8,7 @@ is safe because whatever changes a run file or a state replaces it.
 import os
 import shutil
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from graphlib import TopologicalSorter
 from pathlib import Path
@@ -20,18 +20,14 @@ from sim.base.seals import is_damaged
 from sim.engine.states import state_file, stored_samples
 from sim.engine.stored_run import (
     Levels,
-    find_stage,
     has_enough,
     is_alike,
     length_of,
+    read_amounts,
     read_origin_samples,
     read_parameters,
-    read_stage_amounts,
 )
 from sim.parameters import RUN_FILE, Parameters, amounts, covers
-
-#: Amounts of the runs in a file, the longest first.
-Stages = Sequence[Mapping[str, float]]
 
 
 class SharedRun(NamedTuple):
@@ -177,32 +173,33 @@ def _from_same_end(
 
 def _best(paths: Iterable[Path], own: Path, point: Parameters) -> SharedRun | None:
     """Return the best of the run files of a point in other studies, if any is better than none."""
-    wanted, held = amounts(point), read_stage_amounts(own, point)
+    wanted, held = amounts(point), read_amounts(own, point)
     here = sum(stored_samples(own, point)) if paths else 0
     best: tuple[tuple[bool, bool], Mapping[str, float], Path] | None = None
     for path in paths:
         with suppress(OSError):  # some are not ours to read
-            stages = read_stage_amounts(path, point)
-            if not stages or not all(_holds(stages, stage) for stage in held):
+            there = read_amounts(path, point)
+            if not there or (held and not covers(there, held)):
                 continue
-            is_enough = find_stage(stages, wanted) is not None
-            if is_enough or _saves_time(path, stages, here, held, point):
-                rank = is_enough, _holds(stages, wanted)
-                if best is None or (rank, not covers(best[1], stages[0])) > (best[0], False):
-                    best = rank, stages[0], path
+            is_enough = covers(there, wanted)
+            if is_enough or _saves_time(path, there, here, held, point):
+                rank = is_enough, is_enough and length_of(there) == length_of(wanted)
+                if best is None or (rank, not covers(best[1], there)) > (best[0], False):
+                    best = rank, there, path
     return SharedRun(point, best[2], best[0][0]) if best else None
 
 
-def _holds(stages: Stages, wanted: Mapping[str, float]) -> bool:
-    """True where a run of just this length is among the stages, with replicates enough."""
-    return any(covers(stage, wanted) and length_of(stage) == length_of(wanted) for stage in stages)
-
-
-def _saves_time(path: Path, stages: Stages, here: int, held: Stages, point: Parameters) -> bool:
+def _saves_time(
+    path: Path,
+    there: Mapping[str, float],
+    here: int,
+    held: Mapping[str, float] | None,
+    point: Parameters,
+) -> bool:
     """True where a run that is too small has more than there is here, and nothing unwanted.
 
-    ``here`` counts the samples in the states here.
+    ``there`` and ``held`` are the amounts of both; ``here`` counts the samples in the states here.
     """
-    there = sum(stored_samples(path, point))
-    is_larger = there > here or not held or not covers(held[0], stages[0])
-    return covers(amounts(point), stages[0]) and there >= here and is_larger
+    samples = sum(stored_samples(path, point))
+    is_larger = samples > here or not held or not covers(held, there)
+    return covers(amounts(point), there) and samples >= here and is_larger

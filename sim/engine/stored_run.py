@@ -110,22 +110,13 @@ def current_status(path: Path, parameters: Parameters, need: Levels = None) -> s
     return ""
 
 
-def find_stage(stages: Sequence[Mapping[str, float]], minimum: Mapping[str, float]) -> int | None:
-    """Return the number of the shortest stage with at least the amounts ``minimum``.
-
-    ``stages`` are amounts, the longest run first; None where all are too short. The first
-    replicates of the stage are those of a run of the ``minimum``.
-    """
-    numbers = [number for number, stage in enumerate(stages) if covers(stage, minimum)]
-    return numbers[-1] if numbers else None
-
-
 def has_enough(path: Path, parameters: Parameters, need: Levels = None) -> bool:
     """True where a run file of the present numerics has all amounts of its point.
 
     A reduced one must have what is needed, too. The file is not checked for damage.
     """
-    return find_stage(read_stage_amounts(path, parameters, need), amounts(parameters)) is not None
+    held = read_amounts(path, parameters, need)
+    return held is not None and covers(held, amounts(parameters))
 
 
 def needs_growth(path: Path, parameters: Parameters, need: Levels = None) -> bool:
@@ -144,32 +135,32 @@ def planned_amounts(path: Path, parameters: Parameters, need: Levels = None) -> 
 
     These are its present amounts where they are enough. The file is not checked for damage.
     """
-    stages = read_stage_amounts(path, parameters, need)
-    return amounts(with_larger_amounts(parameters, stages[0]) if stages else parameters)
+    held = read_amounts(path, parameters, need)
+    return amounts(with_larger_amounts(parameters, held) if held else parameters)
 
 
-def read_stage_amounts(
+def read_amounts(
     path: Path, parameters: Parameters, need: Levels = None
-) -> list[dict[str, float]]:
-    """Return the amounts of each stage of a run file of a point.
+) -> dict[str, float] | None:
+    """Return the amounts of a run file of a point.
 
-    It is empty for other numerics, and where a reduced file lacks something of the ``need``. Raises
+    None for other numerics, and where a reduced file lacks something of the ``need``. Raises
     ``OSError`` where the system does not give the bytes of the file.
     """
     held = _read_held(path, parameters)
-    return held[1] if held and has_all(held[0], need) else []
+    return held[1] if held and has_all(held[0], need) else None
 
 
-#: Attributes and amounts of the stages of a run file.
-_Held = tuple[dict[str, Any], list[dict[str, float]]]
+#: Attributes and amounts of a run file.
+_Held = tuple[dict[str, Any], dict[str, float]]
 
 
 def _read_held(path: Path, parameters: Parameters) -> _Held | None:
     """Return what a run file holds of a point, None where it has none of the present numerics."""
     with suppress(InputError), checked_read(path, _KIND, replaceable=False):
-        attributes, stages = _held_by(path, file_version(path), tuple(amounts(parameters)))
-        if is_run_of(attributes, parameters):
-            return attributes, stages
+        held = _held_by(path, file_version(path), tuple(amounts(parameters)))
+        if is_run_of(held[0], parameters):
+            return held
     return None
 
 
@@ -177,9 +168,9 @@ def _read_held(path: Path, parameters: Parameters) -> _Held | None:
 def _held_by(path: Path, version: tuple[int, ...], names: tuple[str, ...]) -> _Held:
     """Return what a version of a run file holds, from its end alone where that says it."""
     if summary := read_summary(path):
-        return summary["attributes"], summary["held"]
+        return summary["attributes"], summary["held"][0]
     with netCDF4.Dataset(path) as file:
-        return read_attributes(file), stage_amounts(file, names)
+        return read_attributes(file), amounts_of(file, names)
 
 
 def length_of(run: Parameters | Mapping[str, float]) -> dict[str, float]:
@@ -251,23 +242,9 @@ def is_run_of(attributes: Mapping[str, Any], parameters: Parameters) -> bool:
     return attributes["point_id"] == point_id(parameters) and numerics_of(attributes) == NUMERICS
 
 
-def stage_amounts(file: netCDF4.Dataset, names: Iterable[str]) -> list[dict[str, float]]:
-    """Return the amounts of each stage of an open run file, the longest run first."""
-    return [{name: float(group[name][...]) for name in names} for group in stage_groups(file)]
-
-
-def find_group(file: netCDF4.Dataset, minimum: Mapping[str, float]) -> netCDF4.Dataset | None:
-    """Return the group of the shortest run with at least the amounts ``minimum``, else None.
-
-    The first replicates of the group are those of a run of the ``minimum``.
-    """
-    number = find_stage(stage_amounts(file, minimum), minimum)
-    return None if number is None else stage_groups(file)[number]
-
-
-def stage_groups(file: netCDF4.Dataset) -> list[netCDF4.Dataset]:
-    """Return the groups of a run file with one complete run each, the longest run first."""
-    return [file, *(file[name] for name in file.groups if name != STATE)]
+def amounts_of(file: netCDF4.Dataset, names: Iterable[str]) -> dict[str, float]:
+    """Return the amounts of an open run file."""
+    return {name: float(file[name][...]) for name in names}
 
 
 # Run files as arrays by name, each read at its first access, and the summary at their end.
@@ -294,7 +271,8 @@ class _Arrays(Mapping[str, Any]):
 class RunFile(_Arrays):
     """An open run file, limited to some amounts; ``attrs`` are its global attributes.
 
-    A file that holds less gives all it has, and ``is_enough`` is false. xarray would take a
+    A file that holds less gives all it has, and ``is_enough`` is false. Of a longer run it gives
+    the first replicates. xarray would take a
     twentieth of a second to look at the hundred variables of a run.
 
     Parameters
@@ -302,9 +280,9 @@ class RunFile(_Arrays):
     file : netCDF4.Dataset
         The run file.
     amounts : mapping, optional
-        The amounts to read, see `sim.parameters.points`; everything if omitted.
+        The amounts that are wanted, see `sim.parameters.points`; everything if omitted.
     summary_scalars : mapping, optional
-        Scalars of the longest run, from the summary at the end of the file. They spare reading a
+        Scalars of the run, from the summary at the end of the file. They spare reading a
         third of what a dataset stores.
     """
 
@@ -315,12 +293,11 @@ class RunFile(_Arrays):
         summary_scalars: Mapping[str, Sequence[Any]] | None = None,
     ):
         file.set_auto_mask(False)
-        stage = find_group(file, amounts) if amounts else file
-        self.is_enough, group = stage is not None, stage or file
+        self.is_enough = not amounts or covers(amounts_of(file, amounts), amounts)
         self._replicates = slice(int(amounts["replicates"]) if amounts else None)
-        self._variables = {**file.variables, **group.variables}
-        scalars = summary_scalars if summary_scalars and group is file else {}
-        self._cache = {name: np.array(values)[self._replicates] for name, values in scalars.items()}
+        self._variables = file.variables
+        scalars = (summary_scalars or {}).items()
+        self._cache = {name: np.array(values)[self._replicates] for name, values in scalars}
         self.attrs = read_attributes(file)
 
     def __getitem__(self, name: str) -> np.ndarray:
@@ -374,12 +351,12 @@ class Summary(NamedTuple):
 def summary_of(path: Path, amounts: Mapping[str, float] | None = None) -> Summary:
     """Return the summary of a run file, from its end alone where that has these amounts.
 
-    The summary covers no more than ``amounts``, or all that the file holds if they are omitted.
-    A file whose end is not enough is opened. This raises ``OSError`` for a damaged file and, like
-    the library, for a file that is no netCDF.
+    The summary has no more replicates than ``amounts``, or all if they are omitted. A file whose
+    end does not say it is opened. This raises ``OSError`` for a damaged file and, like the library,
+    for a file that is no netCDF.
     """
     summary = read_summary(path)
-    if summary and (amounts is None or find_stage(summary["held"], amounts) in (0, None)):
+    if summary:
         replicates = slice(int(amounts["replicates"]) if amounts else None)
         scalars = {name: values[replicates] for name, values in summary["scalars"].items()}
         return Summary(summary["attributes"], scalars)

@@ -14,7 +14,7 @@ from sim.dataset.adopted import adopt
 from sim.dataset.build import build
 from sim.dataset.results import load_results
 from sim.engine.identity import NUMERICS
-from sim.engine.run_file import read_stages
+from sim.engine.run_file import read_stored_run
 from sim.engine.stored_run import current_status, has_enough, is_reduced
 from sim.figures.render import draw_figures
 from sim.report.export import export
@@ -178,7 +178,7 @@ def test_what_reads_series_or_states_says_that_there_are_none(study, complete_st
     with pytest.raises(InputError, match=said):
         export(path, None, tmp_path / "x.xyz", 0)
     assert "only its row of dataset" in show(path, "table", results=results)
-    assert read_stages(path, study.points[0]) == []
+    assert read_stored_run(path, study.points[0]) is None
     assert not current_status(path, study.points[0])
 
 

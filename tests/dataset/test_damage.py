@@ -17,7 +17,7 @@ from sim.base.seals import DamagedError
 from sim.dataset.gather import read_run
 from sim.engine.command import warm
 from sim.engine.run import run_point
-from sim.engine.run_file import read_stages
+from sim.engine.run_file import read_stored_run
 from sim.engine.stored_run import current_status
 from sim.parameters import canonical_values, point_id
 from tests.engine.test_states import assert_same
@@ -66,7 +66,10 @@ def test_an_error_of_the_system_is_no_damage(content, path, monkeypatch):
 
     with monkeypatch.context() as patch:
         patch.setattr("sim.base.files.os.open", fail)
-        readers = partial(current_status, parameters=POINT), partial(read_stages, parameters=POINT)
+        readers = (
+            partial(current_status, parameters=POINT),
+            partial(read_stored_run, parameters=POINT),
+        )
         for read in (read_run, *readers):
             with pytest.raises(OSError, match="the system says no"):
                 read(path)

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from sim.engine.replicate import Replicate
-from sim.engine.run import read_stages, run_point
-from sim.engine.stored_run import current_status, find_group
-from sim.parameters import Parameters, amounts
+from sim.engine.run import read_stored_run, run_point
+from sim.engine.stored_run import current_status
+from sim.parameters import Parameters
 from tests.engine_motion.points import belt_point, chute_point
 from tests.golden import CLOCK, contents, digest
 
@@ -90,32 +90,15 @@ def test_growth_in_several_steps_ends_at_the_same_bits(tmp_path):
     assert digest(path) == digest(whole)
 
 
-def test_less_than_is_held_is_current_and_answered_as_if_no_more_had_been_run(tmp_path):
-    short = run_points(tmp_path / "short.nc", BELT)
+def test_less_than_is_held_is_current(tmp_path):
     path = run_points(tmp_path / "run.nc", BELT, with_amounts(BELT, average=5.0))
     before = path.stat().st_ino
     for wanted in (BELT, with_amounts(BELT, replicates=1), with_amounts(BELT, average=4.0)):
         assert current_status(path, wanted) == "completed"
     run_points(path, BELT)
     assert path.stat().st_ino == before
-    with netCDF4.Dataset(path) as file, netCDF4.Dataset(short) as other:
-        group = find_group(file, amounts(BELT))
-        assert group.name == "shorter_1"
-        for name, variable in group.variables.items():
-            if name not in CLOCK:
-                np.testing.assert_array_equal(variable[...], other[name][...], name)
-        assert find_group(file, amounts(with_amounts(BELT, average=4.0))).name == "/"
-        assert find_group(file, amounts(with_amounts(BELT, average=6.0))) is None
-        assert find_group(file, amounts(with_amounts(BELT, replicates=3))) is None
-
-
-def test_a_file_that_grows_keeps_the_frames_of_the_longest_run_alone(tmp_path):
-    framed = with_amounts(BELT, trajectory=0.5)
-    path = run_points(tmp_path / "run.nc", framed, with_amounts(framed, average=5.0))
-    with netCDF4.Dataset(path) as file:
-        assert file["trajectory_position"].shape[:2] == (2, 12)
-        assert "average" in file["shorter_1"].variables
-        assert not [name for name in file["shorter_1"].variables if "trajectory" in name]
+    for wanted in (with_amounts(BELT, average=6.0), with_amounts(BELT, replicates=3)):
+        assert not current_status(path, wanted)
 
 
 @pytest.mark.parametrize("changes", [{"replicates": 3}, {"average": 5.0}])
@@ -148,10 +131,10 @@ def test_a_replicate_that_failed_stays_failed_and_the_others_go_on(tmp_path, mon
 
 def test_what_is_read_from_a_run_file_is_what_was_written(tmp_path):
     path = run_points(tmp_path / "run.nc", BELT, with_amounts(BELT, average=5.0))
-    longest, shortest = read_stages(path, BELT)
-    assert longest.parameters == with_amounts(BELT, average=5.0) and shortest.parameters == BELT
+    run = read_stored_run(path, BELT)
+    assert run.parameters == with_amounts(BELT, average=5.0)
     stored = contents(path)
-    for index, record in enumerate(longest.records):
+    for index, record in enumerate(run.records):
         for kind in (record.series, record.profiles, record.tables, record.scalars):
             for name, value in kind.items():
                 if name not in CLOCK:

@@ -26,8 +26,8 @@ def record() -> Record:
 
 
 def write(path, records=None, system=SYSTEM, title="t", point=None):
-    stage = run_file.Stage(point or chute_point(), records or [record()])
-    run_file.write(path, [stage], system, {"title": title})
+    run = run_file.StoredRun(point or chute_point(), records or [record()])
+    run_file.write(path, run, system, {"title": title})
 
 
 def test_a_file_holds_what_it_was_given_and_shorter_replicates_are_padded(tmp_path):
@@ -84,19 +84,6 @@ def test_frames_that_a_replicate_lacks_are_no_numbers(tmp_path):
         assert held.chunking() == [1, 3, 1, 3] and held.filters()["zlib"]
         assert file["trajectory_time"][:] == pytest.approx(INTERVAL * np.arange(1, 4), rel=1e-14)
         assert "trajectory_spin" not in file.variables
-
-
-def test_shorter_stages_stand_in_groups_with_their_amounts(tmp_path):
-    shorter, longer = chute_point(), chute_point(average=chute_point().average + 1)
-    short = record()
-    short.series = {"mean_velocity": np.arange(2.0)}
-    stages = [run_file.Stage(longer, [record()]), run_file.Stage(shorter, [short])]
-    run_file.write(tmp_path / "run.nc", stages, SYSTEM, {})
-    with netCDF4.Dataset(tmp_path / "run.nc") as file:
-        assert list(file.groups) == ["shorter_1"]
-        group = file["shorter_1"]
-        assert (file["average"][...], group["average"][...]) == (longer.average, shorter.average)
-        assert len(file["time"]) == 3 and np.array_equal(group["mean_velocity"][:], [[0.0, 1.0]])
 
 
 def test_a_failing_write_leaves_no_file_and_an_old_one_alone(tmp_path):

@@ -39,16 +39,16 @@ def mine(results) -> Path:
     return path
 
 
-def make(results: Path, study: str, *stages: BeltParameters, samples: int = 0, numerics=NUMERICS):
-    """Write the end of a run file, with the longest run first; and a state after some samples."""
-    path = results / study / "runs" / f"{point_id(stages[0])}.nc"
+def make(results: Path, study: str, point: BeltParameters, samples: int = 0, numerics=NUMERICS):
+    """Write the end of a run file, and a state after some samples."""
+    path = results / study / "runs" / f"{point_id(point)}.nc"
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(study.encode())
-    attributes = {"point_id": point_id(stages[0]), "numerics": numerics}
-    append_summary(path, {"attributes": attributes, "held": [amounts(one) for one in stages]})
+    attributes = {"point_id": point_id(point), "numerics": numerics}
+    append_summary(path, {"attributes": attributes, "held": [amounts(point)]})
     seal(path)
     if samples:
-        keep(path, stages[0], samples)
+        keep(path, point, samples)
     return path
 
 
@@ -84,32 +84,32 @@ def test_a_run_of_another_study_is_taken_by_a_hard_link_with_its_state(results):
 
 def test_what_was_made_of_the_run_file_before_is_made_again(results):
     make(results, "mine", longer(10))
-    make(results, "other", POINT, longer(10))
+    make(results, "other", POINT)
     dataset = results / "mine" / "dataset.nc"
     dataset.touch()
     assert take(results) == {KEY}
     assert dataset.stat().st_mtime < YEAR_2000
 
 
-#: Runs of studies as (study, stages as (average, replicates), samples of the state), what is
-#: wanted, and the study that is found, with whether its run is large enough.
+#: Runs of studies as (study, (average, replicates), samples of the state), what is wanted, and
+#: the study that is found, with whether its run is large enough.
 FOUND = {
-    "here is enough": ([("mine", [(20, 1)], 0), ("a", [(80, 1)], 0)], (20, 1), None),
-    "the largest": ([("a", [(40, 1)], 0), ("b", [(80, 1)], 0), ("c", [(60, 1)], 0)], (20, 1), "b+"),
-    "just what is wanted": ([("b", [(80, 1)], 0), ("d", [(60, 2), (20, 1)], 0)], (20, 1), "d+"),
-    "replicates": ([("b", [(80, 1)], 0), ("e", [(20, 3)], 0)], (20, 3), "e+"),
-    "the largest to grow": ([("a", [(5, 1)], 5), ("b", [(10, 1)], 10)], (20, 1), "b-"),
-    "none that a run passes by": ([("b", [(10, 1)], 10), ("c", [(15, 3)], 15)], (20, 1), "b-"),
-    "less than here": ([("mine", [(10, 1)], 0), ("a", [(20, 1)], 0)], (20, 1), None),
-    "all that is here": ([("mine", [(10, 1)], 0), ("a", [(20, 1), (10, 1)], 0)], (20, 1), "a+"),
+    "here is enough": ([("mine", (20, 1), 0), ("a", (80, 1), 0)], (20, 1), None),
+    "the largest": ([("a", (40, 1), 0), ("b", (80, 1), 0), ("c", (60, 1), 0)], (20, 1), "b+"),
+    "just what is wanted": ([("b", (80, 1), 0), ("d", (20, 1), 0)], (20, 1), "d+"),
+    "replicates": ([("b", (80, 1), 0), ("e", (20, 3), 0)], (20, 3), "e+"),
+    "the largest to grow": ([("a", (5, 1), 5), ("b", (10, 1), 10)], (20, 1), "b-"),
+    "none that a run passes by": ([("b", (10, 1), 10), ("c", (15, 3), 15)], (20, 1), "b-"),
+    "less than here": ([("mine", (10, 2), 0), ("a", (20, 1), 0)], (20, 1), None),
+    "all that is here": ([("mine", (10, 1), 0), ("a", (20, 1), 0)], (20, 1), "a+"),
 }
 
 
 @pytest.mark.parametrize("case", FOUND)
 def test_the_best_run_is_found(case, results):
     made, (average, replicates), expected = FOUND[case]
-    for study, stages, samples in made:
-        make(results, study, *(longer(*stage) for stage in stages), samples=samples)
+    for study, lengths, samples in made:
+        make(results, study, longer(*lengths), samples=samples)
     found = find(results, longer(average, replicates))
     assert (f"{found[0]}{'-+'[found[1]]}" if found else None) == expected
 
@@ -138,7 +138,7 @@ def test_what_grows_in_one_study_is_unchanged_in_the_other(results):
     mine = results / "mine" / "runs" / path.name
     age(mine, True)
     assert mine.stat().st_mtime < YEAR_2000 and mine.read_bytes() == before
-    make(results, "new", longer(80), POINT, samples=80)
+    make(results, "new", longer(80), samples=80)
     assert take(results, longer(80)) == {KEY}
     assert path.read_bytes() == before and path.stat().st_mtime_ns == changed
     assert stored_samples(path, POINT) == [20]
