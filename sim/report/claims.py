@@ -207,7 +207,7 @@ def reading_tables(claims: Sequence[Mapping[str, Any]], results: Results) -> lis
         own = [claim for claim in claims if claim["paper"] == name and claim["kind"] != "model"]
         words = list(dict.fromkeys(label for claim in own for label in claim["by_reading"]))
         if len(words) > 1:
-            combined = combined_readings(results, paper.system, paper.readings)
+            combined = combined_readings(results, paper.system, paper)
             readings = {reading_label(paper.system, one, paper.readings): one for one in combined}
             # What is the same runs on another grid is told of the headline reading alone, and what
             # is another reading of one claim in that claim.
@@ -280,9 +280,10 @@ def _step_checks(dataset: xr.Dataset, paper: Paper, values: Mapping[str, Any]) -
     """Return checks of the published time step under a reading: by theory and by energy of runs."""
     model = SYSTEMS[paper.system]
     defaults = model()
+    usual = vars(defaults) | paper.usual(paper.system, values)
     is_chosen = (dataset["system"] == paper.system) & (dataset["protocol"] == "published")
     for name in parameters_of(model):
-        is_chosen = is_chosen & (dataset[name] == values.get(name, getattr(defaults, name)))
+        is_chosen = is_chosen & (dataset[name] == values.get(name, usual[name]))
     for name in values.keys() & paper.readings.rows:
         is_chosen = is_chosen & (dataset[name] == values[name])
     points = dataset.isel(point=np.flatnonzero(is_chosen))

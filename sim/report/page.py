@@ -247,7 +247,7 @@ def render(
         varied=varied,
         settings=settings,
         parameters=parameter_rows(dataset),
-        paper_values=paper_values(one.parameters for one in study.points.values()),
+        paper_values=paper_values((one.parameters for one in study.points.values()), study.paper),
         boundaries=boundary_rows(study, results.boundaries),
         opinions=opinions_of(study, dataset, folder),
         energy_limit=CLOSED_SHARE,
