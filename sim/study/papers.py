@@ -79,7 +79,7 @@ class Paper(Strict):
     defaults: dict[str, dict[str, Any]] = Field(
         {}, description="its own values of parameters, by system, as in a study file"
     )
-    readings: Readings = Readings()
+    readings: Readings = Field(Readings(), description="how it is read")
     folder: Path = Field(exclude=True)
     package: str = Field(exclude=True)
 

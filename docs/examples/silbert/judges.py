@@ -1,7 +1,6 @@
 """How the claims of claims.yaml are judged."""
 
-from talus.claims.inference import trend
-from talus.claims.verdict import Untestable
+from talus.claims import Untestable, trend
 
 
 def steeper(evidence, *, least):
