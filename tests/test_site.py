@@ -1,5 +1,6 @@
 """The site: what it shows is made of the code and complete, and it builds without a warning."""
 
+import inspect
 import re
 import subprocess
 import sys
@@ -9,8 +10,9 @@ import xarray as xr
 import yaml
 
 import sim
-from docs.site.pages import commands, licences, variables
+from docs.site.pages import commands, judges, licences, variables
 from sim.base.command_line import COMMANDS, JOBS
+from sim.claims import FOR_JUDGES
 from sim.parameters import SYSTEMS, field_info
 from tests.made.figures import make_built_study
 from tests.made.processes import ROOT
@@ -32,7 +34,10 @@ def settings() -> dict:
 
 def test_every_page_has_its_place(settings):
     named = {page for one in settings["nav"] for held in one.values() for page in listed(held)}
-    made = {f"reference/{name}.md" for name in ("commands", "licences", "studies", "variables")}
+    made = {
+        f"reference/{name}.md"
+        for name in ("commands", "judges", "licences", "studies", "variables")
+    }
     assert named == PAGES | made | {"index.md", "changelog.md", "contributing.md", "verdicts.md"}
 
 
@@ -77,6 +82,30 @@ def test_all_that_python_offers_is_told():
     text = (ROOT / "docs" / "reference" / "api.md").read_text(encoding="utf-8")
     told = {name.rpartition(".")[2] for name in re.findall(r"^::: (.*)$", text, re.MULTILINE)}
     assert set(sim.__all__) - {"__version__"} <= told
+
+
+def test_all_that_judges_use_is_told_and_in_one_place():
+    told = re.findall(r"^::: sim\.claims\.\w+\.(\w+)$", judges(), re.MULTILINE)
+    every = [name for names in FOR_JUDGES.values() for name in names]
+    assert {*told, "ANY"} == {*every}
+    assert all(inspect.getdoc(getattr(sim.claims, name)) for name in told)
+    shipped = [*(ROOT / "sim" / "papers").rglob("judges/*.py"), *(ROOT / "docs").rglob("*.py")]
+    line = re.compile(r"^from (?:sim|talus)\.claims(?:\.(?:checks|place))? import (.*)$", re.M)
+    used = {
+        name
+        for path in shipped
+        for names in line.findall(path.read_text())
+        for name in names.split(", ")
+    }
+    assert used - {"(", "FOR_JUDGES", "Numbers", "Pair"} <= {*every}
+
+
+def test_all_keys_of_a_papers_files_are_told():
+    told = {*re.findall(r"^- `(\w+)`: \S", judges(), re.MULTILINE)}
+    for file in (ROOT / "sim" / "papers").glob("*/*.yaml"):
+        held = yaml.safe_load(file.read_text(encoding="utf-8"))
+        entries = held.get(file.stem, [held])
+        assert {key for one in entries for key in one} <= told, file
 
 
 def test_the_site_builds_without_a_warning_and_needs_nothing_else(tmp_path):

@@ -1,9 +1,7 @@
 """A judge: is a steeper flow at least a tenth faster, as this study claims?"""
 
 import talus
-from talus.claims.checks import above
-from talus.claims.place import quotient
-from talus.claims.verdict import Untestable
+from talus.claims import Untestable, above, quotient
 
 
 @talus.judge(

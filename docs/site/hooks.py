@@ -13,7 +13,7 @@ from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 from pygments.formatters import HtmlFormatter
 
-from docs.site.pages import commands, licences, variables
+from docs.site.pages import commands, judges, licences, variables
 from docs.site.paper_pages import published_claims, verdicts_page
 
 ROOT = Path(__file__).parents[2]
@@ -30,6 +30,7 @@ SITE_PAGES = {
 LINK_TARGETS = SITE_PAGES | {
     "docs/site/pages.py": "reference/variables.md",
     "requirements.lock": "reference/licences.md",
+    "sim/claims/__init__.py": "reference/judges.md",
     "results/published/paper_gallas/verdicts.csv": "verdicts.md",
     "results/published/paper_walton/verdicts.csv": "verdicts.md",
 }
@@ -37,6 +38,7 @@ LINK_TARGETS = SITE_PAGES | {
 #: Pages generated from the code, and their functions.
 GENERATED_PAGES = {
     "reference/commands.md": commands,
+    "reference/judges.md": judges,
     "reference/licences.md": licences,
     "reference/variables.md": variables,
     "verdicts.md": lambda: verdicts_page(published_claims(ROOT / "results" / "published")),

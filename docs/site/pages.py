@@ -1,15 +1,21 @@
-"""Pages of the site that are generated: commands, variables of files, licences of packages."""
+"""Pages of the site that are generated: commands, variables, what judges may use, licences."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from importlib.metadata import Distribution, distribution
 from pathlib import Path
 
 import click
+from pydantic import BaseModel
 
 from sim.base.command_line import COMMANDS
 from sim.base.command_line import commands as parser
+from sim.claims import FOR_JUDGES
+from sim.claims.claim import Claim, Number
 from sim.parameters import SYSTEMS
 from sim.parameters.variables import Variable, observable_variables, variables_of
+from sim.study.figure_spec import KEYS_OF_ALL, FigureFile, Measure, Style
+from sim.study.papers import Paper, Readings
+from sim.study.plottable import kinds
 
 #: Packages that studies need, with their versions.
 LOCK = Path(__file__).parents[2] / "requirements.lock"
@@ -90,6 +96,95 @@ def variables() -> str:
         *_listed("Groups of the systems, besides the profiles", variables_of("group")),
     ]
     return "\n\n".join(parts) + "\n"
+
+
+#: What a judge asks of evidence and of a place, in the order of their use.
+_MEMBERS = {
+    "Evidence": "at line boundary brackets has_runs with_reading with_default",
+    "Place": "velocity velocity_change value values profile measure measure_replicates regime "
+    "samples completed replicates window",
+    "Check": "",
+}
+
+_JUDGES = """\
+# What a judge may use
+
+A judge is a function of evidence that returns checks ([a judge](../extending.md#a-judge),
+[your paper](../extending.md#your-paper)). All names below stand in one module and stay there:
+
+```python
+from talus.claims import ANY, Untestable, above, quotient, trend
+```
+
+`place["angle"]` is a parameter of a place; `ANY`, as the value of a numerical setting, takes runs
+that differ in it.
+"""
+
+
+def judges() -> str:
+    """Return what judges may use, whose docstrings the site fills in, and the keys of a paper."""
+    headings = {
+        "evidence": "Evidence",
+        "place": "Places, and numbers with intervals",
+        "checks": "Checks",
+        "inference": "Tests without an interval",
+        "verdict": "What comes of it",
+    }
+    parts = [_JUDGES.rstrip()]
+    for module, names in FOR_JUDGES.items():
+        parts.append(f"## {headings[module]}")
+        parts += (_directive(module, name) for name in names if name != "ANY")
+    ends = {"id": "its name"}, {"judge": "function of the folder, as `judges.steeper`"}
+    of_claim = [ends[0], _meanings(Claim, "id paper system judge"), ends[1]]
+    in_figures = {"name": "its name (required)", "kind": "kind of plot (`curves`)"}
+    for name in ("title", "about", "lead", "named", "says"):
+        in_figures[name] = f"{FigureFile.model_fields[name].description} (required)"
+    figure = "paper foreign scattered answer plugin series parameters colour"
+    by_kind = [
+        (f"`{name}`", ", ".join(f"`{key}`" for key in kind.keys.for_papers))
+        for name, kind in kinds().items()
+        # The others draw answers, which no paper asks for.
+        if kind.keys.every or kind.keys.systems
+    ]
+    parts += [
+        "## Keys of paper.yaml",
+        _keys(_meanings(Paper, "folder package")),
+        "Under `readings`:",
+        _keys(_meanings(Readings)),
+        "Of each of the `controls`: `values`, by parameter, and `why`.",
+        "## Keys of claims.yaml",
+        "Under `claims`, a list; of each:",
+        _keys({name: text for part in of_claim for name, text in part.items()}),
+        "Of `number`:",
+        _keys(_meanings(Number)),
+        "## Keys of figures.yaml",
+        "Under `words`, texts for the braces of all figures; under `figures`, a list; of each:",
+        _keys(_meanings(FigureFile, figure) | in_figures),
+        "Of each of the `styles`, and of the `quantities`:",
+        _keys(_meanings(Style) | _meanings(Measure)),
+        "Besides " + ", ".join(f"`{key}`" for key in KEYS_OF_ALL) + ", a figure has by its kind:",
+        _table(("kind", "keys"), by_kind),
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def _directive(module: str, name: str) -> str:
+    """Return the lines by which the site shows signature and docstring, of a class its members."""
+    members = _MEMBERS.get(name, "").split()
+    shown = f"\n    options:\n      members: [{', '.join(members)}]" if name in _MEMBERS else ""
+    return f"::: sim.claims.{module}.{name}{shown}"
+
+
+def _meanings(model: type[BaseModel], left_out: str = "") -> dict[str, str]:
+    return {
+        name: (field.description or "") + " (required)" * field.is_required()
+        for name, field in model.model_fields.items()
+        if name not in left_out.split()
+    }
+
+
+def _keys(meanings: Mapping[str, str]) -> str:
+    return "\n".join(f"- `{name}`: {text}" for name, text in meanings.items())
 
 
 def licences() -> str:

@@ -1,1 +1,30 @@
-"""What papers and studies claim, judged from a dataset."""
+"""What papers and studies claim, judged from a dataset.
+
+What a judge may use is here, and stays: ``from talus.claims import above, trend, Untestable``.
+"""
+
+from importlib import import_module
+from typing import Any
+
+#: What a judge may use, by the module that has it.
+FOR_JUDGES = {
+    "evidence": ("Evidence",),
+    "place": ("Place", "ANY", "with_interval", "replicate_mean", "quotient"),
+    "checks": (
+        *("above", "below", "within", "reported", "judge_parts", "at_least"),
+        *("remove_votes", "withhold"),
+    ),
+    "inference": (
+        *("trend", "reported_order", "outranks", "same_by_rank", "share_above", "reported_share"),
+        *("pooled_checks", "smallest_mean"),
+    ),
+    "verdict": ("Check", "Untestable", "Unbounded", "Ambiguous"),
+}
+
+_MODULES = {name: module for module, names in FOR_JUDGES.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _MODULES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)

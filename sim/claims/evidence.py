@@ -15,14 +15,15 @@ from sim.claims.verdict import SIGMAS, Ambiguous, Unbounded, Untestable
 from sim.dataset.results import Results
 from sim.parameters import SYSTEMS, roles
 from sim.parameters.words import setting
-from sim.study.papers import Readings, papers
+from sim.study.papers import Paper, Readings, papers
 
 
 class Evidence:
     """All places of a study of one protocol, ``published`` or ``converged``, and one reading.
 
     ``reading`` has the parameters of the reading (`sim.parameters.roles.reading_parameters`) that
-    differ from their defaults; ``points`` are those of the study, if they have been read already.
+    differ from their defaults; ``points`` are those of the study, if they have been read already,
+    and have the paper, see `sim.claims.place.Rows`.
     """
 
     def __init__(
@@ -153,7 +154,8 @@ class Evidence:
             # A boundary of the other protocol is selected under its own protocol.
             conditions = self._conditions({"protocol": rows["protocol"].iloc[0]} | dict(where))
             columns = {name: values.to_numpy() for name, values in rows.items()}
-            selection = rows.iloc[Rows(columns).matching(system, conditions, along)]
+            of_paper = Rows(columns, self._points.paper)
+            selection = rows.iloc[of_paper.matching(system, conditions, along)]
         if selection.empty:
             raise Untestable(f"no boundary of {of} along {along} at {_describe(where)}")
         return rows, selection
@@ -239,11 +241,16 @@ DEFAULT = "default"
 GRID = "profile_grid"
 
 
-def readings_of(system: str, paper: str = "") -> Readings:
-    """Return how a paper is read, for claims of no paper the first paper of their system."""
+def paper_of(system: str, paper: str = "") -> Paper | None:
+    """Return a paper by name; for claims of no paper the first paper of their system, if any."""
     every = papers()
     of_system = (one for one in every.values() if one.system == system)
-    one = every.get(paper) or next(of_system, None)
+    return every.get(paper) or next(of_system, None)
+
+
+def readings_of(system: str, paper: str = "") -> Readings:
+    """Return how a paper is read, none of them for a system without papers."""
+    one = paper_of(system, paper)
     return one.readings if one else Readings()
 
 
@@ -261,36 +268,34 @@ def is_regridded(reading: Mapping[str, Any], headline: Mapping[str, Any]) -> boo
     return GRID in reading and reading != {**headline, GRID: reading[GRID]}
 
 
-def combined_readings(results: Results, system: str, readings: Readings) -> list[dict[str, Any]]:
+def combined_readings(results: Results, system: str, one: Paper | None) -> list[dict[str, Any]]:
     """Return the readings under which runs of a system can be judged.
 
     The headline reading is first, or the default where no run has it. What the paper's words allow
     together is judged together: the runs of each reading, evaluated on each grid of the profiles.
     """
-    runs = [{}, *_readings_with_runs(results, system, readings)]
+    readings = one.readings if one else Readings()
+    runs = [{}, *_readings_with_runs(results, system, one)]
     first = readings.headline if readings.headline in runs else {}
     ordered = [first, *(one for one in runs if one != first)]
     grids = [{}, *({GRID: name} for name in readings.grids)]
     return [one | grid for one in ordered for grid in grids]
 
 
-def model_readings(
-    results: Results, system: str, readings: Readings
-) -> Sequence[Mapping[str, Any]]:
+def model_readings(results: Results, system: str, one: Paper | None) -> Sequence[Mapping[str, Any]]:
     """Return the readings at which experiments on the model are made.
 
     The engine is compiled for each, which takes long: a study that has runs of none has the default
     alone.
     """
-    names = {name for changes in readings.model for name in changes}
-    has_runs = any(names & one.keys() for one in _readings_with_runs(results, system, readings))
-    return readings.model if has_runs else [{}]
+    model = one.readings.model if one else [{}]
+    names = {name for changes in model for name in changes}
+    has_runs = any(names & found.keys() for found in _readings_with_runs(results, system, one))
+    return model if has_runs else [{}]
 
 
-def _readings_with_runs(
-    results: Results, system: str, paper_readings: Readings
-) -> list[dict[str, Any]]:
-    """Return the readings other than the default that some points of a system have.
+def _readings_with_runs(results: Results, system: str, one: Paper | None) -> list[dict[str, Any]]:
+    """Return the readings other than the paper's default that some points of a system have.
 
     Choices of the models come first, then base rows: flows of another cell, or another stiffness.
     """
@@ -300,11 +305,13 @@ def _readings_with_runs(
     names = roles.reading_parameters(model)
     readings = {}
     for values in zip(*(points[name].values.tolist() for name in names), strict=True):
-        pairs = zip(names, values, strict=True)
-        unusual = {name: value for name, value in pairs if value != getattr(defaults, name)}
+        row = dict(zip(names, values, strict=True))
+        usual = vars(defaults) | (one.usual(system, row) if one else {})
+        unusual = {name: value for name, value in row.items() if value != usual[name]}
         readings[tuple(unusual.items())] = unusual
     readings.pop((), None)
-    rows = ((name, value) for name, values in paper_readings.rows.items() for value in values)
+    base_rows = one.readings.rows if one else {}
+    rows = ((name, value) for name, values in base_rows.items() for value in values)
     return [
         *readings.values(),
         *({name: value} for name, value in rows if value in points[name].values),

@@ -12,47 +12,56 @@ from sim.claims.evidence import (
     combined_readings,
     is_regridded,
     model_readings,
+    paper_of,
     reading_label,
-    readings_of,
 )
 from sim.claims.experiments import run_experiment
 from sim.claims.judgement import MODEL, PROTOCOLS, Judgement, Variant
 from sim.claims.place import Points
 from sim.claims.verdict import Ambiguous, Check, Untestable
 from sim.dataset.results import Results
-from sim.study.papers import Readings
+from sim.study.papers import Paper, Readings
 
 
-def judge(results: Results) -> list[Judgement]:
-    """Judge the claims, of papers and plug-ins, on systems that the study has runs of."""
-    systems, points = set(results.dataset["system"].values), Points(results)
-    judgements, evidence_by_readings = [], {}
+def judge(results: Results, paper: str = "") -> list[Judgement]:
+    """Judge the claims, of papers and plug-ins, on systems that the study has runs of.
+
+    ``paper`` is that of the study, whose values hold for its own claims, too.
+    """
+    systems, judgements = set(results.dataset["system"].values), []
+    points: dict[str, Points] = {}
+    evidence_by_paper: dict[tuple[str, str], list[tuple[dict[str, Any], Evidence]]] = {}
     for claim in claims(systems):
-        readings = readings_of(claim.system, claim.paper)
-        key = claim.system, id(readings)
-        if key not in evidence_by_readings:
-            evidence_by_readings[key] = list(_evidence(results, points, claim.system, readings))
+        one = paper_of(claim.system, paper if claim.paper == OWN else claim.paper)
+        readings, name = (one.readings, one.name) if one else (Readings(), "")
+        if (claim.system, name) not in evidence_by_paper:
+            # Papers without values of their own share what has been looked up.
+            own = name if one and one.defaults else ""
+            of_values = points[own] = points.get(own) or Points(results, one)
+            evidence = _evidence(results, of_values, claim.system, one)
+            evidence_by_paper[claim.system, name] = list(evidence)
         if claim.kind == "model":
-            variants = tuple(_experiments(results, claim, readings))
+            variants = tuple(_experiments(results, claim, one))
         else:
-            variants = tuple(_variants(claim, readings, evidence_by_readings[key]))
+            variants = tuple(_variants(claim, readings, evidence_by_paper[claim.system, name]))
         headline = reading_label(claim.system, readings.headline, readings)
         judgements.append(Judgement(claim, variants, headline))
     return judgements
 
 
 def _evidence(
-    results: Results, points: Points, system: str, readings: Readings
+    results: Results, points: Points, system: str, one: Paper | None
 ) -> Iterator[tuple[dict[str, Any], Evidence]]:
-    for reading in combined_readings(results, system, readings):
+    for reading in combined_readings(results, system, one):
         runs = {name: value for name, value in reading.items() if name != GRID}
         regridded = replace(results, grid=reading.get(GRID, results.grid))
         for protocol in PROTOCOLS:
             yield reading, Evidence(regridded, protocol, runs, points)
 
 
-def _experiments(results: Results, claim: Claim, readings: Readings) -> Iterator[Variant]:
-    for changes in model_readings(results, claim.system, readings):
+def _experiments(results: Results, claim: Claim, one: Paper | None) -> Iterator[Variant]:
+    readings = one.readings if one else Readings()
+    for changes in model_readings(results, claim.system, one):
         label = reading_label(claim.system, changes, readings)
         checks = run_experiment(claim, changes)
         yield Variant(MODEL, label, checks, control=readings.control_reason(changes))

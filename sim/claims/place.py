@@ -17,9 +17,10 @@ from sim.base.statistics import student_half_width
 from sim.claims.verdict import SIGMAS, Untestable
 from sim.dataset.replicates import PARAMETERS, SCALARS, outcome
 from sim.dataset.results import Results
-from sim.parameters import SYSTEMS, default_of
+from sim.parameters import SYSTEMS
 from sim.parameters.laws import LAW, MOTION
 from sim.parameters.roles import amount_parameters, numerical_parameters, start_parameters
+from sim.study.papers import Paper, default_in
 
 # Beds at rest and exact experiments have an error of exactly zero.
 warnings.filterwarnings("ignore", message="Using UFloat objects with std_dev==0")
@@ -189,6 +190,9 @@ USUAL = object()
 #: Value of a numerical setting that a judge names to say that runs may differ in it.
 ANY = object()
 
+#: Parameters that a judge names without the hash of a plug-in.
+CHOSEN = (LAW.name, MOTION.name)
+
 #: The `start_parameters` that a row has, those that are named left out.
 Start = tuple[object, ...]
 
@@ -196,12 +200,13 @@ Start = tuple[object, ...]
 class Rows:
     """Rows of parameters: of the points of a study, or of its boundaries.
 
-    ``columns`` are arrays over the rows: ``system``, and every parameter. A judge looks up places a
-    thousand times, so comparisons with the defaults are cached.
+    ``columns`` are arrays over the rows: ``system``, and every parameter. ``paper`` is the one
+    whose values stand for parameters that a judge does not name. A judge looks up places a thousand
+    times, so comparisons with these values are cached.
     """
 
-    def __init__(self, columns: Mapping[str, np.ndarray]):
-        self.columns = columns
+    def __init__(self, columns: Mapping[str, np.ndarray], paper: Paper | None = None):
+        self.columns, self.paper = columns, paper
         self._default_masks: dict[tuple[str, str], np.ndarray] = {}
 
     def matching(self, system: str, conditions: Mapping[str, Any], free: str = "") -> np.ndarray:
@@ -223,7 +228,7 @@ class Rows:
     def _has_value(self, name: str, value: Any) -> np.ndarray:
         """True per row with a value; a choice of a plug-in is compared by name, without hash."""
         values = self.columns[name]
-        if name in (LAW.name, MOTION.name):
+        if name in CHOSEN:
             return np.array([value in (entry, plain_name(entry)) for entry in values], bool)
         return values == value
 
@@ -233,7 +238,9 @@ class Rows:
             model, mask = SYSTEMS[system], np.zeros(len(self.columns["system"]), bool)
             for number in np.flatnonzero(self.columns["system"] == system):
                 row = {one: self.columns[one][number] for one in model.model_fields}
-                mask[number] = row[name] == default_of(model, name, row)
+                usual = default_in(self.paper, system, name, row)
+                by_name = plain_name if name in CHOSEN else lambda value: value
+                mask[number] = by_name(row[name]) == by_name(usual)
             self._default_masks[system, name] = mask
         return self._default_masks[system, name]
 
@@ -245,13 +252,14 @@ class Points(Rows):
     their profiles, by point: readings share them.
     """
 
-    def __init__(self, results: Results):
+    def __init__(self, results: Results, paper: Paper | None = None):
         variables = results.dataset.variables
         completed = (variables["status"].values == "completed").sum(axis=1)
         indices = np.flatnonzero(completed)
         coordinates = results.dataset.coords.variables.items()
         super().__init__(
-            {str(name): one.values[indices] for name, one in coordinates if one.dims == ("point",)}
+            {str(name): one.values[indices] for name, one in coordinates if one.dims == ("point",)},
+            paper,
         )
         self._steps = np.nansum(variables["steps"].values, axis=1)[indices]
         self._completed = completed[indices]

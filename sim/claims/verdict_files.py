@@ -36,7 +36,7 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
     """
     study = load_study(study_path, results)
     folder = Path(results) / study.name
-    return write(judge(load_current(study, folder)), study.name, folder)
+    return write(judge(load_current(study, folder), study.paper), study.name, folder)
 
 
 def write(judgements: list[Judgement], study: str, folder: Path) -> Path:

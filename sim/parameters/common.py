@@ -144,9 +144,22 @@ class Parameters(BaseModel):
     protocol: Literal["published", "converged"] = row("protocol")
     target: Real = row("target")
 
-    def options(self, choice: str) -> dict[str, Any]:
+    @classmethod
+    def options(cls, choice: str) -> dict[str, Any]:
         """Return the laws or the motions, of Talus and of plug-ins, by their names in points."""
-        return {**shipped(choice), **self.offered.get(choice, {})}
+        return {**shipped(choice), **cls.offered.get(choice, {})}
+
+    @classmethod
+    def without_effect(cls, values: Mapping[str, Any]) -> set[str]:
+        """Return the parameters of laws and motions other than those of a point's values."""
+        used, others = set[str](), set[str]()
+        for choice in CHOICES:
+            field = cls.model_fields.get(choice)
+            for name, option in cls.options(choice).items():
+                chosen = values.get(choice, field.default if field else name)
+                is_chosen = plain_name(name) == plain_name(chosen)
+                (used if is_chosen else others).update((*option.owns, *option.parameters))
+        return others - used
 
     def option(self, choice: str) -> Any:
         """Return the law or the motion that the point has."""

@@ -18,6 +18,7 @@ from sim.parameters.roles import reading_parameters as parameters_of
 from sim.parameters.words import PROTOCOLS
 from sim.report.numbers import bounds, strip, threshold, value_with_interval, value_with_p
 from sim.study.figure_spec import FIGURES
+from sim.study.model import Study
 from sim.study.papers import Paper, papers
 
 #: Verdicts, best first, each with its tone and its sign.
@@ -78,6 +79,33 @@ def count_verdicts(claims: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, i
         for paper in papers()
         if paper in known
     }
+
+
+def papers_of(claims: Iterable[Mapping[str, Any]], study: Study) -> set[str]:
+    """Return the papers that count for a study.
+
+    That is the one it names, those whose figures it feeds, and those with a claim that its runs
+    can decide, other than on the contact law alone.
+    """
+    fed = [spec.paper for spec in study.entries.values() if spec.paper]
+    named = {
+        name
+        for name, paper in papers().items()
+        if any(text.startswith(f"{paper.quote}, ") for text in fed)
+    }
+    decided = {claim["paper"] for claim in claims if has_tested_claims([claim])}
+    return {study.paper} | named | decided
+
+
+def protocols_of(claims: Iterable[Mapping[str, Any]]) -> list[str]:
+    """Return the protocols whose runs test any of the claims, of `claim_rows`."""
+    tested = {
+        protocol
+        for claim in claims
+        for protocol, verdict in claim["by_protocol"].items()
+        if verdict != "untestable"
+    }
+    return [name for name in ("published", "converged") if name in tested]
 
 
 def has_tested_claims(claims: Iterable[Mapping[str, Any]]) -> bool:
@@ -207,7 +235,7 @@ def reading_tables(claims: Sequence[Mapping[str, Any]], results: Results) -> lis
         own = [claim for claim in claims if claim["paper"] == name and claim["kind"] != "model"]
         words = list(dict.fromkeys(label for claim in own for label in claim["by_reading"]))
         if len(words) > 1:
-            combined = combined_readings(results, paper.system, paper.readings)
+            combined = combined_readings(results, paper.system, paper)
             readings = {reading_label(paper.system, one, paper.readings): one for one in combined}
             # What is the same runs on another grid is told of the headline reading alone, and what
             # is another reading of one claim in that claim.
@@ -280,9 +308,10 @@ def _step_checks(dataset: xr.Dataset, paper: Paper, values: Mapping[str, Any]) -
     """Return checks of the published time step under a reading: by theory and by energy of runs."""
     model = SYSTEMS[paper.system]
     defaults = model()
+    usual = vars(defaults) | paper.usual(paper.system, values)
     is_chosen = (dataset["system"] == paper.system) & (dataset["protocol"] == "published")
     for name in parameters_of(model):
-        is_chosen = is_chosen & (dataset[name] == values.get(name, getattr(defaults, name)))
+        is_chosen = is_chosen & (dataset[name] == values.get(name, usual[name]))
     for name in values.keys() & paper.readings.rows:
         is_chosen = is_chosen & (dataset[name] == values[name])
     points = dataset.isel(point=np.flatnonzero(is_chosen))

@@ -125,12 +125,12 @@ def _offers(study: Study, results: Results) -> Iterator[Offer]:
 def _claim_offers(study: Study, results: Results, claim_ids: list[str]) -> Iterator[Offer]:
     """Yield offers under the readings that head a claim, and those of every series of the study."""
     first = load_study(study.path, None).points
-    for judged in judge(results):
+    for judged in judge(results, study.paper):
         if judged.claim.id not in claim_ids and "all" not in claim_ids:
             continue
         system = judged.claim.system
         own = (
-            reading_label(system, one, readings_of(system))
+            reading_label(system, one, readings_of(system, study.paper))
             for one in study.readings.get(system, ())
         )
         for reading in dict.fromkeys([*judged.headings, *own]):

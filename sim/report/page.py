@@ -25,6 +25,8 @@ from sim.report.claims import (
     count_verdicts,
     engine_checks,
     has_tested_claims,
+    papers_of,
+    protocols_of,
     read_claims,
     reading_tables,
     tests_a_paper,
@@ -73,14 +75,19 @@ Address = Callable[[Path], str]
 
 
 def figure_entry(
-    spec: FigureSpec, folder: Path, address: Address, claims: Sequence[Mapping[str, Any]] = ()
+    spec: FigureSpec,
+    folder: Path,
+    address: Address,
+    claims: Sequence[Mapping[str, Any]] = (),
+    quote: str = "",
 ) -> dict[str, Any]:
     """Return title, caption, details and addresses of the files of one figure in the report.
 
     The ``picture`` of an animation is its first frame, and ``animation`` is its address.
     ``folder`` has the files; ``address`` is `data_uri`, which puts them into the page, or
     `relative_link`, which links them. Of ``claims``, the entry has the ids of those with the
-    figure. `InputError` names a file that is missing or damaged.
+    figure. A plot with data beside it stands with the figures of the paper that is quoted so.
+    `InputError` names a file that is missing or damaged.
     """
     name = spec.name
     files = {suffix: folder / f"{name}{suffix}" for suffix in (*_MEDIA, ".caption.txt")}
@@ -108,7 +115,7 @@ def figure_entry(
             "animation": address(files[".gif"]),
         }
     return entry | {
-        "group": spec.paper.partition(",")[0] or OWN_GROUP,
+        "group": spec.paper.partition(",")[0] or (spec.foreign and quote) or OWN_GROUP,
         "alt": f"{spec.title}: {data_text}.",
         "broad": _is_broad(files[".svg"]),
         "picture": address(files[".svg"]),
@@ -212,8 +219,12 @@ def render(
     parameters = varied_parameters(dataset)
     varied, settings = varied_columns(dataset, parameters)
     all_rows = claim_rows(claims, runs, study.figures)
-    rows = [row for row in all_rows if row["paper"] in papers()]
-    entries = [figure_entry(spec, figures, address, rows) for spec in specs.values()]
+    of_papers = [row for row in all_rows if row["paper"] in papers()]
+    counted = papers_of(of_papers, study)
+    rows = [row for row in of_papers if row["paper"] in counted]
+    quotes = [one.quote for name, one in papers().items() if name in counted]
+    quote = quotes[0] if len(quotes) == 1 else ""
+    entries = [figure_entry(spec, figures, address, rows, quote) for spec in specs.values()]
     answers = [folder / one.file for one in study.surrogates]
     surrogates = [load_surrogate(path) for path in answers if path not in refusals]
     order, counts = _page_order(study, entries, rows), count_verdicts(rows)
@@ -224,7 +235,7 @@ def render(
         caveats=caveats,
         refusals=_own_reasons(list(refusals.values())),
         doubts={name: text for name, text in doubts.items() if text},
-        own_claims=[row for row in all_rows if row not in rows],
+        own_claims=[row for row in all_rows if row not in of_papers],
         **order,
         verdicts=VERDICTS,
         outcomes=VERDICTS | REPORTED,
@@ -233,7 +244,9 @@ def render(
         authors={name: papers()[name].author for name in counts},
         reading_tables=reading_tables(rows, results) if "claims" in order["parts"] else [],
         has_tested_claims=has_tested_claims(rows),
-        checks=engine_checks(rows),
+        checks=engine_checks(rows or of_papers),
+        protocols=protocols_of(rows),
+        id_width=max((len(piece) for row in rows for piece in row["id"].split("_")), default=0),
         plots=[
             entry | {"points": [run for run in runs if entry["name"] in run["plots"]]}
             for entry in entries
@@ -247,7 +260,7 @@ def render(
         varied=varied,
         settings=settings,
         parameters=parameter_rows(dataset),
-        paper_values=paper_values(one.parameters for one in study.points.values()),
+        paper_values=paper_values((one.parameters for one in study.points.values()), study.paper),
         boundaries=boundary_rows(study, results.boundaries),
         opinions=opinions_of(study, dataset, folder),
         energy_limit=CLOSED_SHARE,
@@ -269,12 +282,13 @@ def _page_order(
 ) -> dict[str, Any]:
     """Return whether a study is one's own, its gallery, and the sections after the summary.
 
-    A study is one's own if it defines plots or feeds no figure of the papers, unless it tests most
-    claims of a paper. Its plots and points then come first. Figures of the papers and, if its runs
-    test some, their claims come last.
+    A study is one's own if it defines plots or feeds no figure of the papers, unless it is that of
+    a paper: names one whose figures it feeds, or tests most claims of one. Its plots and points
+    then come first. Figures of the papers and, if its runs test some, their claims come last.
     """
     has_tested = has_tested_claims(claims)
-    is_own = (bool(study.plots) or not study.figures) and not tests_a_paper(claims)
+    of_paper = bool(study.paper and len(study.plots) < len(study.entries)) or tests_a_paper(claims)
+    is_own = (bool(study.plots) or not study.figures) and not of_paper
     gallery = [entry for entry in entries if not (is_own and entry["own"])]
     parts = ["claims", "figures"] if has_tested else ["figures", "claims"]
     if is_own:

@@ -92,7 +92,7 @@ def as_table(study: Study, shared: Mapping[str, SharedRun] = _NOTHING) -> str:
         plots,
         study.omission_notes,
         _caveat_lines(study),
-        paper_value_lines(point.parameters for point in study.points.values()),
+        paper_value_lines([one.parameters for one in study.points.values()], study.paper),
         [*_cost_lines(costs, shared), *_further_lines(study)],
     ]
     return "\n\n".join("\n".join(lines) for lines in sections if lines)

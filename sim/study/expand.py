@@ -26,6 +26,7 @@ from sim.study.design_file import DesignFile
 from sim.study.figure_spec import FIGURES
 from sim.study.file import MAX_POINTS, BoundaryFile, SeriesFile, StudyFile
 from sim.study.model import Boundary, Point, Study
+from sim.study.papers import papers
 from sim.study.points import divide_range
 
 
@@ -50,6 +51,7 @@ def expand(files: Sequence[tuple[Path, StudyFile]]) -> Study:
     _require_valid_points(points, str(path))
     paths, vary = tuple(path for path, _ in files), (tuple(boundaries), axes, designs)
     rest: dict[str, Any] = {"readings": _readings_by_system(file), "decide": file.decide}
+    rest["paper"] = file.paper or ""
     return Study(file.study, file.title, paths, points, series, *vary, **rest)
 
 
@@ -57,12 +59,14 @@ def expand(files: Sequence[tuple[Path, StudyFile]]) -> Study:
 class _Draft:
     """Values of a point while they are collected, with the key of each in the file.
 
-    ``other_readings`` names the readings that differ from the first one in the study.
+    ``other_readings`` names the readings that differ from the first one in the study, and
+    ``of_paper`` the values that are the paper's, which holds them for its own law alone.
     """
 
     values: dict[str, Any] = field(default_factory=dict)
     paths: dict[str, str] = field(default_factory=dict)
     other_readings: frozenset[str] = frozenset()
+    of_paper: frozenset[str] = frozenset()
 
     def with_values(self, values: dict[str, Any], path: str) -> "_Draft":
         """Return a copy in which ``values``, given at ``path``, replace earlier ones."""
@@ -72,7 +76,15 @@ class _Draft:
         other = {DENSITY: "mass", "mass": DENSITY}
         gone = {other[name] for name in other if name in values} - values.keys()
         earlier = {name: value for name, value in self.values.items() if name not in gone}
-        return replace(self, values=earlier | values, paths=self.paths | paths)
+        left = self.of_paper - values.keys()
+        return replace(self, values=earlier | values, paths=self.paths | paths, of_paper=left)
+
+    def point(self, source: str) -> Parameters:
+        """Return the parameters of the point, without values of the paper for another law."""
+        model = SYSTEMS[self.values["system"]]
+        gone = self.of_paper & model.without_effect(self.values) if self.of_paper else ()
+        values = {name: value for name, value in self.values.items() if name not in gone}
+        return parse_point(values, source, self.paths)
 
     def combinations(
         self, lists: dict[str, list[Any]], path: str
@@ -160,6 +172,9 @@ class _Family:
         """Yield the base of a series under each reading, or of boundaries under the first one."""
         system = self.entry.system
         draft = _Draft({"system": system}, {"system": f"{self.key}.system"})
+        if own := papers()[self.file.paper].values.get(system) if self.file.paper else None:
+            draft = draft.with_values(own, f"paper.{self.file.paper}")
+            draft = replace(draft, of_paper=frozenset(own))
         if shared := getattr(self.file.defaults, system):
             draft = draft.with_values(shared.explicit_values(), f"defaults.{system}")
         lists = self.file.reading_lists(system)
@@ -185,14 +200,14 @@ class _Family:
 
         They apply to the point before any override, defaults included. Later overrides win.
         """
-        before = parse_point(draft.values, self.source, draft.paths)
+        before = draft.point(self.source)
         new = draft
         for index, override in enumerate(self.entry.overrides):
             conditions = override.when.explicit_values()
             if all(getattr(before, name) in values for name, values in conditions.items()):
                 path = f"{self.key}.overrides[{index}].set"
                 new = new.with_values(override.set.explicit_values(), path)
-        return before if new is draft else parse_point(new.values, self.source, new.paths)
+        return before if new is draft else new.point(self.source)
 
     def _require_same_point(self, point: Point, parameters: Parameters) -> None:
         """Raise `InputError` if parameters of the same id differ in more than amounts."""
@@ -234,7 +249,8 @@ def _readings_by_system(file: StudyFile) -> dict[str, list[dict[str, Any]]]:
     readings = {}
     for system, model in SYSTEMS.items():
         if lists := file.reading_lists(system):
-            usual = dict(model())
+            one = papers()[file.paper] if file.paper else None
+            usual = dict(model()) | (one.usual(system, {}) if one else {})
             every = [draft.values for _, draft in _Draft().combinations(lists, "")]
             readings[system] = [
                 {name: value for name, value in one.items() if value != usual[name]}

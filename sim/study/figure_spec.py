@@ -60,22 +60,26 @@ _Values = Annotated[Any, AfterValidator(_one_or_tuple)]
 class _Look(Strict):
     """Look of a curve, by the names of `sim.figures.style`; a measure may leave it open."""
 
-    colour: Literal["black", "blue", "red", "green", "pink", "orange"] | None = None
-    dashes: Literal["solid", "short_dash", "long_dash", "dash_dot", "dotted", "none"] | None = None
-    marker: str = "o"
+    colour: Literal["black", "blue", "red", "green", "pink", "orange"] | None = Field(
+        None, description="black, blue, red, green, pink or orange"
+    )
+    dashes: Literal["solid", "short_dash", "long_dash", "dash_dot", "dotted", "none"] | None = (
+        Field(None, description="solid, short_dash, long_dash, dash_dot, dotted or none")
+    )
+    marker: str = Field("o", description="marker, as matplotlib names it")
     entry: Text = Field("", description="its entry in the legend, or a measure's part of entries")
 
 
 class Style(_Look):
     """Look of the curve that has the values ``at`` of ``curves``, in their order."""
 
-    at: _Values
+    at: _Values = Field(description="values of `curves`, in their order")
 
 
 class Measure(_Look):
     """A measure of the dataset that a figure shows."""
 
-    name: str
+    name: str = Field(description="its name in the dataset")
     over: str = Field("", description="parameter that it is divided by")
     label: Text = Field(description="what it is, for headings, with its unit in brackets")
 
@@ -95,12 +99,12 @@ class FigureSpec(PlotFile):
     widest: float = Field(0, description="largest relative interval that a line joins, 0 for any")
     levels: list[float] = Field([], description="values to compare with")
     level: Text = Field("", description="their entry in the legend")
-    quantities: list[Measure] = []
+    quantities: list[Measure] = Field([], description="measures that it shows, each with a look")
     alike: list[str] = Field([], description="parameters that do not tell curves apart")
     relative: bool = Field(
         False, description="whether velocity and frequency of the belt become shares of its own"
     )
-    styles: list[Style] = []
+    styles: list[Style] = Field([], description="looks of curves, by the values of `curves`")
     entry: Text = Field("", description="pattern of the entries in the legend")
     flat: bool = Field(False, description="whether profiles have the height along x")
     theory: Literal["", "least_friction", "largest_angle", "lift_off"] = Field(
@@ -244,7 +248,7 @@ class FigureFile(FigureSpec):
     @property
     def keys_of_kind(self) -> tuple[str, ...]:
         """Names of all its keys."""
-        return *KEYS_OF_ALL, *(self.keys.of_papers.split() or (*self.keys.every, "log"))
+        return *KEYS_OF_ALL, *self.keys.for_papers
 
 
 class PaperFigures(Strict):

@@ -204,6 +204,7 @@ class StudyFile(Strict):
     figures: list[str] = optional(
         "all figures of the study, each fed by a series (omitted: those that are fed)"
     )
+    paper: str = optional("paper whose `defaults` stand where the study gives no value")
     defaults: Strict = Field(Strict(), description="parameters shared by series")
     readings: Strict = Field(
         Strict(), description="readings of the papers under which every series is run"
@@ -245,6 +246,8 @@ class StudyFile(Strict):
             allowed = f"a name other than {_RESERVED_NAME}, where published studies lie"
             yield broken_rule("study", self.study, allowed)
         require_printable(self.title)
+        if self.paper is not None and self.paper not in papers():
+            yield broken_rule("paper", self.paper, f"one of {', '.join(papers())}")
         if not self.series and not self.boundaries and not self.parts:
             yield broken_rule("series", None, "at least one series, boundaries, or parts")
         yield from self._unknown_claims()

@@ -217,5 +217,5 @@ def points(study: str | Path | Mapping[str, Any]) -> "pd.DataFrame":
             **{"series": point.series, "figures": point.figures},
         }
     table = pd.DataFrame.from_dict(rows, orient="index").rename_axis("point")
-    table.attrs["paper_values"] = paper_values(members)
+    table.attrs["paper_values"] = paper_values(members, validated_study.paper)
     return table

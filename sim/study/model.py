@@ -34,9 +34,10 @@ class Study:
     that its points vary, by grid, cases or design, and ``designs`` the design, if it has one.
     ``entries`` are the figures that the points feed, by name: those of papers, then its own plots.
     ``readings`` are those of the papers under which every series is run, by system, each as values
-    that differ from the defaults. ``decide`` is what more replicates are to decide; the parameters
-    of the points include those added so far. ``plugins`` and ``data`` (CSV files) are what it and
-    its parts name, and ``questions`` what is answered from the dataset.
+    that differ from the defaults. ``paper`` is the one whose values stand where the study gives
+    none, empty for the usual defaults. ``decide`` is what more replicates are to decide; the
+    parameters of the points include those added so far. ``plugins`` and ``data`` (CSV files) are
+    what it and its parts name, and ``questions`` what is answered from the dataset.
     """
 
     name: str
@@ -49,6 +50,7 @@ class Study:
     designs: Mapping[str, DesignFile] = field(default_factory=dict)
     entries: dict[str, FigureSpec] = field(default_factory=dict)
     readings: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
+    paper: str = ""
     decide: DecideFile | None = None
     plugins: tuple[Plugin, ...] = ()
     data: tuple[Path, ...] = ()

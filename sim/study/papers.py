@@ -17,10 +17,10 @@ from sim.base.additions import add, additions, shipped
 from sim.base.errors import InputError
 from sim.base.plugins import module_names, require_one_of
 from sim.base.yaml import read_yaml
-from sim.parameters import SYSTEMS, Parameters, field_info
-from sim.parameters.common import CHOICES
+from sim.parameters import SYSTEMS, Parameters, default_of, field_info, parse_point
+from sim.parameters.density import DENSITY
 from sim.parameters.laws import LAW
-from sim.parameters.words import quantity
+from sim.parameters.words import quantity, setting
 from sim.study.entries import Strict, Text, read_into
 
 #: Kind of the additions that are papers; and what stands for one of a study's own claims.
@@ -76,9 +76,29 @@ class Paper(Strict):
     quote: Text = Field(min_length=1, description="how captions quote it, such as Walton (1993)")
     system: str = Field(description="system whose runs draw its figures and decide its claims")
     headline: list[Text] = Field([], description="its figures on the first screen of a report")
-    readings: Readings = Readings()
+    defaults: dict[str, dict[str, Any]] = Field(
+        {}, description="its own values of parameters, by system, as in a study file"
+    )
+    readings: Readings = Field(Readings(), description="how it is read")
     folder: Path = Field(exclude=True)
     package: str = Field(exclude=True)
+
+    @cached_property
+    def values(self) -> dict[str, dict[str, Any]]:
+        """Its own values by system, valid together and in canonical form."""
+        found = {}
+        for system, given in self.defaults.items():
+            paths = {name: f"defaults.{system}.{name}" for name in (*given, "system")}
+            point = parse_point({**given, "system": system}, self.folder / "paper.yaml", paths)
+            names = ("mass" if name == DENSITY else name for name in given)
+            found[system] = {name: getattr(point, name) for name in names}
+        return found
+
+    def usual(self, system: str, row: Mapping[str, Any]) -> dict[str, Any]:
+        """Return its own values for points like ``row``: not those of another law or motion."""
+        own = self.values.get(system, {})
+        unused = SYSTEMS[system].without_effect(own | dict(row)) if own else ()
+        return {name: value for name, value in own.items() if name not in unused}
 
     @cached_property
     def claims(self) -> list[dict[str, Any]]:
@@ -122,41 +142,43 @@ def papers() -> dict[str, Paper]:
     return {one.name: one for one in every}
 
 
-def paper_values(points: Iterable[Parameters]) -> dict[str, list[str]]:
-    """Return these parameters in words, by paper and system: ``Walton (1993), chute``.
+def default_in(one: Paper | None, system: str, name: str, row: Mapping[str, Any]) -> Any:
+    """Return a paper's value of a parameter for points like ``row``, else the usual default."""
+    own = one.usual(system, row) if one and name in one.values.get(system, {}) else {}
+    return own[name] if name in own else default_of(SYSTEMS[system], name, row)
 
-    They are numbers of the physics that a source in a paper is declared for, but for those that
-    are zero and so without effect.
+
+def paper_values(points: Iterable[Parameters], paper: str = "") -> dict[str, list[str]]:
+    """Return what points have as a paper has it, by paper and system: ``Walton (1993), chute``.
+
+    That are the own values of the study's ``paper``, if it names one, and numbers of the physics
+    that a source in a paper is declared for, but for those that are zero and so without effect.
     """
     by_system: dict[str, list[Parameters]] = {}
     for point in points:
         by_system.setdefault(point.system, []).append(point)
     values: dict[str, list[str]] = {}
     for system, members in by_system.items():
-        unused = set.intersection(*map(_without_effect, members))
+        unused = set.intersection(*(one.without_effect(vars(one)) for one in members))
+        if one := papers().get(paper):
+            own = one.usual(system, vars(members[0]))
+            kept = [name for name in own if {vars(one)[name] for one in members} == {own[name]}]
+            texts = [setting(system, name, own[name]) for name in kept]
+            values |= {f"{one.quote}, {system}": texts} if kept else {}
+            unused |= {*kept}
         for name, row in field_info(members[0]).items():
             is_number = type(row.default) in (int, float) and row.default != 0
             if row.role != "physics" or not is_number or name in unused:
                 continue
             is_left = all(getattr(point, name) == row.default for point in members)
-            for paper in papers().values() if is_left else ():
-                if row.equation.startswith(paper.author.split()[0]):
-                    texts = values.setdefault(f"{paper.quote}, {system}", [])
+            for source in papers().values() if is_left else ():
+                if row.equation.startswith(source.author.split()[0]):
+                    texts = values.setdefault(f"{source.quote}, {system}", [])
                     texts.append(quantity(system, name, [row.default]))
     return values
 
 
-def _without_effect(point: Parameters) -> set[str]:
-    """Return the parameters of laws and motions that the point does not have."""
-    used, others = set[str](), set[str]()
-    for choice in CHOICES:
-        for name, option in point.options(choice).items():
-            is_chosen = name == getattr(point, choice, name)
-            (used if is_chosen else others).update((*option.owns, *option.parameters))
-    return others - used
-
-
-def paper_value_lines(points: Iterable[Parameters]) -> list[str]:
+def paper_value_lines(points: Iterable[Parameters], paper: str) -> list[str]:
     """Return a line for each paper and system."""
-    values = paper_values(points).items()
+    values = paper_values(points, paper).items()
     return [f"left as in {heading}: {', '.join(texts)}" for heading, texts in values]

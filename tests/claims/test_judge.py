@@ -270,11 +270,11 @@ def test_an_alternative_of_a_claim_is_another_reading():
 
 
 def test_the_model_is_judged_under_its_readings_where_the_study_has_runs_of_any():
-    flow, readings = {"velocity": 0.1}, readings_of("chute")
+    flow, paper = {"velocity": 0.1}, papers()["walton"]
     usual = made_results(made_point("chute", flow), made_point("chute", flow, cell=5))
-    assert model_readings(usual, "chute", readings) == [{}]
+    assert model_readings(usual, "chute", paper) == [{}]
     other = made_results(made_point("chute", flow), made_point("chute", flow, friction_cap="after"))
-    assert model_readings(other, "chute", readings) == readings.model
+    assert model_readings(other, "chute", paper) == paper.readings.model
 
 
 def test_what_is_written_is_plain_json_and_one_row_per_check():

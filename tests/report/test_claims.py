@@ -1,10 +1,19 @@
 """Claims, their evidence and the readings of papers as rows of the report."""
 
+from types import SimpleNamespace
+
 import pytest
 
 from sim.claims.verdict import VERDICTS as JUDGED
 from sim.claims.verdict_files import as_mapping
-from sim.report.claims import VERDICTS, claim_rows, has_tested_claims, reading_tables
+from sim.report.claims import (
+    VERDICTS,
+    claim_rows,
+    has_tested_claims,
+    papers_of,
+    protocols_of,
+    reading_tables,
+)
 from sim.report.numbers import strip
 from tests.made.report import DEPTH, FREQUENCY, made_claims
 from tests.made.results import made_point, made_results
@@ -27,7 +36,30 @@ def test_a_row_has_what_the_outline_of_the_page_does_not_show():
     assert known["runs"] == [(POINTS[1], None), (POINTS[0], 7)]
     # What is not finite has no strip.
     assert known["strip"] is not None and unknown["strip"] is None
+    assert protocols_of(rows.values()) == ["published", "converged"]
+    assert protocols_of([rows["G6"]]) == ["published"] and not protocols_of([rows["W1"]])
     assert not has_tested_claims([rows["W1"], rows["G31"]]) and has_tested_claims([rows["G3"]])
+
+
+@pytest.mark.parametrize(
+    ("named", "fed", "verdicts", "counted"),
+    [
+        ("", "", {"W1": "reproduced", "W9": "untestable", "G3": "untestable"}, set()),
+        ("", "", {"W1": "reproduced", "G3": "inconclusive"}, {"gallas"}),
+        ("", "Walton (1993), Fig. 2", {"W9": "untestable", "G3": "untestable"}, {"walton"}),
+        ("gallas", "Walton (1993), Fig. 2", {"W1": "reproduced"}, {"walton", "gallas"}),
+        ("gallas", "", {"W9": "not reproduced"}, {"walton", "gallas"}),
+    ],
+)
+def test_papers_count_that_a_study_names_or_feeds_or_decides(named, fed, verdicts, counted):
+    """Claims on the contact law alone hold whatever was run."""
+    names = {"W": "walton", "G": "gallas"}
+    claims = [
+        {"paper": names[one[0]], "kind": "model" if one == "W1" else "flow", "verdict": verdict}
+        for one, verdict in verdicts.items()
+    ]
+    study = SimpleNamespace(paper=named, entries={"a": SimpleNamespace(paper=fed)})
+    assert papers_of(claims, study) - {""} == counted
 
 
 def test_a_strip_keeps_its_order():

@@ -1,12 +1,11 @@
 """How the claims of claims.yaml are judged."""
 
-from talus.claims.inference import trend
-from talus.claims.verdict import Untestable
+from talus.claims import Untestable, trend
 
 
 def steeper(evidence, *, least):
     """Judge whether the mean velocity of steady flows rises with the angle."""
-    line = evidence.line("chute", "angle", bumps=1, depth=4, friction=0.5, restitution=0.88)
+    line = evidence.line("chute", "angle", depth=4)
     flows = {angle: flow for angle, flow in line.items() if flow.regime == "steady"}
     if len(flows) < least:
         raise Untestable(f"fewer than {least} angles with a steady flow on bumps")

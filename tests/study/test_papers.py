@@ -1,0 +1,123 @@
+"""A paper's own values: where they stand in a study, in evidence and in what is told."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from sim.base.errors import InputError
+from sim.base.plugins import load_plugins
+from sim.claims.evidence import Evidence, combined_readings
+from sim.claims.place import Points
+from sim.claims.verdict import Untestable
+from sim.parameters import parse_point, point_id
+from sim.study.load import parse_study
+from sim.study.papers import paper_values, papers
+from tests.made.plugins import restore_plugins
+from tests.made.results import made_point, made_results
+
+#: Values of a paper, two of them of its law alone.
+OWN = {
+    "friction": 0.5,
+    "law": "hertz",
+    "attraction": "clipped",
+    "tangential_unloading": "rescaled",
+    "cell": 8.0,
+}
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path) -> Iterator[Path]:
+    """Return a folder with the paper, which is loaded."""
+    with restore_plugins():
+        load_paper(tmp_path, OWN)
+        yield tmp_path
+
+
+def load_paper(folder: Path, values: dict, name: str = "mine") -> None:
+    """Write and load a paper with values of its own."""
+    words = {"name": name, "author": "Own", "quote": "Own (2000)", "system": "chute"}
+    (folder / name).mkdir()
+    (folder / name / "__init__.py").write_text("import talus\n\ntalus.paper(__name__)\n")
+    (folder / name / "paper.yaml").write_text(json.dumps(words | {"defaults": {"chute": values}}))
+    load_plugins(folder / name)
+
+
+def only_point(base: dict, **keys):
+    series = [{"name": "a", "system": "chute", "base": base}]
+    study = parse_study({"study": "s", "series": series} | keys, "s.yaml", None)
+    (point,) = study.points.values()
+    return point.parameters
+
+
+@pytest.mark.parametrize(
+    ("keys", "base", "expected"),
+    [
+        ({"paper": "mine"}, {}, OWN),
+        ({"paper": "mine"}, {"friction": 0.3}, OWN | {"friction": 0.3}),
+        ({"paper": "mine", "defaults": {"chute": {"cell": 6}}}, {}, OWN | {"cell": 6}),
+        # What is the law's own goes with it.
+        (
+            {"paper": "mine"},
+            {"law": "walton_braun"},
+            {"friction": 0.5, "cell": 8.0, "law": "walton_braun"},
+        ),
+        (
+            {"paper": "mine"},
+            {"law": "spring_dashpot"},
+            {"friction": 0.5, "cell": 8.0, "law": "spring_dashpot", "attraction": "clipped"},
+        ),
+        ({"paper": "walton"}, {}, {}),
+        ({}, {}, {}),
+    ],
+)
+def test_a_study_that_names_a_paper_has_its_values_where_it_gives_none(keys, base, expected):
+    point = only_point(base, **keys)
+    assert point_id(point) == point_id(parse_point({"system": "chute"} | expected, "p"))
+
+
+def test_evidence_that_names_nothing_is_at_the_values_of_the_claims_paper():
+    points = [
+        made_point("chute", {"velocity": 1.0}, depth=3),
+        made_point("chute", {"velocity": 2.0}, depth=3, **OWN),
+        made_point("chute", {"velocity": 3.0}, depth=3, friction=0.5, cell=8),
+    ]
+    results = made_results(*points)
+    usual, own = (
+        Evidence(results, "published", points=Points(results, one))
+        for one in (None, papers()["mine"])
+    )
+    assert usual.at("chute", depth=3).velocity.nominal_value == pytest.approx(1)
+    assert own.at("chute", depth=3).velocity.nominal_value == pytest.approx(2)
+    # Of another law, the paper's values for its own law are not asked.
+    place = own.at("chute", depth=3, law="walton_braun")
+    assert place.velocity.nominal_value == pytest.approx(3)
+    with pytest.raises(Untestable, match=r"at depth 3, friction 0\.4, all else as in"):
+        own.at("chute", depth=3, friction=0.4)
+    # Runs at its values are of no other reading.
+    assert combined_readings(results, "chute", papers()["mine"])[0] == {}
+    laws = [one.get("law") for one in combined_readings(results, "chute", papers()["mine"])]
+    assert laws == [None, "walton_braun"]
+
+
+def test_what_is_left_at_a_papers_values_is_told_of_that_paper():
+    points = [only_point({"depth": n}, paper="mine") for n in (2, 4)]
+    told = paper_values(points, "mine")
+    assert told["Own (2000), chute"][:2] == ["μ = 0.5", "law hertz"]
+    assert not any(text.startswith("μ ") for text in told["Walton (1993), chute"])
+    assert "Own (2000), chute" not in paper_values(points)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("friction", -1), ("friktion", 1), ("normal", "x"), ("cell", "wide")]
+)
+def test_a_wrong_value_of_a_paper_is_told_with_its_file_and_key(folder, name, value):
+    load_paper(folder, OWN | {name: value}, "wrong")
+    with pytest.raises(InputError, match=rf"wrong/paper.yaml: .*defaults.chute.{name}"):
+        only_point({}, paper="wrong")
+
+
+def test_a_study_names_a_paper_that_is_there():
+    with pytest.raises(InputError, match=r"s\.yaml: paper: got 'onw'; allowed: one of walton, "):
+        only_point({}, paper="onw")
