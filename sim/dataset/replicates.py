@@ -300,7 +300,9 @@ def caveats(own_caveat: str, scalars: Mapping[str, Any], parameters: Parameters)
 
 def is_narrow(parameters: Any) -> bool:
     """Return whether a flow on bumps has a cell so narrow that it may order in layers."""
-    return getattr(parameters, "bumps", 0) > 0 and parameters.cell < WIDE_CELL
+    if not getattr(parameters, "bumps", 0):
+        return False
+    return min(parameters.cell, parameters.cell_across or parameters.cell) < WIDE_CELL
 
 
 def layer_orders(run: RunFile, parameters: Parameters) -> list[float]:

@@ -107,7 +107,7 @@ class Scene:
         self, row: Mapping[str, Any], state: xr.Dataset, heights: np.ndarray, speeds: np.ndarray
     ):
         self.diameter = float(row["diameter"])
-        self.cell = np.full(2, row["cell"], float)
+        self.cell = np.array([row["cell"], row["cell_across"] or row["cell"]], float)
         self.shown_size = self.cell * (1.0, 0.5 if row["depth"] <= LARGEST_PORTION else 1.0)
         self.size = 2 * state["radius"].values / self.diameter
         glued = state["fixed"].values if "fixed" in state else np.zeros(len(self.size))

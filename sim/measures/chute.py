@@ -51,9 +51,10 @@ def plug_order(run: Mapping[Any, Any]) -> dict[str, float]:
         return {}
     diameter, position = float(run["diameter"]), np.asarray(run["position"])[-1]
     is_above = position[:, 2] > shear_depth(run)
-    side = float(run["cell"]) * diameter
+    along = float(run["cell"]) * diameter
+    sides = along, float(run.get("cell_across", 0.0)) * diameter or along
     return {
-        "crystalline_share": crystalline_share(position, is_above, side, diameter),
+        "crystalline_share": crystalline_share(position, is_above, sides, diameter),
         "layer_order": layer_order(position[is_above, 2], diameter),
     }
 
@@ -148,23 +149,25 @@ def base_stress_ratio(run: Mapping[Any, Any]) -> float:
     return float(run["base_shear"]) / normal if normal > 0 else nan
 
 
-def coherent_bonds(position: np.ndarray, side: float, diameter: float) -> np.ndarray:
+def coherent_bonds(position: np.ndarray, sides: tuple[float, float], diameter: float) -> np.ndarray:
     """Return the number of coherent q6 bonds of each sphere, (N,).
 
     Parameters
     ----------
     position : (N, 3) array
-        Centres, m; the cell of length ``side`` (m) is periodic along x and y only.
+        Centres, m.
+    sides : tuple of float
+        Sides of the cell along x and y (m), along which alone it is periodic.
     diameter : float
         Mean diameter, m.
     """
     import freud
 
     height = position[:, 2] - 0.5 * (position[:, 2].min() + position[:, 2].max())
-    box = freud.box.Box(side, side, np.ptp(height) + 4 * BOND_LENGTH * diameter)
+    box = freud.box.Box(*sides, np.ptp(height) + 4 * BOND_LENGTH * diameter)
     box.periodic = (True, True, False)
     # Positions are wrapped into the cell first, because the library takes single precision.
-    centred = box.wrap(np.column_stack([position[:, :2] - 0.5 * side, height]))
+    centred = box.wrap(np.column_stack([position[:, :2] - 0.5 * np.array(sides), height]))
     order = freud.order.SolidLiquid(l=DEGREE, q_threshold=COHERENCE, solid_threshold=MIN_BONDS)
     # One thread: processes that read run files in parallel share the cores.
     with freud.parallel.NumThreads(1):
@@ -175,7 +178,7 @@ def coherent_bonds(position: np.ndarray, side: float, diameter: float) -> np.nda
 
 
 def crystalline_share(
-    position: np.ndarray, is_selected: np.ndarray, side: float, diameter: float
+    position: np.ndarray, is_selected: np.ndarray, sides: tuple[float, float], diameter: float
 ) -> float:
     """Return the share of selected spheres with at least 8 coherent bonds, NaN without any.
 
@@ -183,7 +186,7 @@ def crystalline_share(
     """
     if not is_selected.any():
         return np.nan
-    return float((coherent_bonds(position, side, diameter)[is_selected] >= MIN_BONDS).mean())
+    return float((coherent_bonds(position, sides, diameter)[is_selected] >= MIN_BONDS).mean())
 
 
 def layer_order(height: np.ndarray, diameter: float) -> float:

@@ -92,6 +92,7 @@ class Parameters(BaseModel):
     run as small and short as possible; ``state_numbers`` of a particle (position and motion) and
     ``most_contacts`` per particle in a frame of a trajectory; and the number of ``axes`` along
     which particles move. ``offered`` are options of plug-ins: parameter → name in points → option.
+    ``pairs`` are parameters that files may give as a list of two, which is split into parameters.
     """
 
     model_config = ConfigDict(
@@ -104,6 +105,7 @@ class Parameters(BaseModel):
     axes: ClassVar[int]
     most_contacts: ClassVar[int]
     offered: ClassVar[Mapping[str, Mapping[str, Any]]] = {}
+    pairs: ClassVar[frozenset[str]] = frozenset()
 
     if TYPE_CHECKING:
         # Every concrete system adds these, with its own ranges, defaults and meanings.

@@ -97,9 +97,9 @@ class ConveyorParameters(SphereParameters):
         return self.shape == "disc"
 
     @property
-    def _breadth(self) -> float:
+    def breadth(self) -> float:
         """Side of the cell across the flow, in diameters; 1 for discs, which lie in one row."""
-        return 1.0 if self.is_flat else self.cell
+        return 1.0 if self.is_flat else super().breadth
 
     @property
     def _bump_area(self) -> float:
@@ -109,6 +109,9 @@ class ConveyorParameters(SphereParameters):
     def require_rules(self) -> None:
         """Raise for values that do not go together."""
         super().require_rules()
+        if self.is_flat and self.cell_across:
+            allowed = "0 with shape: disc, which lie in one plane"
+            raise broken_rule("cell_across", self.cell_across, allowed)
         if self.is_flat and self.stress_profiles:
             allowed = "false with shape: disc: none of its stresses is per area"
             raise broken_rule("stress_profiles", self.stress_profiles, allowed)

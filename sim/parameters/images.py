@@ -5,6 +5,12 @@ diameters d and d' touch where their centres are closer than (d + d')/2. So one 
 of the other where the period is less than d + d', and nowhere else.
 """
 
+#: Least side of a cell, in diameters.
+LEAST_CELL = 3.0
+
+#: What is allowed for both sides of a cell, in words.
+SIDES = "a number, or [along the flow, across it] without cell_across"
+
 
 def least_period(largest: float, fixed: float = 0.0) -> float:
     """Return the least period in which no particle can touch two images of another one.

@@ -3,10 +3,19 @@
 import math
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
+from pydantic import model_validator
+
 from sim.base.additions import attribute_errors_to, plain_name
 from sim.base.plugins import module_names
-from sim.parameters.common import CHOICES, MAX_PARTICLES, Parameters, Real, broken_rule
-from sim.parameters.images import largest_diameter, usual_cell, wider_cell
+from sim.parameters.common import (
+    CHOICES,
+    MAX_PARTICLES,
+    Parameters,
+    Real,
+    broken_rule,
+    canonical_number,
+)
+from sim.parameters.images import LEAST_CELL, SIDES, largest_diameter, usual_cell, wider_cell
 from sim.parameters.roles import rows_of
 
 row = rows_of("spheres")
@@ -59,6 +68,7 @@ class SphereParameters(Parameters):
 
     state_numbers: ClassVar[int] = 9
     axes: ClassVar[int] = 3
+    pairs: ClassVar[frozenset[str]] = frozenset({"cell"})
     # Twelve neighbors of equal size, and more where sizes differ or overlaps are large.
     most_contacts: ClassVar[int] = 10
     smallest_values: ClassVar[dict[str, Any]] = {"depth": 0.2, "cell": 5}
@@ -84,6 +94,7 @@ class SphereParameters(Parameters):
     cell: Real = row(
         "cell", default_factory=lambda values: usual_cell(values["depth"], values["bumps"])
     )
+    cell_across: Real = row("cell_across")
     bump_coverage: Real = row("bump_coverage")
     bump_arrangement: Literal["random", "ordered"] = row("bump_arrangement")
     gravity: Real = row("gravity")
@@ -102,6 +113,24 @@ class SphereParameters(Parameters):
     # No numerical parameter: what two programs computed is not one flow until it is shown to be.
     engine: EngineName = row("engine")
     ranks: int = row("ranks")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _split_cell(cls, values: Any) -> Any:
+        """Return the values with both sides of a cell apart; those of a square one are one number.
+
+        Raises for a list beside ``cell_across``, or of another length than two.
+        """
+        if not isinstance(values, dict) or "cell" not in values:
+            return values
+        sides = values["cell"]
+        if isinstance(sides, list | tuple):
+            if len(sides) != 2 or "cell_across" in values:
+                raise broken_rule("cell", sides, SIDES)
+            values = values | dict(zip(("cell", "cell_across"), sides, strict=True))
+        across = canonical_number(values.get("cell_across", 0))
+        is_square = across == canonical_number(values["cell"])
+        return values | {"cell_across": 0.0} if is_square else values
 
     @classmethod
     def hint(cls, key: str, value: Any) -> str:
@@ -142,7 +171,7 @@ class SphereParameters(Parameters):
     @property
     def particles(self) -> int:
         """Particles in the cell: depth times the cell's area in squared diameters."""
-        return max(1, round(self.depth * self.cell * self._breadth))
+        return max(1, round(self.depth * self.cell * self.breadth))
 
     @property
     def glued_particles(self) -> int:
@@ -150,15 +179,20 @@ class SphereParameters(Parameters):
         if not self.bumps:
             return 0
         if self.bump_arrangement == "ordered":
-            return self.bump_rows ** (1 if self.is_flat else 2)
+            return math.prod(self.bump_rows)
         return max(1, round(self.bump_coverage * self._area / self._bump_area))
 
     @property
-    def bump_rows(self) -> int:
-        """Glued spheres in a row of an ordered arrangement, where they do not overlap."""
+    def bump_rows(self) -> tuple[int, ...]:
+        """Glued spheres in a row of an ordered arrangement along x and y, without overlap."""
         number = self.bump_coverage * self._area / self._bump_area
-        rows = round(number if self.is_flat else number**0.5)
-        return max(1, min(rows, math.floor(self.cell / self.bumps)))
+        if self.is_flat:
+            return (max(1, min(round(number), math.floor(self.cell / self.bumps))),)
+        ratio = self.cell / self.breadth
+        return tuple(
+            max(1, min(round((number * share) ** 0.5), math.floor(side / self.bumps)))
+            for side, share in ((self.cell, ratio), (self.breadth, 1 / ratio))
+        )
 
     @property
     def effective_particles(self) -> float:
@@ -177,13 +211,13 @@ class SphereParameters(Parameters):
         return False
 
     @property
-    def _breadth(self) -> float:
+    def breadth(self) -> float:
         """Side of the cell across the flow, in diameters."""
-        return self.cell
+        return self.cell_across or self.cell
 
     @property
     def _area(self) -> float:
-        return self.cell * self._breadth
+        return self.cell * self.breadth
 
     @property
     def _bump_area(self) -> float:
@@ -241,8 +275,12 @@ class SphereParameters(Parameters):
             allowed = "random, unless there are bumps"
             raise broken_rule("bump_arrangement", self.bump_arrangement, allowed)
         largest = largest_diameter(self.diameter_spread, self.is_flat)
-        if allowed := wider_cell(self.cell, largest, self.bumps):
-            raise broken_rule("cell", self.cell, allowed)
+        if 0 < self.cell_across < LEAST_CELL:
+            raise broken_rule("cell_across", self.cell_across, f"0, or a number >= {LEAST_CELL:g}")
+        for name in ("cell", "cell_across"):
+            side = getattr(self, name) or self.cell
+            if allowed := wider_cell(side, largest, self.bumps):
+                raise broken_rule(name, side, allowed)
         if not self.depth * self._area <= MAX_PARTICLES:
             allowed = f"a value that gives at most {MAX_PARTICLES:.0e} particles in the cell"
             raise broken_rule("depth", self.depth, allowed)

@@ -90,7 +90,8 @@ def _cell(
     top = float((height + radius).max(initial=parameters.diameter))
     side = parameters.period
     if isinstance(parameters, SphereParameters) and not parameters.is_flat:
-        return np.array([0.0, 0.0, bottom]), np.array([side, side, top]), (True, True, False)
+        across = parameters.breadth * parameters.diameter
+        return np.array([0.0, 0.0, bottom]), np.array([side, across, top]), (True, True, False)
     thick = float(radius.max())
     high = np.array([side, thick, top])
     return np.array([0.0, -thick, bottom]), high, (True, False, False)

@@ -1,7 +1,7 @@
 """Keys of a study file, whatever their system: parameters, lists and ranges, overrides, names."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from math import floor
 from typing import Annotated, Any, ClassVar, Self, TypeVar
 from unicodedata import category
@@ -100,6 +100,8 @@ class Some(Strict):
     def hint(cls, key: str, value: Any) -> str:
         """Return a hint at the intended value or key, empty if there is none."""
         if isinstance(value, list) and not issubclass(cls, Lists):
+            if key in cls.parameters.pairs:
+                return "or two, along and across the flow; a list of values belongs under grid"
             return "a list of values belongs under grid"
         if system_hint := getattr(cls.parameters, "hint", lambda key, value: "")(key, value):
             return str(system_hint)
@@ -110,6 +112,11 @@ class Some(Strict):
     def explicit_values(self) -> dict[str, Any]:
         """Return the values that the file sets here, with numbers in canonical form."""
         return self.model_dump(exclude_unset=True)
+
+
+def one_or_pair(given: Any, one: Callable[[Any], Any]) -> Any:
+    """Return a number, or a list of two, by the validator of ``one``."""
+    return [*map(one, given)] if isinstance(given, list) and len(given) == 2 else one(given)
 
 
 class Lists(Some):

@@ -111,9 +111,11 @@ class SeriesFile(_Family):
         """Return the parameters that its points vary, as its design, grid or cases give them."""
         if self.design:
             return tuple(_of_mass(axis, points) for axis in self.design.axes)
-        in_cases = (name for case in self.cases or [] for name in case.explicit_values())
-        given = (*self.grid_lists, *in_cases)
-        axes, fields = list[Axis](), SYSTEMS[self.system].model_fields
+        in_cases = [name for case in self.cases or [] for name in case.explicit_values()]
+        model = SYSTEMS[self.system]
+        others = (f"{name}_across" for name in in_cases if name in model.pairs)
+        given = (*self.grid_lists, *in_cases, *others)
+        axes, fields = list[Axis](), model.model_fields
         for name in dict.fromkeys("mass" if one == DENSITY else one for one in given):
             values = [getattr(one, name) for one in points]
             if name not in AMOUNTS and len(set(values)) > 1:

@@ -7,7 +7,16 @@ from pathlib import Path
 from types import GenericAlias
 from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import BaseModel, BeforeValidator, Field, create_model
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    Field,
+    PlainSerializer,
+    TypeAdapter,
+    WithJsonSchema,
+    WrapValidator,
+    create_model,
+)
 
 from sim.base.errors import InputError
 from sim.parameters import AMOUNTS, SYSTEMS, Parameters, roles
@@ -21,6 +30,7 @@ from sim.study.entries import (
     Strict,
     allow_range_in_schema,
     expand_range,
+    one_or_pair,
     optional,
     read_into,
 )
@@ -92,6 +102,12 @@ def _with_parameters(base: type[Some], system: str, names: Collection[str] | Non
         value: Any = Annotated[(parameter.annotation, *parameter.metadata, None)]
         said = parameter.description
         field = optional(said)
+        if key in SYSTEMS[system].pairs and not issubclass(base, Lists):
+            one = TypeAdapter(value).json_schema()
+            pair = {"type": "array", "items": one, "minItems": 2, "maxItems": 2}
+            said_of_both = WithJsonSchema({"anyOf": [one, pair]})
+            as_it_is = PlainSerializer(lambda given: given)
+            value = Annotated[value, WrapValidator(one_or_pair), as_it_is, said_of_both]
         if issubclass(base, Lists):
             value = Annotated[_list_type(value), Field(min_length=1)]
             if issubclass(base, Over):

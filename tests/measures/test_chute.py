@@ -40,7 +40,8 @@ def test_plug_alone_is_asked_for_its_order():
     # All but those of the simple cubic plug's two faces have six coherent neighbors: none has 8.
     assert values["crystalline_share"] == 0.0
     assert values["layer_order"] > 0.9
-    assert set(measured(make_run(), "chute")) == {"shear_depth"}
+    others = {"flow_height", "bulk_packing"}
+    assert set(measured(make_run(), "chute")) == {"shear_depth"} | others
     assert measured(make_run().drop_vars("packing_profile"), "chute") == {}
     forces = measured(make_run(base_normal=2.0, base_shear=0.5), "chute")
     assert forces["base_stress_ratio"] == 0.25
@@ -90,12 +91,13 @@ def scattered_positions(number: int, side: float, height: float) -> np.ndarray:
 
 def test_spheres_of_a_crystal_are_crystalline_across_the_edges_of_the_cell_but_not_of_its_top():
     position, side = crystal(4, 4)
-    bonds = coherent_bonds(position, side, SIZE)
+    position, sides = np.vstack([position, position + np.array([side, 0, 0])]), (2 * side, side)
+    bonds = coherent_bonds(position, sides, SIZE)
     inside = (position[:, 2] > 0.1 * SIZE) & (position[:, 2] < position[:, 2].max() - 0.1 * SIZE)
     assert (bonds[inside] == 12).all()
     assert (bonds[~inside] == MIN_BONDS).all()
     shifted = position + np.array([3.7 * side, -0.4 * side, 0.02])
-    assert (coherent_bonds(shifted, side, SIZE) == bonds).all()
+    assert (coherent_bonds(shifted, sides, SIZE) == bonds).all()
 
 
 def test_share_is_of_the_chosen_spheres():
@@ -103,9 +105,9 @@ def test_share_is_of_the_chosen_spheres():
     above = scattered_positions(256, side, 6 * SIZE) + np.array([0, 0, 8 * SIZE])
     mixed = np.vstack([position, above])
     lower = np.arange(len(mixed)) < len(position)
-    assert crystalline_share(mixed, lower, side, SIZE) == 1.0
-    assert crystalline_share(mixed, ~lower, side, SIZE) < 0.1
-    assert np.isnan(crystalline_share(mixed, lower & ~lower, side, SIZE))
+    assert crystalline_share(mixed, lower, (side, side), SIZE) == 1.0
+    assert crystalline_share(mixed, ~lower, (side, side), SIZE) < 0.1
+    assert np.isnan(crystalline_share(mixed, lower & ~lower, (side, side), SIZE))
 
 
 @pytest.mark.parametrize("spacing", [0.72, 0.82, 1.0])

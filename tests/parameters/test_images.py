@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 
 from sim.base.errors import InputError
 from sim.engine.systems import build
-from sim.parameters import parse_point
+from sim.parameters import canonical_values, parse_point, point_id
 from sim.parameters.images import largest_diameter, least_period
+from tests.engine_motion.points import chute_point
 
 SIZES = st.floats(0.5, 3)
 
@@ -70,3 +71,15 @@ def test_the_other_ranges_keep_images_apart_by_themselves():
         obstacle = width - 3 - 1e-6
         parse_point({"system": "belt", "width": width, "obstacle": obstacle}, "p")
         assert least_period(2, obstacle) < width
+
+
+def test_both_sides_of_a_cell_have_one_spelling_in_points():
+    """A square one is the point that one number gives, so ids stay."""
+    square, oblong = {"cell": [8, 8.0]}, {"cell": [8, 4]}
+    for given_values in ({"cell": 8, "cell_across": 8}, square, {"cell": [8, 0]}):
+        assert chute_point(**given_values) == chute_point(cell=8)
+    assert chute_point(**oblong) == chute_point(cell=8, cell_across=4)
+    assert point_id(chute_point(**oblong)) != point_id(chute_point(cell=8))
+    p = chute_point(**oblong, depth=2)
+    assert (p.particles, p.breadth, chute_point(cell=8).breadth) == (64, 4, 8)
+    assert parse_point(canonical_values(p), "p") == p

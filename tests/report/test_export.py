@@ -20,7 +20,7 @@ from sim.report.export import FORMATS
 from tests.engine_motion.points import belt_point, chute_point
 from tests.made.processes import refusal
 
-CHUTE = chute_point(depth=1, cell=3, bumps=1, replicates=2)
+CHUTE = chute_point(depth=0.75, cell=[4, 3], bumps=1, replicates=2)
 BELT = belt_point(beads=3, width=5, replicates=2)
 POINTS = {"chute": CHUTE, "belt": BELT}
 COLUMNS = {"chute": [0, 1, 2], "belt": [0, 2]}
@@ -96,8 +96,7 @@ class StoredReplicate:
             self.position = file["trajectory_position"][replicate]
             self.velocity = file["trajectory_velocity"][replicate]
             self.spin = file["trajectory_spin"][replicate] if system == "chute" else None
-        side = {"chute": 3e-3, "belt": 5e-3}[system]
-        self.length = np.array({"chute": [side, side, np.inf], "belt": [side, np.inf]}[system])
+        self.length = np.array({"chute": [4e-3, 3e-3, np.inf], "belt": [5e-3, np.inf]}[system])
         self.columns = COLUMNS[system]
 
     def compare(self, place: np.ndarray, frame: int) -> None:

@@ -111,8 +111,8 @@ class PlaneFlow(Replica):
             breadth = BREADTH * max(p.diameter * (1 + p.diameter_spread), p.bumps * p.diameter)
             self.inertia, self._profile_weight, area = DISC, AREA, length
         else:
-            breadth = length
-            self.inertia, self._profile_weight, area = SOLID, VOLUME, length * length
+            breadth = p.breadth * p.diameter
+            self.inertia, self._profile_weight, area = SOLID, VOLUME, length * breadth
         self.box = make_box(length, breadth)
         layer = initial_layer(p, self.box, replicate)
         number = len(layer.radius)
@@ -133,7 +133,7 @@ class PlaneFlow(Replica):
             self.history_profiles = tuple(parts(HISTORY, p.system).values())
         self.mass = float(self.spheres.mass.sum())
         self.weight = (self.mass * self.gravity[0], -self.mass * self.gravity[2])
-        self.flux_area = length**2
+        self.flux_area = length**2 * (p.breadth / p.cell)
         self.travelled, self.lost, self.work_done = 0.0, 0.0, 0.0
         interval = max(1, round(path_interval * p.time_unit / p.time_step)) * substeps
         self.path_steps = PATH_INTERVALS * interval

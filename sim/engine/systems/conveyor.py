@@ -50,13 +50,13 @@ class Conveyor(PlaneFlow):
 
     def __init__(self, parameters: ConveyorParameters, replicate: int, substeps: int = 1):
         super().__init__(parameters, replicate, substeps, path_interval=1 / 40)
-        p, length = parameters, self.box.length[0]
+        p, (length, breadth, _) = parameters, self.box.length
         self.plane_work = 0.0
         self.period = p.samples_per_cycle
         if not p.rotation:
             self.inertia = inf
         # Discs count as one mean diameter thick.
-        self.flux_area = length * (p.diameter if p.is_flat else length)
+        self.flux_area = length * (p.diameter if p.is_flat else breadth)
         # Without a slope no flow accelerates for ever.
         negligible = negligible_acceleration(p.gravity, p.angle) if p.angle else inf
         still = LEAST_TRANSPORT * p.velocity_amplitude

@@ -162,8 +162,9 @@ def initial_layer(p: SphereParameters, box: Box, replicate: int) -> Layer:
         size = rng.uniform(1.0 - spread, 1.0 + spread, p.particles)
     # The flow weighs as much as one of equal particles.
     size /= root((size**dimension).mean())
-    if allowed := wider_cell(p.cell, float(size.max()), p.bumps):
-        raise InputError.of_value(point_id(p), "cell", p.cell, allowed)
+    narrow = p.cell if p.is_flat else min(p.cell, p.breadth)
+    if allowed := wider_cell(narrow, float(size.max()), p.bumps):
+        raise InputError.of_value(point_id(p), "cell", narrow, allowed)
     radius = 0.5 * p.diameter * size
     position = random_packing(cell, height, radius, rng)
     velocity = _random_velocities(p, position.shape, rng)
@@ -188,8 +189,8 @@ def _bump_positions(p: SphereParameters, box: Box, replicate: int) -> np.ndarray
     if p.bump_arrangement == "random":
         rng = np.random.default_rng([p.seed, replicate, 1])
         return random_packing(box, 0.0, np.full(p.glued_particles, radius), rng)
-    centres = (np.arange(p.bump_rows) + 0.5) / p.bump_rows
-    grid = np.meshgrid(*(length * centres for length in box.length[:-1]), [radius])
+    sides = zip(box.length, p.bump_rows, strict=False)
+    grid = np.meshgrid(*(side * ((np.arange(n) + 0.5) / n) for side, n in sides), [radius])
     return np.stack([axis.ravel() for axis in grid], axis=1)
 
 

@@ -173,7 +173,8 @@ def particle_data(p: Any, spheres: Any, velocity: np.ndarray) -> str:
     velocity : (3, N) array
         At the time of the positions, in the frame of LAMMPS (m/s).
     """
-    side, (x, y, z), radius = p.cell * p.diameter, spheres.position, spheres.radius
+    along, across = p.cell * p.diameter, p.breadth * p.diameter
+    (x, y, z), radius = spheres.position, spheres.radius
     number, is_glued = np.arange(1, radius.size + 1), spheres.mass == 0.0
     kind = np.where(is_glued, GLUED, MOBILE)
     material = p.mass / p.diameter**3
@@ -183,9 +184,10 @@ def particle_data(p: Any, spheres: Any, velocity: np.ndarray) -> str:
     text = StringIO()
     text.write(
         f"particles of Talus\n\n{radius.size} atoms\n{GLUED} atom types\n\n"
-        f"0 {side:.17g} xlo xhi\n0 {side:.17g} ylo yhi\n0 {top:.17g} zlo zhi\n\nAtoms # sphere\n\n"
+        f"0 {along:.17g} xlo xhi\n0 {across:.17g} ylo yhi\n0 {top:.17g} zlo zhi\n\n"
+        "Atoms # sphere\n\n"
     )
-    place = np.column_stack([number, kind, 2.0 * radius, density, x % side, y % side, z])
+    place = np.column_stack([number, kind, 2.0 * radius, density, x % along, y % across, z])
     np.savetxt(text, place, "%d %d %.17g %.17g %.17g %.17g %.17g")
     text.write("\nVelocities\n\n")
     motion = np.column_stack([number, *velocity, *(spheres.rim / radius)])

@@ -104,17 +104,20 @@ def test_glued_spheres_lie_on_the_plane_and_stay():
 
 def test_ordered_bumps_lie_on_a_lattice():
     """Also where the whole lattice that comes nearest would overlap."""
-    for cell, bumps, rows in ((5, 0.8, 5), (6, 3, 2), (5.94, 3, 1)):
+    square = [((side, side), bumps, (n, n)) for side, bumps, n in ((5, 0.8, 5), (6, 3, 2))]
+    for cell, bumps, rows in (*square, ((5.94, 5.94), 3, (1, 1)), ((9, 4.5), 0.8, (9, 4))):
         values = {"depth": 1, "bumps": bumps, "bump_coverage": 0.45}
-        system = build(chute_point(cell=cell, bump_arrangement="ordered", **values), 0)
+        system = build(chute_point(cell=[*cell], bump_arrangement="ordered", **values), 0)
         start, p = system.snapshot(), system.parameters
         places = start["position"][start["fixed"] == 1] / p.diameter
-        assert len(places) == p.glued_particles == rows**2
+        assert len(places) == p.glued_particles == rows[0] * rows[1]
         assert places[:, 2] == pytest.approx(bumps / 2)
-        steps = cell * (np.arange(rows) + 0.5) / rows
-        lattice = [(x, y) for x in steps for y in steps]
+        along, across = (
+            side * (np.arange(n) + 0.5) / n for side, n in zip(cell, rows, strict=True)
+        )
+        lattice = [(x, y) for x in along for y in across]
         assert np.allclose(sorted(map(tuple, places[:, :2].round(9))), lattice)
-        assert cell / rows >= bumps
+        assert min(np.divide(cell, rows)) >= bumps
 
 
 def test_a_bed_shaken_or_pushed_before_starts_in_motion():
