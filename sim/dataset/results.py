@@ -274,7 +274,7 @@ def require_known_options(dataset: xr.Dataset, path: Path) -> None:
 
     Their parameters are not known, so two points that differ in one would be taken for the same.
     """
-    for choice in ("law", "motion"):
+    for choice in ("law", "motion", "function"):
         loaded = plugin_options(choice)
         for name in map(str, dataset[choice].values if choice in dataset.coords else ()):
             # The name of an option of a plug-in ends in its hash.

@@ -125,7 +125,10 @@ def _indices_of_runs(
     ids = [point_id(point) for point in design.sequence(design.size)]
     observable = numbers(spec.of.system)[spec.of.observable]
     beds = replicate_values(dataset, observable, list(means.index))
-    scatter = [row.var(ddof=1) / row.size if row.size > 1 else np.nan for row in beds]
+    # Known to have no scatter although no point has a second replicate: a function without chance.
+    is_exact = not sample.attrs["scatter"] and bool((sample["replicates"] <= 1).all())
+    alone = 0.0 if is_exact else np.nan
+    scatter = [row.var(ddof=1) / row.size if row.size > 1 else alone for row in beds]
     runs = DesignRuns(
         names=design.names,
         values=means.reindex(ids).to_numpy(),

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from sim.base.errors import InputError
 from sim.dataset.replicates import SCALARS, answering_regime, outcomes, replicate_values
 from sim.dataset.results import Results
-from sim.parameters import NUMERICAL, SYSTEMS
+from sim.parameters import NUMERICAL, SYSTEMS, functions
 from sim.parameters.forms import Form
 from sim.study.design import Axis
 from sim.study.plottable import numbers
@@ -72,6 +72,7 @@ def sample_points(results: Results, spec: SurrogateFile) -> xr.Dataset:
         counts = np.maximum(1, np.isfinite(within).sum(axis=1))
         own = np.sqrt(np.nansum(within**2, axis=1)) / counts
     errors, is_unknown = standard_errors(values, own, unit_cube(spec.axes, rows))
+    is_unknown = is_unknown and not is_exact(rows)
     columns = {axis.name: rows[axis.name].values for axis in spec.axes} | {
         "mean": np.array([row.mean() if row.size else np.nan for row in values]),
         "standard_error": errors,
@@ -84,6 +85,11 @@ def sample_points(results: Results, spec: SurrogateFile) -> xr.Dataset:
     variables = {name: ("point", column) for name, column in columns.items()}
     attributes = {"scatter": int(is_unknown), "fixed": _fixed(rows, spec)}
     return xr.Dataset(variables, {"point": points}, attributes)
+
+
+def is_exact(rows: xr.Dataset) -> bool:
+    """Return whether all rows are calls of functions that do not depend on chance."""
+    return "function" in rows and all(map(functions.is_exact, rows["function"].values))
 
 
 def _core_seconds(rows: xr.Dataset) -> np.ndarray:
