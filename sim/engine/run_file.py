@@ -47,9 +47,7 @@ class Stage(NamedTuple):
         return self.parameters.sample_steps * self.parameters.time_step
 
 
-def write(
-    path: Path, stages: Sequence[Stage], system: Replica, attributes: Mapping[str, Any]
-) -> None:
+def write(path: Path, stages: Sequence[Stage], system: Any, attributes: Mapping[str, Any]) -> None:
     """Write a run file under a temporary name, seal it, and rename it once it is complete.
 
     Parameters

@@ -22,7 +22,8 @@ from sim.study.plot_contents import (
     varying_parameters,
 )
 from sim.study.plottable import numbers, plugin_code
-from sim.study.surrogate import Place, Question, SensitivityFile, SurrogateFile
+from sim.study.sensitivity import PropagationFile, SensitivityFile
+from sim.study.surrogate import Place, Question, SurrogateFile
 
 
 def feed(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
@@ -154,7 +155,7 @@ def _caption_parameters(system: str, points: Sequence[Parameters]) -> list[str]:
 
 
 #: Keys of study files with questions. Surrogates come first, as the others are asked of them.
-KEYS = ("surrogate", "sensitivity", "calibrate")
+KEYS = ("surrogate", "sensitivity", "propagate", "calibrate")
 
 #: Titles of pictures of answers, and the first sentences of their captions.
 TITLES = {
@@ -164,6 +165,7 @@ TITLES = {
     "screening": "Screening of what changes the {what}",
     "indices": "What the {what} depends on",
     "interactions": "What acts together on the {what}",
+    "spread": "How the {what} is spread",
     "posterior": "Which {names} the measurements allow",
     "predictions": "{What} measured and calibrated",
     "experiment": "The next experiment",
@@ -175,6 +177,7 @@ LEADS = {
     "screening": "Elementary effects of each parameter on {about}, from the runs of the {source}.",
     "indices": "Sobol' indices of {about}, from the {source}.",
     "interactions": "Second-order Sobol' indices of {about}, from the {source}.",
+    "spread": "Distribution of {about}, from the {source}.",
     "posterior": "Posterior of {names} from {count} of {about}, by the {source}.",
     "predictions": "{About}: measurements, and what the calibrated {source} says of each.",
     "experiment": "Where a further measurement of {what} would narrow the posterior of {names}.",
@@ -212,6 +215,7 @@ def ask(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
 
 def _pictures(question: Question) -> Iterator[FigureSpec]:
     of, design = question.of, getattr(question, "design", None)
+    source = f"surrogate {of.name}" if design is None else f"series {of.series}"
     match question:
         case SurrogateFile():
             names = [axis.name for axis in of.axes if axis.is_number]
@@ -219,9 +223,10 @@ def _pictures(question: Question) -> Iterator[FigureSpec]:
             yield from (_picture(question, "surface", *pair) for pair in combinations(names, 2))
             yield _picture(question, "agreement")
         case SensitivityFile() if question.is_screening:
-            yield _picture(question, "screening", source=f"series {of.series}")
+            yield _picture(question, "screening", source=source)
+        case PropagationFile():
+            yield _picture(question, "spread", source=source)
         case SensitivityFile():
-            source = f"surrogate {of.name}" if design is None else f"series {of.series}"
             yield _picture(question, "indices", source=source)
             if design is None and len(of.axes) > 1:
                 yield _picture(question, "interactions", source=source)

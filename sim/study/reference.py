@@ -16,7 +16,8 @@ from sim.study.entries import RANGE, RANGE_SCHEMA
 from sim.study.figure_spec import FIGURES
 from sim.study.plot_file import BesideFile, PlotFile
 from sim.study.plottable import shown_by
-from sim.study.surrogate import SensitivityFile, SurrogateFile
+from sim.study.sensitivity import PropagationFile, SensitivityFile
+from sim.study.surrogate import SurrogateFile
 from sim.study.validate import file_models
 
 BEGIN = "<!-- reference: begin; written by `talus schema --write`, do not edit -->"
@@ -64,6 +65,7 @@ def reference_text() -> str:
         "a boundary": entries.boundary,
         "a surrogate": SurrogateFile,
         "a sensitivity": SensitivityFile,
+        "a propagation": PropagationFile,
         "a calibration": CalibrateFile,
         "a plot": PlotFile,
         "data beside a plot's own": BesideFile,

@@ -132,16 +132,16 @@ def _frame(about: dict[str, Any], axes: tuple[Axis, ...]) -> Frame | None:
 
 def load_table(path: Path) -> pd.DataFrame:
     """Read a table; see `stored_answer`."""
-    with stored_answer(path, "sensitivity"):
+    with stored_answer(path, path.parent.name):
         content = read_table(path)
         if content is None:
             raise ValueError("its checksum is wrong")
-        words = {"other": object, "doubt": object}
+        words = {"parameter": object, "other": object, "doubt": object}
         texts = {"keep_default_na": False, "na_values": [""], "dtype": words}
         table = pd.read_csv(io.BytesIO(content), **texts)
         if "doubt" not in table:
             raise ValueError("it is of an earlier version")
-        return table.fillna({"other": "", "doubt": ""})
+        return table.fillna(dict.fromkeys(words, ""))
 
 
 def save_posterior(
