@@ -11,7 +11,7 @@ from sim.base.messages import one_of
 from sim.parameters import NUMERICAL, SYSTEMS, Parameters, canonical_number, field_info, roles
 from sim.study.calibration import CalibrateFile
 from sim.study.figure_spec import FIGURES, Answer, FigureSpec, written
-from sim.study.file import StudyFile
+from sim.study.file import QUESTIONS, StudyFile
 from sim.study.model import Point, Study
 from sim.study.plot_contents import (
     PlotContents,
@@ -154,9 +154,6 @@ def _caption_parameters(system: str, points: Sequence[Parameters]) -> list[str]:
     return [name for name in rows if name in chosen - _NOT_IN_CAPTION]
 
 
-#: Keys of study files with questions. Surrogates come first, as the others are asked of them.
-KEYS = ("surrogate", "sensitivity", "propagate", "calibrate")
-
 #: Titles of pictures of answers, and the first sentences of their captions.
 TITLES = {
     "section": "{What} against {x}",
@@ -191,7 +188,7 @@ def ask(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
     `sim.study.surrogate.Question.resolve` does, and for a name that is taken.
     """
     entries, names = dict(study.entries), {name.lower() for name in (*study.entries, *FIGURES)}
-    for key in KEYS:
+    for key in QUESTIONS:
         own_names = set[str]()
         for path, file in files:
             families = {one.name: one for _, one in file.entries}

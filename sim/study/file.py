@@ -34,7 +34,7 @@ from sim.study.papers import papers
 from sim.study.plot_file import PlotFile
 from sim.study.points import MAX_ROUNDS, PARTS, further_rounds
 from sim.study.sensitivity import PropagationFile, SensitivityFile
-from sim.study.surrogate import SurrogateFile
+from sim.study.surrogate import Question, SurrogateFile
 
 #: Maximum number of points of a study.
 MAX_POINTS = 100_000
@@ -288,3 +288,13 @@ class StudyFile(Strict):
         """Return the lists of readings of a system by parameter; there may be none."""
         readings = getattr(self.readings, system)
         return readings.explicit_values() if readings else {}
+
+
+#: The questions of a study by their keys: whatever goes through all of them asks here. Surrogates
+#: come first, as the others are asked of them.
+QUESTIONS: dict[str, type[Question]] = {
+    key: kind
+    for key, field in StudyFile.model_fields.items()
+    for kind in get_args(field.annotation)
+    if isinstance(kind, type) and issubclass(kind, Question)
+}

@@ -66,6 +66,11 @@ class Question(Strict):
     folder: ClassVar[str]
     ending: ClassVar[str] = ".nc"
 
+    @classmethod
+    def noun(cls) -> str:
+        """Return what its answer is called."""
+        return cls.folder.removesuffix("s")
+
     @property
     def settings(self) -> tuple[Any, ...]:
         """What it depends on besides runs; rules rerun when this changes."""

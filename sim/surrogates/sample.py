@@ -6,6 +6,7 @@ Points lie in the unit cube of the ranges of their parameters, or in groups of t
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,9 @@ _SLOPE = 3.0
 
 #: Fewest degrees of freedom, over all points, from which the scatter between replicates is known.
 _ENOUGH_FREEDOM = 3
+
+#: Most places of which a surrogate is asked at a time.
+_MOST_PLACES = 10_000_000
 
 #: Largest and smallest size of values whose squares, and those of their errors, are numbers.
 _SIZES = (1e-100, 1e100)
@@ -200,6 +204,19 @@ def unit_cube(axes: tuple[Axis, ...], columns: Mapping[Any, Any]) -> np.ndarray:
             low, high, numbers = np.log(low), np.log(high), np.log(numbers)
         parts.append((numbers - low) / (high - low))
     return np.column_stack(parts)
+
+
+def require_places(name: str, arrays: Mapping[str, xr.DataArray]) -> None:
+    """Refuse lists of points of different lengths, and grids of too many places."""
+    sizes = dict[Any, int]()
+    for parameter, array in arrays.items():
+        for dim, size in array.sizes.items():
+            if sizes.setdefault(dim, size) != size:
+                allowed = f"{sizes[dim]} values, as others have over {dim}"
+                raise InputError.of_value(name, parameter, f"{size} values", allowed)
+    if (count := prod(sizes.values())) > _MOST_PLACES:
+        allowed = f"a grid of at most {_MOST_PLACES:,}; points=True takes lists as points"
+        raise InputError.of_value(name, "parameter", f"{count:,} places", allowed)
 
 
 def scaled(shares: np.ndarray, bounds: ArrayLike, scales: Sequence[str]) -> np.ndarray:
