@@ -2,7 +2,7 @@
 
 In Python: `simulate` runs one point, `Flow` runs one step by step, `points` lists the points of a
 study, and `load` reads the results of a study (docs/api.md). Plug-ins extend it by
-`law`, `motion`, `flow_engine`, `observable`, `form`, `plot_kind`, `judge`, `paper`
+`law`, `motion`, `flow_engine`, `function`, `observable`, `form`, `plot_kind`, `judge`, `paper`
 (docs/extending.md).
 """
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from sim.parameters.choices import parameter
     from sim.parameters.forms import form
     from sim.parameters.laws import flow_engine, law, motion
-    from sim.parameters.observables import observable
+    from sim.parameters.observables import function, observable
     from sim.report.results import load
     from sim.study.load import points
     from sim.study.papers import paper
@@ -33,6 +33,7 @@ __all__ = [
     "__version__",
     "flow_engine",
     "form",
+    "function",
     "judge",
     "law",
     "load",
@@ -57,6 +58,7 @@ _PLACES = {
     "load_plugins": "sim.base.plugins:load_plugins",
     "motion": "sim.parameters.laws:motion",
     "form": "sim.parameters.forms:form",
+    "function": "sim.parameters.observables:function",
     "observable": "sim.parameters.observables:observable",
     "paper": "sim.study.papers:paper",
     "parameter": "sim.parameters.choices:parameter",

@@ -86,7 +86,7 @@ class Place:
     @cached_property
     def outcome(self) -> dict[str, Any]:
         """Statistics pooled over replicates, see `sim.dataset.replicates`."""
-        names = (*SCALARS, *PARAMETERS)
+        names = [name for name in (*SCALARS, *PARAMETERS) if name in self._variables]
         return outcome({name: self._variables[name].values[self._index] for name in names})
 
     @property

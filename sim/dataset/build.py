@@ -37,6 +37,7 @@ from sim.dataset.rows import (
     Row,
     Table,
     reader_hash,
+    row_arrays,
     row_scalars,
     stored_names,
     tabulate_rows,
@@ -216,7 +217,7 @@ def _groups(
             for key, point in study.points.items()
             if point.parameters.system == system and study.need(key).profiles
         ]
-        if members:
+        if members and row_arrays(system):
             replicates = scalars.sizes["replicate"]
             yield system, profiles(tabulate_rows(rows, members, OF_PROFILES, replicates))
     for key, point in study.points.items():
@@ -421,6 +422,8 @@ def join_declarations(name: str, attribute: str, systems: Iterable[str]) -> str:
 
 def natural_velocities(root: xr.Dataset) -> xr.Dataset:
     """Return the velocities of the root group in units of √(g · diameter) of each point."""
+    if "gravity" not in root:
+        return xr.Dataset()
     velocity_unit = np.sqrt(root["gravity"] * root["diameter"])
     velocities = {
         name: (root[name] / velocity_unit).assign_attrs(

@@ -17,6 +17,7 @@ from sim.measures.layers import missing_energy
 from sim.parameters import Parameters
 from sim.parameters.chute import negligible_acceleration
 from sim.parameters.common import drift_bound
+from sim.parameters.functions import NAME as FUNCTION
 from sim.parameters.images import WIDE_CELL
 from sim.parameters.variables import OF_FAILURES, observables
 from sim.study.plottable import Observable
@@ -39,8 +40,8 @@ SCALARS = (
     "reason",
 )
 
-#: The parameters that set the negligible trend.
-PARAMETERS = ("target", "gravity", "angle")
+#: The parameters that set the negligible trend, and whether there is one.
+PARAMETERS = ("system", "target", "gravity", "angle")
 
 #: Names of the statistics, see `outcome`.
 OUTCOME = (
@@ -91,6 +92,8 @@ def outcome(point: Mapping[str, Any]) -> dict[str, Any]:
         ``failed`` where none completed), ``quality`` of the mean, ``stopped`` (why they stopped)
         and ``reason`` (of failures).
     """
+    if str(point.get("system")) == FUNCTION:
+        return _outcome_of_function(point)
     scalars = {name: np.asarray(point[name]) for name in SCALARS}
     is_completed = scalars["status"] == "completed"
     completed = {name: values[is_completed] for name, values in scalars.items()}
@@ -118,6 +121,14 @@ def outcome(point: Mapping[str, Any]) -> dict[str, Any]:
         "stopped": ", ".join(dict.fromkeys(completed["stopped"])) or "failure",
         "reason": "; ".join(reasons),
     }
+
+
+def _outcome_of_function(point: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what `outcome` does of the calls of a function: they have no velocity, and no end."""
+    completed = int((np.asarray(point["status"]) == "completed").sum())
+    none = dict.fromkeys(OUTCOME, nan)
+    words = {"interval": "none", "regime": "steady", "quality": "reliable"}
+    return {**none, **words, "completed": completed, "stopped": "length", "reason": ""}
 
 
 def answering_regime(one: Mapping[str, Any]) -> str:
@@ -277,6 +288,8 @@ def caveats(own_caveat: str, scalars: Mapping[str, Any], parameters: Parameters)
     parameters : Parameters
         The point.
     """
+    if parameters.system == FUNCTION:
+        return own_caveat
     missing = scalars.get("missing_energy")
     missing = _missing_shares(scalars, parameters) if missing is None else missing
     overlaps = np.asarray(scalars.get("max_overlap", ()), float)

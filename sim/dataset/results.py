@@ -20,6 +20,7 @@ from sim.dataset.grids import GRIDS, number_density_name, open_group, regrid
 from sim.dataset.rounds import RESULT_COLUMNS
 from sim.dataset.rows import CENTRES, PARTICLES
 from sim.parameters import SYSTEMS, Parameters, amounts, defaults_of_added, parse_point
+from sim.parameters.functions import FunctionParameters
 from sim.study.model import Study
 
 #: Parameters of all systems, including `system` itself.
@@ -70,11 +71,11 @@ class Results:
 
     def of(self, system: str) -> xr.Dataset:
         """Return the points of one system, without variables that only other systems have."""
-        if system not in list(SYSTEMS):
-            raise InputError.of_value("of", "system", system, one_of(system, SYSTEMS))
         dataset = self.dataset
+        if system not in [*SYSTEMS, *dataset["system"].values]:
+            raise InputError.of_value("of", "system", system, one_of(system, SYSTEMS))
         rows = dataset.sel(point=dataset["system"] == system)
-        others = [name for name in _PARAMETERS if name not in SYSTEMS[system].model_fields]
+        others = [name for name in _PARAMETERS if name not in fields_of(system)]
         for name in dataset.data_vars:
             if rows[name].isnull().all() and not dataset[name].isnull().all():
                 others.append(str(name))
@@ -123,6 +124,11 @@ class Results:
         if not isinstance(point, str) or point not in self.states:
             raise InputError(f"{point}: no particles in the dataset")
         return self.states[point]
+
+
+def fields_of(system: str) -> Mapping[str, Any]:
+    """Return the parameters of a system; of a function that is not loaded, those of all."""
+    return SYSTEMS.get(system, FunctionParameters).model_fields
 
 
 class Groups(Mapping[str, xr.Dataset]):
@@ -274,7 +280,7 @@ def require_known_options(dataset: xr.Dataset, path: Path) -> None:
 
     Their parameters are not known, so two points that differ in one would be taken for the same.
     """
-    for choice in ("law", "motion"):
+    for choice in ("law", "motion", "function"):
         loaded = plugin_options(choice)
         for name in map(str, dataset[choice].values if choice in dataset.coords else ()):
             # The name of an option of a plug-in ends in its hash.

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple, Self
 
 from sim.base.errors import InputError
 from sim.engine.dynamics.cells import BlowUp
+from sim.engine.evaluation import Evaluation
 from sim.engine.observe.samples import Samples
 from sim.engine.states import FlatState, States, flatten, refill, subtree, unpack
 from sim.engine.stored_run import read_parameters
@@ -18,6 +19,7 @@ from sim.engine.systems import build
 from sim.engine.systems.recorder import Record, Recorder
 from sim.engine.systems.replica import Replica
 from sim.parameters import RUN_FILE, Parameters, point_id, require_compatible_source
+from sim.parameters.functions import NAME as FUNCTION
 
 log = logging.getLogger("talus")
 
@@ -186,6 +188,12 @@ def stored_replicate(states: States, parameters: Parameters, number: int) -> Rep
     except (ValueError, TypeError, LookupError) as error:
         log.warning("%s: replicate %d starts anew: %s", states.path, number, error)
         return None
+
+
+def begin(parameters: Parameters, number: int) -> Replicate | Evaluation:
+    """Return a replicate of a point before its start, or the call of a function."""
+    make = Evaluation if parameters.system == FUNCTION else Replicate
+    return make(parameters, number)
 
 
 class Origin(NamedTuple):

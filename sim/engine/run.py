@@ -8,6 +8,7 @@ import platform
 import shlex
 import sys
 from collections import Counter
+from contextlib import nullcontext
 from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
@@ -19,12 +20,14 @@ from sim.base.program import __version__
 from sim.base.statistics import mean_interval
 from sim.engine.identity import NUMERICS, library_versions, source_hash
 from sim.engine.progress import length, progress
-from sim.engine.replicate import Origin, Replicate, origin_of, stored_replicate
+from sim.engine.replicate import Origin, begin, origin_of, stored_replicate
 from sim.engine.run_file import StoredRun, read_stored_run, write
 from sim.engine.states import States, checkpoint_interval
 from sim.engine.stored_run import current_status, is_alike, length_of, read_origin_samples
 from sim.engine.systems.recorder import Record
 from sim.parameters import Parameters, amounts, point_id, with_larger_amounts
+from sim.parameters.functions import NAME as FUNCTION
+from sim.parameters.variables import observable_variables
 
 log = logging.getLogger("talus")
 
@@ -102,13 +105,15 @@ def _compute(
     if stored or stored_samples:
         log.info("%s: %s", output, "grows" if stored else "continued from a checkpoint")
     done = len(records) * parameters.steps + sum(stored_samples) * parameters.sample_steps
-    with states, progress(parameters, output, quiet, done) as report_steps:
+    is_flow = parameters.system != FUNCTION
+    follow = progress(parameters, output, quiet, done) if is_flow else nullcontext(lambda n: None)
+    with states, follow as report_steps:
         for number in numbers:
-            stored_one = stored_replicate(states, parameters, number)
-            replicate = stored_one or Replicate(parameters, number)
+            replicate = stored_replicate(states, parameters, number) or begin(parameters, number)
             records.append(replicate.run(report_steps, states, origin and origin.start))
-    # Before the run file: the states must be at least as far as its records.
-    states.save()
+    if is_flow:
+        # Before the run file: the states must be at least as far as its records.
+        states.save()
     attributes = _attributes(parameters, records) | replicate.system.provenance
     if origin:
         attributes["origin"] = " ".join(map(str, samples[: parameters.replicates]))
@@ -125,6 +130,9 @@ def _closing_line(parameters: Parameters, record: Record) -> tuple[int, str]:
     name, values = point_id(parameters), record.scalars
     if values["reason"]:
         return logging.WARNING, f"{name}: failed: {values['reason']}"
+    if returned := values.keys() & observable_variables(FUNCTION):
+        texts = (f"{key} {values[key]:.6g}" for key in values if key in returned)
+        return logging.INFO, f"{name}: {', '.join(texts)}"
     regime = values["regime"]
     if regime == "accelerating":
         regime += f" at {values['acceleration']:.4g} ± {values['acceleration_half_width']:.2g} m/s²"
@@ -143,6 +151,8 @@ def _summary_line(parameters: Parameters, records: list[Record]) -> str:
     failed = sum(bool(values["reason"]) for values in scalars)
     if failed:
         return f"{name}: failed: {failed} of {len(records)} replicates"
+    if parameters.system == FUNCTION:
+        return f"{name}: {len(records)} replicates"
     velocities = np.array([values["velocity"] for values in scalars])
     half_width, _ = mean_interval(
         velocities, np.array([values["velocity_half_width"] for values in scalars])

@@ -21,7 +21,8 @@ from sim.engine.stored_run import (
 from sim.engine.systems.recorder import Record
 from sim.engine.systems.replica import Replica
 from sim.parameters import Parameters, amounts, canonical_values, field_info, in_si
-from sim.parameters.variables import SCALARS, Variable, variables_of
+from sim.parameters.functions import NAME as FUNCTION
+from sim.parameters.variables import SCALARS, Variable, observable_variables, variables_of
 
 #: How numbers are stored: compressed, and with a checksum of every chunk.
 FILTERS = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
@@ -42,7 +43,7 @@ class StoredRun(NamedTuple):
         return self.parameters.sample_steps * self.parameters.time_step
 
 
-def write(path: Path, run: StoredRun, system: Replica, attributes: Mapping[str, Any]) -> None:
+def write(path: Path, run: StoredRun, system: Any, attributes: Mapping[str, Any]) -> None:
     """Write a run file under a temporary name, seal it, and rename it once it is complete.
 
     Parameters
@@ -147,18 +148,24 @@ def _write_parameters(file: _Writer, parameters: Parameters) -> None:
             if name in si:
                 variable.si_value, variable.si_units = si[name]
     _put(file, "particles", (), parameters.particles, "1", "number of particles")
+    if parameters.system == FUNCTION:
+        return
     _put(file, "time_step", (), parameters.time_step, "s", "time step")
     for name, (value, meaning) in parameters.limits.items():
         _put(file, name, (), value, "m s-2", meaning)
 
 
 def _write_axes(file: _Writer, run: StoredRun, system: Replica) -> None:
+    numbers = np.arange(len(run.records))
+    _add_dimensions(file, ["replicate"], [len(numbers)])
+    _put(file, "replicate", ("replicate",), numbers, "1", "number of the replicate")
+    if not system.series:
+        return
     records, samples = run.records, _samples(run.records)
-    names = ("replicate", "time", "height", "frame", "particle", "axis", "quaternion")
+    names = ("time", "height", "frame", "particle", "axis", "quaternion")
     particles = records[0].snapshots["position"][0].shape
-    sizes = (len(records), samples, len(system.profile_height), 2, *particles, 4)
+    sizes = (samples, len(system.profile_height), 2, *particles, 4)
     _add_dimensions(file, names, sizes)
-    _put(file, "replicate", ("replicate",), np.arange(len(records)), "1", "number of the replicate")
     time = np.arange(1, samples + 1) * run.interval
     # An elapsed time without a date: in CF this is neither an axis T nor a time coordinate.
     _put(file, "time", ("time",), time, "s", "end of the sample interval, since the start")
@@ -235,9 +242,10 @@ def _write_records(file: _Writer, records: list[Record], system: Replica) -> Non
         if frames[0].size:
             values = np.array([record.snapshots[name][states] for record in records])
             _put_variable(file, particles[name], values)
+    scalars = SCALARS | observable_variables(FUNCTION)
     for name in records[0].scalars:
         values = np.array([record.scalars[name] for record in records])
-        _put_variable(file, SCALARS[name], values)
+        _put_variable(file, scalars[name], values)
 
 
 def read_stored_run(path: Path, parameters: Parameters) -> StoredRun | None:
@@ -265,7 +273,7 @@ def _read_record(file: netCDF4.Dataset, index: int) -> Record:
         if dimensions[:1] != ("replicate",) or name == "replicate":
             continue
         values = variable[index]
-        if name in SCALARS:
+        if len(dimensions) == 1:
             record.scalars[name] = str(values) if variable.dtype is str else values.item()
         elif name in variables_of("particle"):
             record.snapshots[name] = list(values) if "frame" in dimensions else [values]

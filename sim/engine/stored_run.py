@@ -224,7 +224,11 @@ def parameters_of(file: netCDF4.Dataset, path: Path) -> Parameters:
     if not {"point_id", "system", "status"} <= set(file.ncattrs()):
         raise ValueError("it has no point")
     values = {}
-    for name, field in SYSTEMS[file.getncattr("system")].model_fields.items():
+    system = str(file.getncattr("system"))
+    if system not in SYSTEMS:
+        allowed = f"one of {', '.join(SYSTEMS)}, or that of a plug-in that TALUS_PLUGINS names"
+        raise InputError.of_value(path, "system", system, allowed)
+    for name, field in SYSTEMS[system].model_fields.items():
         if name in file.variables:
             value = file.variables[name][...]
             value = value if isinstance(value, str) else value.item()

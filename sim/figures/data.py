@@ -111,7 +111,8 @@ def summarize(dataset: xr.Dataset, spec: FigureSpec) -> pd.DataFrame:
     It is fed by the points that name it; a plot that a study file defines is fed by the points of
     its system and series.
     """
-    points = dataset[list(SCALARS)].isel(point=np.flatnonzero(_feeds_figure(dataset, spec)))
+    names = [name for name in SCALARS if name in dataset]
+    points = dataset[names].isel(point=np.flatnonzero(_feeds_figure(dataset, spec)))
     columns = {
         str(name): values.values
         for name, values in points.coords.variables.items()

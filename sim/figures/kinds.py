@@ -15,7 +15,7 @@ _ALONG: dict[str, Any] = {"axes": ("x",), "observable": "y", "shows": numbers}
 #: Answers to questions, which take no keys, by the module that draws them.
 _ANSWERS = {
     "surrogates": ("section", "surface", "agreement"),
-    "sensitivity": ("indices", "interactions", "screening"),
+    "sensitivity": ("indices", "interactions", "screening", "spread"),
     "calibration": ("posterior", "predictions", "experiment"),
 }
 

@@ -1,4 +1,4 @@
-"""Pictures of what matters: bars of Sobol' indices and interactions, and Morris' screening."""
+"""Pictures of what matters, and of what follows: Sobol' indices, Morris' screening, a spread."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -11,7 +11,7 @@ from sim.figures.data import Drawing, FigureData
 from sim.figures.plot import SINGLE_SIZE, one_panel, wrap_label
 from sim.figures.style import COLOURS, LEVEL, cycle_style, escape_label, legend_above
 from sim.figures.units import label_with_unit, unit_of
-from sim.study.plot_contents import parameter_phrase
+from sim.study.plot_contents import name_in_words, parameter_phrase
 from sim.surrogates.answers import MANY_BLOCKS
 from sim.surrogates.indices import NEGLIGIBLE
 from sim.surrogates.storage import load_table
@@ -132,6 +132,60 @@ def _screening_notes(data: FigureData) -> list[str]:
     ]
 
 
+def _draw_spread(data: FigureData) -> Figure:
+    """Draw the distribution: quantiles, and probabilities not to exceed values, with intervals."""
+    table, unit = _table(data), unit_of(data.spec.answer.unit, "si", data.spec.system)
+    figure, axes = one_panel()
+    levels, above = _of(table, "quantile"), _of(table, "exceedance")
+    look: dict[str, Any] = {"fmt": "o", "markersize": 4, "capsize": 2, "elinewidth": 0.9}
+    half = [levels["value"] - levels["low"], levels["high"] - levels["value"]]
+    at = levels["parameter"].astype(float)
+    axes.errorbar(levels["value"], at, xerr=half, color=COLOURS[1], label="quantile", **look)
+    if len(above):
+        half = [above["high"] - above["value"], above["value"] - above["low"]]
+        at, label = above["parameter"].astype(float), "1 - probability to exceed"
+        look |= {"fmt": "s", "color": COLOURS[2]}
+        axes.errorbar(at, 1 - above["value"], yerr=half, label=label, **look)
+    mean = _of(table, "mean").iloc[0]
+    axes.axvspan(mean["low"], mean["high"], color=COLOURS[0], alpha=0.15, lw=0, label="mean")
+    axes.set_ylim(-0.02, 1.02)
+    axes.set_xlabel(wrap_label(label_with_unit(name_in_words(data.spec.answer.observable), unit)))
+    axes.set_ylabel("share below")
+    legend_above(figure, *axes.get_legend_handles_labels())
+    return figure
+
+
+def _spread_table(data: FigureData) -> pd.DataFrame:
+    table = _table(data).rename(columns={"index": "of", "parameter": "at", "blocks": "draws"})
+    is_chance = table["of"] == "exceedance"
+    table.insert(2, "unit", np.where(is_chance, "1", data.spec.answer.unit))
+    headings = {"low": "lower end of 95 % interval", "high": "upper end of 95 % interval"}
+    return table.rename(columns=headings).drop(columns="other")
+
+
+def _spread_notes(data: FigureData) -> list[str]:
+    table = _table(data)
+    mean, deviation = (_of(table, one).iloc[0] for one in ("mean", "deviation"))
+    unit = unit_of(data.spec.answer.unit, "si", data.spec.system)
+    texts = [
+        f"{name} {row['value']:.4g} ({row['low']:.4g} to {row['high']:.4g}){unit and f' {unit}'}"
+        for name, row in (("Mean", mean), ("standard deviation", deviation))
+    ]
+    chances = [
+        f"above {row.parameter}: {row.value:.3g} ({row.low:.3g} to {row.high:.3g})"
+        for row in _of(table, "exceedance").itertuples()
+    ]
+    by_runs = (
+        f"Bars: 95 % intervals, which take the {mean['blocks']:,} runs for independent draws; a "
+        "design that spreads them evenly does better."
+    )
+    by_surrogate = "Bars: 95 % intervals, of the surrogate's error and of the draws."
+    return [
+        f"{'; '.join([*texts, *(['probability ' + ', '.join(chances)] if chances else [])])}.",
+        by_runs if np.isnan(mean["error"]) else by_surrogate,
+    ]
+
+
 def _table(data: FigureData) -> pd.DataFrame:
     table: pd.DataFrame = data.read_answer(load_table)
     return table
@@ -190,4 +244,5 @@ def _with_headings(table: pd.DataFrame, unit: str) -> pd.DataFrame:
 
 INDICES = Drawing(_draw_indices, _indices_table, _indices_notes)
 INTERACTIONS = Drawing(_draw_interactions, _interactions_table, _interactions_notes)
+SPREAD = Drawing(_draw_spread, _spread_table, _spread_notes)
 SCREENING = Drawing(_draw_screening, _screening_table, _screening_notes)

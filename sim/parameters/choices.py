@@ -77,6 +77,12 @@ def parameter(
     return declare(**one.model_dump(exclude_unset=True), added=True)
 
 
+def _said(field: Any) -> tuple[Any, ...]:
+    """Return what a parameter of an option is; several options of a choice may have the same."""
+    extra = replace(field.json_schema_extra, fixed=False)
+    return field.default, field.metadata, field.description, extra
+
+
 class Option(Declared):
     """An option of a choice.
 
@@ -129,11 +135,11 @@ class Choice:
             raise AdditionError(f"{what}: description: got ''; allowed: text, not empty")
         if missing := () if is_of_talus() else option.compiled_by_hand:
             raise AdditionError(f"{what}: {missing[0]}: got nothing; allowed: a function")
-        for key in option.parameters:
-            self._require_free(what, key)
+        for key, field in option.parameters.items():
+            self._require_free(what, key, field)
         add(self.name, name, option, self.usual)
 
-    def _require_free(self, what: str, name: str) -> None:
+    def _require_free(self, what: str, name: str, field: Any) -> None:
         if not re.fullmatch(NAME, name) or iskeyword(name):
             raise AdditionError(f"{what}: parameter {name!r}: a name has letters a-z, digits and _")
         taken = {*dir(Parameters), *Parameters.__class_vars__, *_ELSEWHERE} | reserved_names()
@@ -141,7 +147,9 @@ class Choice:
             raise AdditionError(f"{what}: parameter {name}: Talus has one of this name")
         for kind in CHOICES:
             for other, one in plugin_options(kind).items():
-                if name in one.parameters:
+                if name not in one.parameters:
+                    continue
+                if kind != self.name or _said(one.parameters[name]) != _said(field):
                     owner = f"{kind} {plain_name(other)}"
                     raise AdditionError(f"{what}: parameter {name}: {owner} has it")
 

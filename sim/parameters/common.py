@@ -24,7 +24,10 @@ MAX_SAMPLES = 10**7
 MAX_TRAJECTORY, SINGLE = 2 * 10**9, 4
 
 #: Parameters to which plug-ins add options, with the default of each.
-CHOICES = {"law": "walton_braun", "motion": "harmonic", "engine": "talus"}
+CHOICES = {"law": "walton_braun", "motion": "harmonic", "engine": "talus", "function": ""}
+
+#: Work of a time step beside that of its particles, in particles.
+STEP_WORK = 15
 
 #: Magnitudes that double precision carries through every formula without overflow.
 SMALLEST, LARGEST = 1e-15, 1e15

@@ -41,6 +41,8 @@ def with_mass(
         raise InputError.of_value(source, path, given, "density or mass, not both")
     if type(given) not in (int, float) or not 0 < given < 1e15:
         raise InputError.of_value(source, path, given, "a number > 0, in kg/m³, without the unit")
+    if "diameter" not in model.model_fields:
+        raise InputError.of_value(source, path, given, "none: the system has no particles")
     diameter = rest.get("diameter", model.model_fields["diameter"].default)
     # Another diameter is refused by the model.
     is_usable = type(diameter) in (int, float) and 0 < diameter < 1e15
@@ -63,6 +65,8 @@ def doubts(point: Parameters) -> Iterator[tuple[str, str]]:
     their stiffness. A dimensionless study has no such sizes.
     """
     fields = type(point).model_fields
+    if "diameter" not in fields:
+        return
     usual, stiffness = fields["diameter"].default, fields["stiffness"]
     is_other, rho = point.diameter != usual, point.density
     if point.diameter > LARGEST_DIAMETER:

@@ -1,13 +1,15 @@
 """Observables: numbers per replicate that are computed from run files, and the calls that add them.
 
-Those that ship are in `sim.measures`; plug-ins add more.
+Those that ship are in `sim.measures`; plug-ins add more. What a plug-in's function returns is one,
+too.
 """
 
 from collections.abc import Callable, Collection, Mapping
+from inspect import signature
 from itertools import chain
 from typing import Annotated, Any, TypeVar
 
-from sim.base.additions import add
+from sim.base.additions import AdditionError, add
 from sim.base.plugins import (
     Declared,
     Unit,
@@ -17,6 +19,8 @@ from sim.base.plugins import (
     require_function,
     require_one_of,
 )
+from sim.parameters import functions
+from sim.parameters.functions import RNG
 from sim.parameters.points import SYSTEMS
 from sim.parameters.variables import OBSERVABLE, Measuring, Observable, reserved_names, variable
 
@@ -26,12 +30,17 @@ _Measuring = TypeVar("_Measuring", bound=Measuring)
 _OF_DATASETS = {"point", "replicate", "series", "figures", "caveat", "particles", "boundaries"}
 
 
+def _systems() -> tuple[str, ...]:
+    """Return the systems that observables may be of, also while a first function is declared."""
+    return (*SYSTEMS, functions.NAME)
+
+
 #: Systems, one at least.
 Systems = Annotated[
     tuple[str, ...],
     allowed(
         f"one of {', '.join(SYSTEMS)}",
-        lambda names: names and all(isinstance(one, str) and one in SYSTEMS for one in names),
+        lambda names: names and all(isinstance(one, str) and one in _systems() for one in names),
     ),
 ]
 
@@ -92,3 +101,49 @@ def declare_observables(
     """
     for name, (unit, meaning) in rows.items():
         observable(name, unit=unit, meaning=meaning, **options)(measure)
+
+
+def function(
+    name: str,
+    *,
+    parameters: Mapping[str, Any],
+    returns: Mapping[str, tuple[str, str]],
+    description: str = "",
+    seconds: float = 1e-3,
+) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Declare a function that points of ``system: function`` call in place of a flow.
+
+    The function below is called with a number for each of its parameters, by name, in the units
+    declared. It returns a number, or a mapping of names to numbers; not-a-number where there is
+    none. With an argument ``rng`` it depends on chance: that is a `numpy.random.Generator` of its
+    own for each replicate of a point.
+
+    Parameters
+    ----------
+    name : str
+        What points call it.
+    parameters : mapping
+        Its parameters, made by `sim.parameters.choices.parameter`. Several functions may have one
+        of a name, if they declare it alike.
+    returns : mapping
+        The observables that it returns, by name: unit, as UDUNITS reads it, and meaning.
+    description : str
+        What it is, in a few words, with its source.
+    seconds : float
+        Processor time of a call (s), about; points are shared out among processes by it.
+    """
+    what = f"function {name}"
+    if clash := sorted(set(returns) & set(parameters)):
+        raise AdditionError(f"{what}: returns {clash[0]}, which is one of its parameters")
+
+    def register(make: Callable[..., Any]) -> Callable[..., Any]:
+        takes_rng = callable(make) and RNG in signature(make).parameters
+        require_function(what, make, 0, (*parameters, *([RNG] if takes_rng else [])))
+        options: dict[str, Any] = {"description": description, "seconds": float(seconds)}
+        options |= {"make": make, "parameters": dict(parameters), "returns": tuple(returns)}
+        functions.FUNCTION.add(name, functions.Function, **options)
+        # Run files have these numbers under their names.
+        declare_observables(lambda run: run, returns, system=functions.NAME)
+        return make
+
+    return register

@@ -15,7 +15,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from sim.base.additions import on_change
+from sim.base.additions import on_change, plugin_options
 from sim.base.errors import InputError
 from sim.base.messages import add_synonym, allowed_values, input_error, names_meant, one_of
 from sim.base.plugins import load_shipped
@@ -26,6 +26,7 @@ from sim.parameters.chute import ChuteParameters
 from sim.parameters.common import Parameters, canonical_number
 from sim.parameters.conveyor import ConveyorParameters
 from sim.parameters.density import DENSITY, doubts, with_mass
+from sim.parameters.functions import FUNCTION, FunctionParameters
 from sim.parameters.laws import ENGINE, LAW, MOTION
 from sim.parameters.roles import (
     Declaration,
@@ -63,6 +64,9 @@ def _update_systems() -> None:
         belt=extended(BeltParameters, MOTION),
         conveyor=extended(ConveyorParameters, LAW, MOTION, ENGINE),
     )
+    SYSTEMS.pop(FUNCTION.name, None)
+    if plugin_options(FUNCTION.name):
+        SYSTEMS[FUNCTION.name] = extended(FunctionParameters, FUNCTION)
     for model in SYSTEMS.values():
         for name, declaration in declarations(model).items():
             add_synonym(declaration.symbol, name)

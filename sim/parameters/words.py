@@ -11,6 +11,7 @@ PROTOCOLS = {
     "chute": {"published": "fixed length", "converged": "converged"},
     "belt": {"published": "published protocol", "converged": "converged protocol"},
     "conveyor": {"published": "fixed length", "converged": "converged"},
+    "function": {"published": "one call"},
 }
 
 #: Longest name that is written in full, and how many last characters of a longer one are written.

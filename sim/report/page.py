@@ -3,6 +3,7 @@
 import base64
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from math import nan
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -302,7 +303,8 @@ def _page_order(
 
 def _summary(dataset: xr.Dataset, runs: list[dict[str, Any]]) -> dict[str, Any]:
     is_completed, is_sound = dataset["status"] == "completed", dataset["caveat"] == ""
-    missing_energy = dataset["missing_energy"].where(is_completed)
+    # A function has none.
+    missing_energy = dataset.get("missing_energy", nan * dataset["steps"]).where(is_completed)
     days = (dataset.attrs[name][:10] for name in ("first_run", "last_run"))
     return {
         "points": len(runs),

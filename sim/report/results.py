@@ -25,7 +25,7 @@ from sim.study.plot_file import PlotFile
 from sim.study.plottable import find_observable, numbers
 from sim.study.points import Point
 from sim.surrogates.answers import answer_name, caveats_in, refusal_in, sentence
-from sim.surrogates.storage import answer_files, find_surrogate
+from sim.surrogates.storage import answer_files, find_surrogate, load_table
 from sim.surrogates.surrogate import Surrogate
 
 if TYPE_CHECKING:
@@ -57,6 +57,22 @@ class LabelledResults(datasets.Results):
             When the results have no such surrogate, or its file is damaged.
         """
         return find_surrogate(self.runs.parent if self.runs else Path(), name)
+
+    def table(self, name: str) -> pd.DataFrame:
+        """Return the table of a sensitivity or a propagation by its name.
+
+        Its last column has what is doubtful about it, if anything is.
+
+        Raises
+        ------
+        InputError
+            When the results have no such answer, it was refused, or its file is damaged.
+        """
+        files = answer_files(self.runs.parent) if self.runs else []
+        tables = {path.stem: path for path in files if path.suffix == ".csv"}
+        if name not in tables:
+            raise InputError.of_value("results", "table", name, one_of(name, tables))
+        return load_table(tables[name])
 
     def to_grid(
         self, observable: str = "velocity", system: str = "", series: str = ""
@@ -166,7 +182,7 @@ class LabelledResults(datasets.Results):
             counts = ", ".join(f"{count} {name}" for name, count in regimes.items())
             lines.append((system, f"{count_text(rows.sizes['point'], 'point')}, {runs:,} runs"))
             lines.append(("  regimes", counts))
-            fields = SYSTEMS[system].model_fields
+            fields = datasets.fields_of(system)
             table = pd.DataFrame({name: rows[name].values for name in fields if name in rows})
             varied = varying_parameters(table, list(table))
             texts = [f"{name} ({_few(pd.unique(table[name].sort_values()))})" for name in varied]

@@ -15,8 +15,9 @@ from sim.dataset.replicates import UNSOUND_SHARE, caveats, layer_orders, outcome
 from sim.engine.stored_run import RunFile, open_run_file, parameters_of, summary_of
 from sim.figures.units import label_with_unit
 from sim.parameters import SYSTEMS, Parameters, as_yaml, complete_values, default_of, field_info
+from sim.parameters.functions import NAME as FUNCTION
 from sim.parameters.roles import amount_parameters
-from sim.parameters.variables import SCALARS, VARIABLES
+from sim.parameters.variables import SCALARS, VARIABLES, observable_variables
 from sim.parameters.words import setting
 from sim.report.numbers import finite_or_none, value_with_interval
 from sim.study.load import Study
@@ -43,13 +44,17 @@ def run_rows(dataset: xr.Dataset, caveats: Sequence[str]) -> list[dict[str, Any]
     Unknown numbers are NaN.
     """
     rows = []
-    # Not every engine tells it.
-    overlaps = dataset.get("max_overlap", dataset["steps"] * np.nan)
+    # Not every engine tells all, and a function none of it.
+    unknown = dataset["steps"] * np.nan
+    told = {
+        name: dataset.get(name, unknown)
+        for name in ("max_overlap", "missing_energy", "independent_samples")
+    }
     table = {
         "wall_time": dataset["wall_time"].sum("replicate").values,
-        "max_overlap": overlaps.max("replicate").values,
-        "missing_energy": dataset["missing_energy"].max("replicate").values,
-        "samples": dataset["independent_samples"].sum("replicate", min_count=1).values,
+        "max_overlap": told["max_overlap"].max("replicate").values,
+        "missing_energy": told["missing_energy"].max("replicate").values,
+        "samples": told["independent_samples"].sum("replicate", min_count=1).values,
     }
     columns = {
         name: dataset[name].values
@@ -277,7 +282,7 @@ def _parameter_rows(parameters: Parameters) -> list[tuple[str, str]]:
 
 def _replicate_rows(file: netCDF4.Dataset) -> list[tuple[str, str]]:
     rows = []
-    for name in SCALARS:
+    for name in (*SCALARS, *observable_variables(FUNCTION)):
         if name != "replicate_seed" and name in file.variables:
             variable = file.variables[name]
             values = [v if isinstance(v, str) else f"{v:.6g}" for v in variable[:].tolist()]

@@ -22,7 +22,7 @@ from sim.study.entries import Lists, Strict, optional
 #: that must satisfy it.
 _MIN_DRAWN, _MIN_SHARE = 2**16, 1e-3
 
-_ALLOWED_VALUES = f"{TWO_NUMBERS}; {{between, scale}}, {{mean, deviation, between}} or {{choices}}"
+ALLOWED_VALUES = f"{TWO_NUMBERS}; {{between, scale}}, {{mean, deviation, between}} or {{choices}}"
 _ALLOWED_CHOICES = "a list of two different values or more"
 _ALLOWED_COMPARISON = (
     f"two sides with one of {' '.join(OPERATORS)} between, numbers or parameters under over that "
@@ -54,7 +54,7 @@ class Distribution(Strict):
     def rules(self) -> Iterator[PydanticCustomError]:
         given = self.model_dump(exclude_unset=True)
         if " ".join(sorted(given)) not in _KEYS:
-            yield broken_rule("", given, _ALLOWED_VALUES)
+            yield broken_rule("", given, ALLOWED_VALUES)
         if self.between:
             low, high = self.between
             if not low < high:
@@ -88,7 +88,7 @@ def read_values(value: Any) -> Any:
     if isinstance(value, dict):
         return Distribution.model_validate(value)
     if not isinstance(value, list) or not value:
-        raise broken_rule("", value, _ALLOWED_VALUES)
+        raise broken_rule("", value, ALLOWED_VALUES)
     return value
 
 
@@ -198,7 +198,7 @@ class DesignFile(Strict):
         try:
             return Distribution(between=values)
         except ValidationError:
-            raise broken_rule(f"over.{name}", values, _ALLOWED_VALUES) from None
+            raise broken_rule(f"over.{name}", values, ALLOWED_VALUES) from None
 
     def _field(self, name: str) -> FieldInfo:
         return (self.over.parameters.model_fields | self.over.in_place)[name]

@@ -11,7 +11,7 @@ from sim.base.messages import one_of
 from sim.parameters import NUMERICAL, SYSTEMS, Parameters, canonical_number, field_info, roles
 from sim.study.calibration import CalibrateFile
 from sim.study.figure_spec import FIGURES, Answer, FigureSpec, written
-from sim.study.file import StudyFile
+from sim.study.file import QUESTIONS, StudyFile
 from sim.study.model import Point, Study
 from sim.study.plot_contents import (
     PlotContents,
@@ -22,7 +22,8 @@ from sim.study.plot_contents import (
     varying_parameters,
 )
 from sim.study.plottable import numbers, plugin_code
-from sim.study.surrogate import Place, Question, SensitivityFile, SurrogateFile
+from sim.study.sensitivity import PropagationFile, SensitivityFile
+from sim.study.surrogate import Place, Question, SurrogateFile
 
 
 def feed(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
@@ -153,9 +154,6 @@ def _caption_parameters(system: str, points: Sequence[Parameters]) -> list[str]:
     return [name for name in rows if name in chosen - _NOT_IN_CAPTION]
 
 
-#: Keys of study files with questions. Surrogates come first, as the others are asked of them.
-KEYS = ("surrogate", "sensitivity", "calibrate")
-
 #: Titles of pictures of answers, and the first sentences of their captions.
 TITLES = {
     "section": "{What} against {x}",
@@ -164,6 +162,7 @@ TITLES = {
     "screening": "Screening of what changes the {what}",
     "indices": "What the {what} depends on",
     "interactions": "What acts together on the {what}",
+    "spread": "How the {what} is spread",
     "posterior": "Which {names} the measurements allow",
     "predictions": "{What} measured and calibrated",
     "experiment": "The next experiment",
@@ -175,6 +174,7 @@ LEADS = {
     "screening": "Elementary effects of each parameter on {about}, from the runs of the {source}.",
     "indices": "Sobol' indices of {about}, from the {source}.",
     "interactions": "Second-order Sobol' indices of {about}, from the {source}.",
+    "spread": "Distribution of {about}, from the {source}.",
     "posterior": "Posterior of {names} from {count} of {about}, by the {source}.",
     "predictions": "{About}: measurements, and what the calibrated {source} says of each.",
     "experiment": "Where a further measurement of {what} would narrow the posterior of {names}.",
@@ -188,7 +188,7 @@ def ask(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
     `sim.study.surrogate.Question.resolve` does, and for a name that is taken.
     """
     entries, names = dict(study.entries), {name.lower() for name in (*study.entries, *FIGURES)}
-    for key in KEYS:
+    for key in QUESTIONS:
         own_names = set[str]()
         for path, file in files:
             families = {one.name: one for _, one in file.entries}
@@ -212,6 +212,7 @@ def ask(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
 
 def _pictures(question: Question) -> Iterator[FigureSpec]:
     of, design = question.of, getattr(question, "design", None)
+    source = f"surrogate {of.name}" if design is None else f"series {of.series}"
     match question:
         case SurrogateFile():
             names = [axis.name for axis in of.axes if axis.is_number]
@@ -219,9 +220,10 @@ def _pictures(question: Question) -> Iterator[FigureSpec]:
             yield from (_picture(question, "surface", *pair) for pair in combinations(names, 2))
             yield _picture(question, "agreement")
         case SensitivityFile() if question.is_screening:
-            yield _picture(question, "screening", source=f"series {of.series}")
+            yield _picture(question, "screening", source=source)
+        case PropagationFile():
+            yield _picture(question, "spread", source=source)
         case SensitivityFile():
-            source = f"surrogate {of.name}" if design is None else f"series {of.series}"
             yield _picture(question, "indices", source=source)
             if design is None and len(of.axes) > 1:
                 yield _picture(question, "interactions", source=source)

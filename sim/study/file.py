@@ -33,7 +33,8 @@ from sim.study.figure_spec import FIGURES
 from sim.study.papers import papers
 from sim.study.plot_file import PlotFile
 from sim.study.points import MAX_ROUNDS, PARTS, further_rounds
-from sim.study.surrogate import SensitivityFile, SurrogateFile
+from sim.study.sensitivity import PropagationFile, SensitivityFile
+from sim.study.surrogate import Question, SurrogateFile
 
 #: Maximum number of points of a study.
 MAX_POINTS = 100_000
@@ -224,6 +225,10 @@ class StudyFile(Strict):
     sensitivity: list[SensitivityFile] = optional(
         "what matters: how much each parameter changes an observable", min_length=1
     )
+    propagate: list[PropagationFile] = optional(
+        "how an observable is spread where parameters are: mean, quantiles, exceedance",
+        min_length=1,
+    )
     calibrate: list[CalibrateFile] = optional("which parameters measurements allow", min_length=1)
     plots: list[PlotFile] = optional("plots of the study's own points", min_length=1)
     decide: DecideFile = optional(
@@ -288,3 +293,13 @@ class StudyFile(Strict):
         """Return the lists of readings of a system by parameter; there may be none."""
         readings = getattr(self.readings, system)
         return readings.explicit_values() if readings else {}
+
+
+#: The questions of a study by their keys: whatever goes through all of them asks here. Surrogates
+#: come first, as the others are asked of them.
+QUESTIONS: dict[str, type[Question]] = {
+    key: kind
+    for key, field in StudyFile.model_fields.items()
+    for kind in get_args(field.annotation)
+    if isinstance(kind, type) and issubclass(kind, Question)
+}

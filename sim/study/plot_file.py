@@ -146,7 +146,7 @@ class PlotFile(Strict):
         "over the height; `time_series`; `distribution` of the replicates, `likelihood` of a rise; "
         "of points scattered in several parameters `scatter`, `main_effects`; or one of a plug-in",
     )
-    system: Literal["chute", "belt", "conveyor"] = optional(
+    system: Literal["chute", "belt", "conveyor", "function"] = optional(
         "which system, where the series have several"
     )
     title: str = Field("", description="one line (omitted: made from what is shown)")

@@ -8,6 +8,7 @@ from math import ceil
 from typing import Any
 
 from sim.parameters import Parameters, canonical_number
+from sim.parameters.common import STEP_WORK
 
 
 @dataclass(frozen=True)
@@ -28,9 +29,8 @@ class Point:
     profiles: bool = True
 
 
-#: Seconds to start a process and write its file; work of a time step beside that of its particles,
-#: in particles.
-PROCESS_TIME, STEP_WORK = 0.9, 15
+#: Seconds to start a run in a process that batches share, and to write its file.
+FILE_TIME = 0.06
 
 #: Memory (MB) of a process, and of each of its particles, with a margin.
 PROCESS_MEMORY, PARTICLE_MEMORY = 300.0, 4e-3
@@ -69,7 +69,7 @@ def estimate(parameters: Parameters) -> Estimate:
     return Estimate(
         particles=parameters.particles,
         steps=steps,
-        core_seconds=PROCESS_TIME + steps * particles / parameters.rate,
+        core_seconds=FILE_TIME + steps * particles / parameters.rate,
         threads=parameters.cores,
         memory=round(PROCESS_MEMORY + PARTICLE_MEMORY * particles + TRAJECTORY_MEMORY * megabytes),
         frames=parameters.trajectory_frames,
@@ -93,8 +93,8 @@ def plan_batches(points: Mapping[str, Parameters], cores: float | None) -> dict[
     seconds = {}
     for name, point in points.items():
         cost = estimate(point)
-        if cost.threads == 1 and cost.core_seconds - PROCESS_TIME <= MAX_BATCH_SECONDS / 2:
-            seconds[name] = cost.core_seconds - PROCESS_TIME
+        if cost.threads == 1 and cost.core_seconds <= MAX_BATCH_SECONDS / 2:
+            seconds[name] = cost.core_seconds
     total = sum(seconds.values())
     share = max(total / cores, MIN_BATCH_SECONDS) if cores else MAX_BATCH_SECONDS
     batch_seconds = min(share, MAX_BATCH_SECONDS)

@@ -10,13 +10,12 @@ from pydantic.json_schema import models_json_schema
 
 from sim.base.errors import InputError
 from sim.parameters import SYSTEMS, FieldRow, field_info
-from sim.study.calibration import CalibrateFile
 from sim.study.design_file import DesignFile, Distribution
 from sim.study.entries import RANGE, RANGE_SCHEMA
 from sim.study.figure_spec import FIGURES
+from sim.study.file import QUESTIONS
 from sim.study.plot_file import BesideFile, PlotFile
 from sim.study.plottable import shown_by
-from sim.study.surrogate import SensitivityFile, SurrogateFile
 from sim.study.validate import file_models
 
 BEGIN = "<!-- reference: begin; written by `talus schema --write`, do not edit -->"
@@ -62,9 +61,7 @@ def reference_text() -> str:
         "a design": DesignFile,
         "the values of a parameter in a design": Distribution,
         "a boundary": entries.boundary,
-        "a surrogate": SurrogateFile,
-        "a sensitivity": SensitivityFile,
-        "a calibration": CalibrateFile,
+        **{f"a {one.noun()}": one for one in QUESTIONS.values()},
         "a plot": PlotFile,
         "data beside a plot's own": BesideFile,
         "an override": entries.override,

@@ -64,7 +64,7 @@ class SystemModels(NamedTuple):
     readings: type[Lists]
     override: type[Override]
     series: type[SeriesFile]
-    boundary: type[BoundaryFile]
+    boundary: type[BoundaryFile] | None
 
 
 def _system_models(system: str) -> SystemModels:
@@ -88,8 +88,10 @@ def _system_models(system: str) -> SystemModels:
     design = _of_system(DesignFile, system, over=over)
     shown = shared | {"cases": _list_type(values), "design": design}
     series = _of_system(SeriesFile, system, **shown)
-    what = {"of": Literal[model.boundaries], "along": Literal[numbers]}
-    boundary = _of_system(BoundaryFile, system, **shared, **what)
+    boundary = None
+    if model.boundaries:
+        what = {"of": Literal[model.boundaries], "along": Literal[numbers]}
+        boundary = _of_system(BoundaryFile, system, **shared, **what)
     return SystemModels(values, readings, override, series, boundary)
 
 
@@ -159,7 +161,7 @@ def _build_file_models(
         return model, Field(model(), description=StudyFile.model_fields[key].description)
 
     def list_of(kind: str) -> Any:
-        models = reduce(or_, (getattr(one, kind) for one in systems.values()))
+        models = reduce(or_, filter(None, (getattr(one, kind) for one in systems.values())))
         return _list_type(Annotated[models, Field(discriminator="system")])
 
     fields, shared = StudyFile.model_fields, "shared by all series of the {}"

@@ -45,6 +45,9 @@ MANY_BLOCKS = 64
 #: Probability of the regimes of a mean below which another is likelier.
 EVEN = 0.5
 
+#: What lines tell of a spread.
+_SPREAD = {"mean": "mean", "deviation": "standard deviation", "exceedance": "probability above {}"}
+
 #: Most parameters that a line names.
 _MOST_NAMED = 3
 
@@ -114,7 +117,7 @@ def caveats_of_points(sample: "xr.Dataset") -> tuple[str, ...]:
 
 
 def caveats_of_indices(table: "pd.DataFrame") -> tuple[str, ...]:
-    """Return what is doubtful about indices besides their surrogate or runs, the worst first.
+    """Return what is doubtful about a table besides its surrogate or runs, the worst first.
 
     See `sim.surrogates.indices.COLUMNS`.
     """
@@ -123,14 +126,19 @@ def caveats_of_indices(table: "pd.DataFrame") -> tuple[str, ...]:
     names = alone["index"] + " " + alone["parameter"]
     nowhere = "no flow of a regime that counts is likely, or no run is near"
     missed = f"{blocks} blocks may miss an effect in a small part of the ranges"
-    unknown = "is not known, as points have one replicate, and counts as an effect"
+    is_spread = first["index"] == "mean"
+    as_what = "spread" if is_spread else "an effect"
+    unknown = f"is not known, as points have one replicate, and counts as {as_what}"
+    left_out, every = first["left_out"], first["left_out"] + blocks
+    others = f"{left_out} of {every} runs have no value that counts, so that it is of the others"
     doubts = {f"in {percent(absent)} of the ranges {nowhere}": absent >= _MUCH_ABSENT}
     for doubt in dict.fromkeys(alone["doubt"]):
         doubts[f"{', '.join(names[alone['doubt'] == doubt])}: {doubt}"] = doubt != ""
     return _told(
         doubts
         | {
-            missed: np.isnan(first["error"]) and blocks < MANY_BLOCKS,
+            others: is_spread and left_out > 0,
+            missed: not is_spread and np.isnan(first["error"]) and blocks < MANY_BLOCKS,
             f"the noise of the runs {unknown}": np.isnan(noise),
             f"the noise of the runs is {percent(noise)} of their variance": noise > _MUCH_NOISE,
         }
@@ -279,8 +287,13 @@ def _table_text(path: Path) -> str:
 
 
 def table_line(path: Path) -> str:
-    """Return the parameters that matter most, with index and interval; empty for a damaged file."""
-    rows = csv.DictReader(_table_text(path).splitlines())
+    """Return what a table says first, with intervals; empty for a damaged file.
+
+    It is the parameters that matter most, or mean, deviation and probabilities.
+    """
+    rows = list(csv.DictReader(_table_text(path).splitlines()))
+    if spread := [row for row in rows if row.get("index") in _SPREAD]:
+        return ", ".join(map(_spread_text, spread))
     shown = [row for row in rows if row.get("index") in ("total", "mu_star") and row.get("value")]
     if not shown:
         return ""
@@ -292,6 +305,11 @@ def table_line(path: Path) -> str:
     )
     index = "mean size of the effect" if shown[0]["index"] == "mu_star" else "total index"
     return f"{index} of {', '.join(texts)}"
+
+
+def _spread_text(row: Mapping[str, str]) -> str:
+    name = _SPREAD[row["index"]].format(row["parameter"])
+    return f"{name} {float(row['value']):.3g} ({float(row['low']):.3g} to {float(row['high']):.3g})"
 
 
 def save_refusal(refusal: Refusal, path: Path) -> None:

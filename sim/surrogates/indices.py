@@ -22,7 +22,7 @@ import pandas as pd
 
 from sim.base.errors import percent
 from sim.base.statistics import MANY, student
-from sim.study.surrogate import FEWEST_BLOCKS
+from sim.study.sensitivity import FEWEST_BLOCKS
 from sim.surrogates.answers import EVEN, Refusal
 from sim.surrogates.fit import LENGTHS, counted_probability
 from sim.surrogates.sample import scaled
@@ -117,31 +117,36 @@ def indices_of_surrogate(surrogate: Surrogate, blocks: int = BLOCKS) -> pd.DataF
 
     Raises `Refusal` if the mean means little in most of the ranges, or is rough or constant.
     """
-    absent = _absent_share(surrogate)
+    from scipy.stats import qmc
+
+    shares = qmc.Sobol(len(surrogate.parameters), rng=_SEED).random(_PLACES)
+    places = scaled(shares, surrogate.bounds, surrogate.scales)
+    absent = require_learned(surrogate, places, "no indices")
+    _require_spread(surrogate.sample["mean"].values[surrogate.in_mean])
+    return sobol_indices(surrogate, blocks).assign(error=surrogate.error, absent=absent)
+
+
+def require_learned(surrogate: Surrogate, places: np.ndarray, lack: str) -> float:
+    """Return the share of places (n, k) where a mean is of unlikely regimes, or no run is near.
+
+    Raises `Refusal`, which says what is lacking, where that is most of them, or where the mean is
+    rough.
+    """
+    counted = counted_probability(surrogate, surrogate.probability(places))
+    absent = float((surrogate.is_far(places) | (counted < EVEN)).mean())
     if absent > _MOST_ABSENT:
         raise Refusal(
-            f"no indices, as surrogate {surrogate.name} is of flows that are "
+            f"{lack}, as surrogate {surrogate.name} is of flows that are "
             f"{' or '.join(surrogate.mean_regimes)}, and in {percent(absent)} of the ranges no "
             "such flow is likely, or no run is near; ask narrower ranges, or name other regimes "
             "with the surrogate"
         )
     if (share := surrogate.process.unexplained_share) > _MOST_UNEXPLAINED:
         raise Refusal(
-            f"no indices, as the points of surrogate {surrogate.name} do not tell "
+            f"{lack}, as the points of surrogate {surrogate.name} do not tell "
             f"{percent(min(1.0, share))} of the variance of each other; more points lessen it"
         )
-    _require_spread(surrogate.sample["mean"].values[surrogate.in_mean])
-    return sobol_indices(surrogate, blocks).assign(error=surrogate.error, absent=absent)
-
-
-def _absent_share(surrogate: Surrogate) -> float:
-    """Return the share of the ranges where a mean is of unlikely regimes, or no run is near."""
-    from scipy.stats import qmc
-
-    shares = qmc.Sobol(len(surrogate.parameters), rng=_SEED).random(_PLACES)
-    places = scaled(shares, surrogate.bounds, surrogate.scales)
-    counted = counted_probability(surrogate, surrogate.probability(places))
-    return float((surrogate.is_far(places) | (counted < EVEN)).mean())
+    return absent
 
 
 def sobol_indices(surrogate: Surrogate, blocks: int = BLOCKS) -> pd.DataFrame:
@@ -163,7 +168,7 @@ def sobol_indices(surrogate: Surrogate, blocks: int = BLOCKS) -> pd.DataFrame:
         mean, error = surrogate.predict(scaled(shares, surrogate.bounds, surrogate.scales))
         estimates.append(_sobol(problem, mean))
         for _ in range(_REALISATIONS if error.any() else 0):
-            values = mean + error * _smooth_field(shares, rng)
+            values = mean + error * smooth_field(shares, rng)
             deviations.append(_sobol(problem, values) - estimates[-1])
     sampling = student(_SCRAMBLINGS - 1) * np.std(estimates, axis=0, ddof=1) / np.sqrt(_SCRAMBLINGS)
     spread = np.sqrt(np.mean(np.square(deviations), axis=0)) if deviations else 0.0
@@ -182,7 +187,7 @@ def _sobol(problem: dict[str, Any], values: np.ndarray) -> np.ndarray:
     return np.concatenate([analysis["S1"], analysis["ST"], [analysis["S1"].sum()], pairs])
 
 
-def _smooth_field(shares: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+def smooth_field(shares: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """Return a smooth random field of variance 1 at points (n, k) of the unit cube.
 
     It is a sum of random waves, with a Gaussian correlation (Rahimi and Recht 2007).

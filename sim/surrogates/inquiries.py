@@ -25,7 +25,8 @@ from sim.study.design_file import DesignFile
 from sim.study.load import Study, load_study
 from sim.study.plottable import numbers
 from sim.study.points import estimate
-from sim.study.surrogate import LARGE_ERROR, Question, SensitivityFile, SurrogateFile
+from sim.study.sensitivity import PropagationFile, SensitivityFile
+from sim.study.surrogate import LARGE_ERROR, Question, SurrogateFile
 from sim.surrogates import answers
 from sim.surrogates.answers import Refusal, answer_name, save_refusal
 from sim.surrogates.indices import (
@@ -36,6 +37,7 @@ from sim.surrogates.indices import (
 )
 from sim.surrogates.likelihood import Calibration
 from sim.surrogates.posterior import calibrate
+from sim.surrogates.propagation import spread_of_runs, spread_of_surrogate
 from sim.surrogates.sample import points_of_mean, sample_points, unscaled
 from sim.surrogates.storage import load_surrogate, save_posterior, save_surrogate
 from sim.surrogates.surrogate import Surrogate
@@ -47,8 +49,8 @@ _MOST_DRAWS = 200
 def build(study_path: str | Path, results: str | Path = "results") -> list[str]:
     """Write the file of each question of a study, in ``results/<study>/``; return a line of each.
 
-    ``surrogates/<name>.nc``, ``sensitivity/<name>.csv``, ``calibration/<name>.nc``. Where the runs
-    cannot answer a question, its file says why. Surrogates come first, as the other questions are
+    Names of the files are those of `sim.study.surrogate.Question.file`. Where the runs cannot
+    answer a question, its file says why. Surrogates come first, as the other questions are
     asked of them.
 
     Raises
@@ -83,16 +85,33 @@ def _answer(spec: Question, dataset: Results, folder: Path) -> None:
                 surrogate = _surrogate_of(spec, "no indices", folder)
                 table, caveats = indices_of_surrogate(surrogate), surrogate.caveats
             else:
-                table, caveats = _indices_of_runs(spec, dataset)
-            caveats = *caveats, *answers.caveats_of_indices(table)
-            answers.save_table(answers.with_caveats(table, caveats), folder / spec.file)
+                runs, caveats = _design_runs(spec, dataset)
+                table = _indices_of_runs(spec, runs)
+            _save_table(table, caveats, folder / spec.file)
+        case PropagationFile():
+            asked = spec.quantiles, spec.exceeds
+            if spec.design is None:
+                surrogate = _surrogate_of(spec, "no spread", folder)
+                table = spread_of_surrogate(surrogate, spec.axes, spec.where, *asked)
+                caveats = surrogate.caveats
+            else:
+                runs, caveats = _design_runs(spec, dataset)
+                table = spread_of_runs(runs, *asked)
+            _save_table(table, caveats, folder / spec.file)
         case CalibrateFile():
             surrogate = _surrogate_of(spec, "no posterior", folder)
             groups = _posterior(spec, surrogate)
             save_posterior(spec.name, groups, surrogate.caveats, folder / spec.file)
 
 
-def _surrogate_of(spec: SensitivityFile | CalibrateFile, lack: str, folder: Path) -> Surrogate:
+def _save_table(table: pd.DataFrame, caveats: tuple[str, ...], path: Path) -> None:
+    caveats = *caveats, *answers.caveats_of_indices(table)
+    answers.save_table(answers.with_caveats(table, caveats), path)
+
+
+def _surrogate_of(
+    spec: SensitivityFile | PropagationFile | CalibrateFile, lack: str, folder: Path
+) -> Surrogate:
     """Return the surrogate that a question is asked of; a refusal says what the question lacks."""
     try:
         surrogate = load_surrogate(folder / spec.of.file)
@@ -113,10 +132,10 @@ def require_small_error(surrogate: Surrogate, most: float | None, lack: str) -> 
         )
 
 
-def _indices_of_runs(
-    spec: SensitivityFile, dataset: Results
-) -> tuple[pd.DataFrame, tuple[str, ...]]:
-    """Return the indices of the runs of a design, taken in its order, and caveats of these."""
+def _design_runs(
+    spec: SensitivityFile | PropagationFile, dataset: Results
+) -> tuple[DesignRuns, tuple[str, ...]]:
+    """Return the runs of a design, in its order, and caveats of these."""
     assert spec.design, "a surrogate has none"
     design, sample = spec.design, sample_points(dataset, spec.of)
     is_used = points_of_mean(sample, spec.of.mean_regimes)
@@ -125,19 +144,26 @@ def _indices_of_runs(
     ids = [point_id(point) for point in design.sequence(design.size)]
     observable = numbers(spec.of.system)[spec.of.observable]
     beds = replicate_values(dataset, observable, list(means.index))
-    scatter = [row.var(ddof=1) / row.size if row.size > 1 else np.nan for row in beds]
+    # Known to have no scatter although no point has a second replicate: a function without chance.
+    is_exact = not sample.attrs["scatter"] and bool((sample["replicates"] <= 1).all())
+    alone = 0.0 if is_exact else np.nan
+    scatter = [row.var(ddof=1) / row.size if row.size > 1 else alone for row in beds]
     runs = DesignRuns(
         names=design.names,
         values=means.reindex(ids).to_numpy(),
         variances=pd.Series(scatter, means.index).reindex(ids).to_numpy(),
         points=pd.factorize(np.array(ids))[0],
     )
-    if spec.is_screening:
-        shares, is_number = design.shares(design.size), [axis.is_number for axis in design.axes]
-        table = morris_indices_of_runs(runs, shares, places_of(design), is_number)
-    else:
-        table = sobol_indices_of_runs(runs)
-    return table, answers.caveats_of_points(sample.isel(point=is_used))
+    return runs, answers.caveats_of_points(sample.isel(point=is_used))
+
+
+def _indices_of_runs(spec: SensitivityFile, runs: DesignRuns) -> pd.DataFrame:
+    """Return the indices of the runs of a design."""
+    if not spec.is_screening:
+        return sobol_indices_of_runs(runs)
+    design = spec.design
+    shares, is_number = design.shares(design.size), [axis.is_number for axis in design.axes]
+    return morris_indices_of_runs(runs, shares, places_of(design), is_number)
 
 
 def places_of(design: DesignFile) -> np.ndarray:

@@ -6,6 +6,7 @@ Points lie in the unit cube of the ranges of their parameters, or in groups of t
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from numpy.typing import ArrayLike
 from sim.base.errors import InputError
 from sim.dataset.replicates import SCALARS, answering_regime, outcomes, replicate_values
 from sim.dataset.results import Results
-from sim.parameters import NUMERICAL, SYSTEMS
+from sim.parameters import NUMERICAL, SYSTEMS, functions
 from sim.parameters.forms import Form
 from sim.study.design import Axis
 from sim.study.plottable import numbers
@@ -27,6 +28,9 @@ _SLOPE = 3.0
 
 #: Fewest degrees of freedom, over all points, from which the scatter between replicates is known.
 _ENOUGH_FREEDOM = 3
+
+#: Most places of which a surrogate is asked at a time.
+_MOST_PLACES = 10_000_000
 
 #: Largest and smallest size of values whose squares, and those of their errors, are numbers.
 _SIZES = (1e-100, 1e100)
@@ -72,6 +76,7 @@ def sample_points(results: Results, spec: SurrogateFile) -> xr.Dataset:
         counts = np.maximum(1, np.isfinite(within).sum(axis=1))
         own = np.sqrt(np.nansum(within**2, axis=1)) / counts
     errors, is_unknown = standard_errors(values, own, unit_cube(spec.axes, rows))
+    is_unknown = is_unknown and not is_exact(rows)
     columns = {axis.name: rows[axis.name].values for axis in spec.axes} | {
         "mean": np.array([row.mean() if row.size else np.nan for row in values]),
         "standard_error": errors,
@@ -84,6 +89,11 @@ def sample_points(results: Results, spec: SurrogateFile) -> xr.Dataset:
     variables = {name: ("point", column) for name, column in columns.items()}
     attributes = {"scatter": int(is_unknown), "fixed": _fixed(rows, spec)}
     return xr.Dataset(variables, {"point": points}, attributes)
+
+
+def is_exact(rows: xr.Dataset) -> bool:
+    """Return whether all rows are calls of functions that do not depend on chance."""
+    return "function" in rows and all(map(functions.is_exact, rows["function"].values))
 
 
 def _core_seconds(rows: xr.Dataset) -> np.ndarray:
@@ -194,6 +204,19 @@ def unit_cube(axes: tuple[Axis, ...], columns: Mapping[Any, Any]) -> np.ndarray:
             low, high, numbers = np.log(low), np.log(high), np.log(numbers)
         parts.append((numbers - low) / (high - low))
     return np.column_stack(parts)
+
+
+def require_places(name: str, arrays: Mapping[str, xr.DataArray]) -> None:
+    """Refuse lists of points of different lengths, and grids of too many places."""
+    sizes = dict[Any, int]()
+    for parameter, array in arrays.items():
+        for dim, size in array.sizes.items():
+            if sizes.setdefault(dim, size) != size:
+                allowed = f"{sizes[dim]} values, as others have over {dim}"
+                raise InputError.of_value(name, parameter, f"{size} values", allowed)
+    if (count := prod(sizes.values())) > _MOST_PLACES:
+        allowed = f"a grid of at most {_MOST_PLACES:,}; points=True takes lists as points"
+        raise InputError.of_value(name, "parameter", f"{count:,} places", allowed)
 
 
 def scaled(shares: np.ndarray, bounds: ArrayLike, scales: Sequence[str]) -> np.ndarray:

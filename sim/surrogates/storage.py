@@ -1,7 +1,7 @@
 """Answers as files, and what they say in words.
 
-A surrogate is arrays and JSON in netCDF, from which the same predictions follow; a sensitivity is a
-table; a calibration has the groups that ArviZ reads.
+A surrogate is arrays and JSON in netCDF, from which the same predictions follow; sensitivities and
+propagations are tables; a calibration has the groups that ArviZ reads.
 """
 
 import io
@@ -19,6 +19,7 @@ import xarray as xr
 from sim.base.errors import InputError, percent
 from sim.parameters.forms import forms
 from sim.study.design import Axis
+from sim.study.file import QUESTIONS
 from sim.surrogates.answers import (
     KEY,
     Refusal,
@@ -131,17 +132,17 @@ def _frame(about: dict[str, Any], axes: tuple[Axis, ...]) -> Frame | None:
 
 
 def load_table(path: Path) -> pd.DataFrame:
-    """Read a table; see `stored_answer`."""
-    with stored_answer(path, "sensitivity"):
+    """Read the table of a sensitivity or a propagation; see `stored_answer`."""
+    with stored_answer(path, path.parent.name):
         content = read_table(path)
         if content is None:
             raise ValueError("its checksum is wrong")
-        words = {"other": object, "doubt": object}
+        words = {"parameter": object, "other": object, "doubt": object}
         texts = {"keep_default_na": False, "na_values": [""], "dtype": words}
         table = pd.read_csv(io.BytesIO(content), **texts)
         if "doubt" not in table:
             raise ValueError("it is of an earlier version")
-        return table.fillna({"other": "", "doubt": ""})
+        return table.fillna(dict.fromkeys(words, ""))
 
 
 def save_posterior(
@@ -213,7 +214,7 @@ def _ridge_sentence(ridge: tuple[str, str, float]) -> str:
 
 def answer_files(folder: Path) -> list[Path]:
     """Return the files of all answers in a folder of results."""
-    kinds = ("surrogates/*.nc", "sensitivity/*.csv", "calibration/*.nc")
+    kinds = (f"{one.folder}/*{one.ending}" for one in QUESTIONS.values())
     return [path for kind in kinds for path in sorted(folder.glob(kind))]
 
 

@@ -19,7 +19,7 @@ from sim.surrogates import answers
 from sim.surrogates.answers import Refusal
 from sim.surrogates.fit import Regimes, counted_probability, fit_process
 from sim.surrogates.process import Process
-from sim.surrogates.sample import Frame, omissions, points_of_mean, unit_cube
+from sim.surrogates.sample import Frame, omissions, points_of_mean, require_places, unit_cube
 
 #: Share of a range by which a value may be outside it: sums of steps need not end on it.
 _SLACK = 1e-9
@@ -158,17 +158,20 @@ class Surrogate:
         """Return the probability of each of ``regimes.names`` at points as of `predict`, (m, n)."""
         return self.regimes.predict(self._cube(x))
 
-    def __call__(self, *, extrapolate: bool = False, **values: Any) -> xr.Dataset:
+    def __call__(
+        self, *, extrapolate: bool = False, points: bool = False, **values: Any
+    ) -> xr.Dataset:
         """Predict at values of the parameters.
 
         Parameters
         ----------
         extrapolate : bool
             Predict outside the ranges, too; the attribute ``caveats`` says how far outside.
+        points : bool
+            Take lists as the coordinates of points, over ``point``, not of a grid.
         **values
             A number, a list of numbers, or an `xarray.DataArray` for each parameter, in the units
-            of study files. A list becomes a dimension of the parameter's name. Parameters that are
-            the same at all points may be left out.
+            of study files. A list becomes a dimension of its name. Fixed ones may be left out.
 
         Returns
         -------
@@ -190,7 +193,8 @@ class Surrogate:
         for name in (*surrogate.choices, *self.parameters):
             if name not in values:
                 raise self._error(name, None)
-        arrays = [self._array(axis, values[axis.name]) for axis in self.numeric]
+        arrays = [self._array(axis, values[axis.name], points) for axis in self.numeric]
+        require_places(self.name, dict(zip(self.parameters, arrays, strict=True)))
         outside = self._outside(arrays, extrapolate)
         broadcast = xr.broadcast(*arrays)
         x = np.column_stack([array.values.ravel() for array in broadcast])
@@ -245,7 +249,7 @@ class Surrogate:
         if np.ndim(value) or value != fixed:
             raise InputError.of_value(self.name, name, value, f"{fixed}, as all its points have")
 
-    def _array(self, axis: Axis, value: Any) -> xr.DataArray:
+    def _array(self, axis: Axis, value: Any, points: bool) -> xr.DataArray:
         """Return values of a parameter as a labelled array."""
         array = value
         if not isinstance(value, xr.DataArray):
@@ -257,8 +261,8 @@ class Surrogate:
                 got = f"an array of {plain.ndim} dimensions"
                 allowed = "a number, a list of numbers, or an array of xarray"
                 raise InputError.of_value(self.name, axis.name, got, allowed)
-            dims = (axis.name,) * plain.ndim
-            array = xr.DataArray(plain, dict.fromkeys(dims, plain), dims)
+            dims = ("point" if points else axis.name,) * plain.ndim
+            array = xr.DataArray(plain, {} if points else dict.fromkeys(dims, plain), dims)
         if not array.size or not np.isfinite(array.values.astype(float)).all():
             raise self._error(axis.name, value)
         return array.astype(float)
