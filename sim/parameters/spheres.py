@@ -3,11 +3,14 @@
 import math
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
+from pydantic import model_validator
+
 from sim.base.additions import attribute_errors_to, plain_name
 from sim.base.plugins import module_names
 from sim.parameters.common import CHOICES, MAX_PARTICLES, Parameters, Real, broken_rule
 from sim.parameters.images import largest_diameter, usual_cell, wider_cell
 from sim.parameters.roles import rows_of
+from sim.parameters.schedule import Schedule, require_schedule, with_ends
 
 row = rows_of("spheres")
 
@@ -54,8 +57,10 @@ class SphereParameters(Parameters):
     """Particles that rotate and slide on a plane.
 
     Lengths in diameters; a concrete system adds ``angle``, ``initial_velocity`` and the lengths of
-    a run.
+    a run. Parameters in ``driven`` may have a schedule.
     """
+
+    driven: ClassVar[tuple[str, ...]] = ("angle",)
 
     state_numbers: ClassVar[int] = 9
     axes: ClassVar[int] = 3
@@ -87,6 +92,7 @@ class SphereParameters(Parameters):
     bump_coverage: Real = row("bump_coverage")
     bump_arrangement: Literal["random", "ordered"] = row("bump_arrangement")
     gravity: Real = row("gravity")
+    schedule: Schedule = row("schedule", default="")
     initial_packing: Real = row("initial_packing")
     initial_agitation: Real = row("initial_agitation")
     steps_per_collision: int = row("steps_per_collision")
@@ -102,6 +108,11 @@ class SphereParameters(Parameters):
     # No numerical parameter: what two programs computed is not one flow until it is shown to be.
     engine: EngineName = row("engine")
     ranks: int = row("ranks")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _end_schedule(cls, values: Any) -> Any:
+        return with_ends(values, cls.driven)
 
     @classmethod
     def hint(cls, key: str, value: Any) -> str:
@@ -230,6 +241,7 @@ class SphereParameters(Parameters):
     def require_rules(self) -> None:
         """Raise for values that do not go together."""
         super().require_rules()
+        require_schedule(self, self.schedule, self.driven)
         for name, allowed in self.refusals:
             allowed += f" with engine: {plain_name(self.engine)}"
             raise broken_rule(name, getattr(self, name), allowed)
