@@ -245,8 +245,13 @@ def test_what_the_pages_on_growth_and_data_show_runs(results):
     """The run that grows on one page is looked at on the other."""
     _, grow, _ = of_kind("docs/continue.md", "sh")
     run([Snippet("sh", grow)], results)
-    (point,) = of_kind("docs/continue.md", "yaml")
-    (results / "other.yaml").write_text(point)
+    (sweeps,) = of_kind("docs/continue.md", "yaml")
+    study = parse_study({"study": "s"} | yaml.safe_load(sweeps), "s", None)
+    starts = [bool(point.parameters.start_from) for point in study.points.values()]
+    assert starts == 2 * [False, True, True] and list(study.plots) == ["hysteresis"]
+    onward = {"frequency": 35, "transient": 1, "average": 2, "start_from": "belt.nc"}
+    point = {"system": "belt", "beads": 20, "width": 6} | onward
+    (results / "other.yaml").write_text(yaml.safe_dump(point))
     run([Snippet("sh", "talus run other.yaml -o other.nc")], results)
     names = run(snippets("docs/data.md"), results)
     assert names["run"].average == 4 and names["before"].average == 2

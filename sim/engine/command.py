@@ -23,6 +23,7 @@ from sim.engine.identity import cache_directory, library_versions
 from sim.parameters import Parameters, canonical_values, parse_point, point_id
 from sim.parameters.functions import NAME as FUNCTION
 from sim.parameters.roles import compiled_parameters
+from sim.parameters.schedule import shortest
 
 log = logging.getLogger("talus")
 
@@ -178,6 +179,8 @@ def variants(points: Iterable[Parameters]) -> list[Parameters]:
             continue
         model = type(point)
         choices = {name: getattr(point, name) for name in compiled_parameters(model)}
+        if choices.get("schedule"):
+            choices["schedule"] = shortest(choices["schedule"])
         small[(model, *choices.values())] = model(**model.smallest_values, **choices)
     return list(small.values())
 

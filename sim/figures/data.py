@@ -102,6 +102,7 @@ def figure_data(results: Results, spec: FigureSpec) -> FigureData:
     """Return the points and boundaries that a figure shows."""
     found = results.boundaries
     is_named = np.array([spec.name in names.split() for names in found["figures"]], bool)
+    is_named |= found["name"].isin(spec.series or ()).to_numpy(bool)
     return FigureData(spec, summarize(results.dataset, spec), found[is_named], results)
 
 
@@ -118,8 +119,29 @@ def summarize(dataset: xr.Dataset, spec: FigureSpec) -> pd.DataFrame:
         for name, values in points.coords.variables.items()
         if values.dims == ("point",)
     }
+    if spec.axes and "start_from" in spec.groups:
+        columns["start_from"] = _sweeps(columns, spec.axes[0])
     found = pd.DataFrame(outcomes(points), columns=list(OUTCOME))
     return pd.concat([pd.DataFrame(columns), found], axis=1)
+
+
+def _sweeps(columns: dict[str, Any], along: str) -> np.ndarray:
+    """Return what points start from; of those in a sweep its series, and up or down ``along`` it.
+
+    In a sweep each point of a series starts from another one.
+    """
+    number = {point: k for k, point in enumerate(columns["point"])}
+    series = [names.split() for names in columns["series"]]
+    starts = {k: number[start] for k, start in enumerate(columns["start_from"]) if start in number}
+    labels: dict[int, str] = {}
+    for k, before in starts.items():
+        if common := [name for name in series[k] if name in series[before]]:
+            is_down = columns[along][k] < columns[along][before]
+            labels[k] = f"{common[0]} {'down' if is_down else 'up'}"
+    # The first of a sweep goes the way of the second.
+    firsts = {starts[k]: label for k, label in labels.items() if starts[k] not in labels}
+    every = enumerate(columns["start_from"])
+    return np.array([(firsts | labels).get(k, start) for k, start in every], object)
 
 
 def _feeds_figure(dataset: xr.Dataset, spec: FigureSpec) -> np.ndarray:

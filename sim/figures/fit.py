@@ -64,6 +64,11 @@ def fit_curves(
     ]
 
 
+def fit_places(law: str, names: Mapping[str, Any], x: pd.Series, y: pd.Series) -> Fit:
+    """Fit one of `LAWS` to places in a plane, with equal weights."""
+    return _fit(law, names, x, y, pd.Series(np.nan, x.index))
+
+
 def _fit(law: str, names: Mapping[str, Any], x: pd.Series, y: pd.Series, half: pd.Series) -> Fit:
     """Fit a law to the points (x, y) of a curve, by least squares.
 
@@ -114,8 +119,11 @@ def draw_fits(axes: Axes, fits: Sequence[Fit], look: Look) -> None:
         axes.plot(fit.line.index, fit.line, color=style.colour, linewidth=1.2, zorder=2)
 
 
-def fit_notes(data: FigureData, fits: Sequence[Fit]) -> list[str]:
-    """Return the sentences of the caption on fitted lines; empty without any."""
+def fit_notes(data: FigureData, fits: Sequence[Fit], basis: str = "") -> list[str]:
+    """Return the sentences of the caption on fitted lines; empty without any.
+
+    ``basis`` is what they are fitted to, where that is not the points of curves.
+    """
     if not fits:
         return []
     law = f"{data.spec.fit} law {LAWS[data.spec.fit][1]}"
@@ -125,9 +133,10 @@ def fit_notes(data: FigureData, fits: Sequence[Fit]) -> list[str]:
     numbers = "; ".join(_fit_text(data, fit) for fit in fits)
     if len(fits) > MOST_IN_CAPTION:
         numbers = f"the numbers of {len(fits)} curves are in the data"
+    basis = basis or f"{weights}; flows that accelerate are left out"
     return [
-        f"Lines: {law}, least squares in the units of the axes, {weights}; flows that accelerate "
-        f"are left out; ± half width of the 95 % interval: {numbers}."
+        f"Lines: {law}, least squares in the units of the axes, {basis}; ± half width of the 95 % "
+        f"interval: {numbers}."
     ]
 
 

@@ -43,7 +43,7 @@ with attribute_additions_to(TALUS):
         usual=REGIME,
         shows=numbers,
         log=("x", "y", "colour"),
-        others=("panels", "beside"),
+        others=("panels", "beside", "fit"),
         of_papers="x y curves log labels theory creep point",
         systems=("chute", "belt"),
         over="over {}",

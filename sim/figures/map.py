@@ -23,6 +23,7 @@ from sim.figures.data import (
     varying_parameters,
     velocity_table,
 )
+from sim.figures.fit import fit_notes
 from sim.figures.plot import (
     Panels,
     append_foreign_data,
@@ -33,7 +34,7 @@ from sim.figures.plot import (
     observed_quantity,
     panels,
 )
-from sim.figures.regimes import boundary_sentences, draw_plane
+from sim.figures.regimes import boundary_sentences, draw_plane, fit_boundaries
 from sim.figures.scatter import draw_points
 from sim.figures.style import (
     OPEN_MEANS,
@@ -94,7 +95,9 @@ def table(data: FigureData) -> pd.DataFrame:
 def notes(data: FigureData) -> list[str]:
     """Return the sentences of the caption on what is drawn, and what is not."""
     if data.spec.show == REGIME:
-        return boundary_sentences(data.boundaries, data.spec.axes)
+        basis = "through the middles of the bars"
+        fitted = fit_notes(data, fit_boundaries(data), basis)
+        return [*boundary_sentences(data.boundaries, data.spec.axes), *fitted]
     return _value_notes(data)
 
 

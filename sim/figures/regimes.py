@@ -9,6 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from sim.figures.data import FigureData, split_curves
+from sim.figures.fit import Fit, fit_places
 from sim.figures.style import THEORY, CurveStyle, cycle_style, escape_label, move_aside
 from sim.parameters import SYSTEMS
 from sim.parameters.words import setting
@@ -58,6 +59,8 @@ def draw_plane(axes: Axes, data: FigureData, rows: pd.DataFrame) -> None:
         _draw_regimes(axes, rows, rows["regime"].mask(is_slow, CREEPING), spec.axes, lanes)
         aside = _MARKER * (lanes.max() / 2 + 2)
     _draw_boundaries(axes, data.boundaries, spec.axes, aside=aside)
+    for fit in fit_boundaries(data):
+        axes.plot(fit.line.index, fit.line, label=f"{spec.fit} law", color="#009e73", zorder=2)
     if spec.theory:
         _THEORIES[spec.theory](axes, rows)
     axes.margins(0.13)
@@ -139,6 +142,20 @@ def _draw_boundaries(
             move_aside(axes, drawn.get_children(), **{"x" if upright else "y": shift})
         label = escape_label(text + _settings_suffix(bars["system"].iloc[0], names))
         axes.plot([], [], **style, linewidth=2.2, label=label)
+
+
+def fit_boundaries(data: FigureData) -> list[Fit]:
+    """Fit the law of a plot to the middles of the intervals that hold its boundaries."""
+    (x, y), found, law = data.spec.axes, data.boundaries, data.spec.fit
+    if not law:
+        return []
+    fits = []
+    for names, bars in _kinds(found[found["along"].isin((x, y)) & found["low"].notna()], (x, y)):
+        middle = (bars["low"] + bars["high"]) / 2
+        across, up = (bars[name].mask(bars["along"] == name, middle) for name in (x, y))
+        others = {name: value for name, value in names.items() if name != "of"}
+        fits.append(fit_places(law, others, across, up))
+    return fits
 
 
 def _kinds(

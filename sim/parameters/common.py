@@ -50,6 +50,9 @@ def canonical_number(value: Any) -> Any:
 Real = Annotated[float, BeforeValidator(canonical_number)]
 """A finite float in canonical form; range constraints act on the rounded value."""
 
+#: In a series, the start from the end of the point before.
+PREVIOUS = "previous"
+
 #: What is allowed for a range, in words.
 TWO_NUMBERS = "two numbers without a unit, the lower one first"
 
@@ -140,7 +143,7 @@ class Parameters(BaseModel):
     start_from: str = row(
         "start_from",
         default="",
-        pattern=r"^(|[a-z]+-[\w.-]+-[0-9a-f]{8}|[^\x00-\x1f\x7f]+\.nc)$",
+        pattern=rf"^(|{PREVIOUS}|[a-z]+-[\w.-]+-[0-9a-f]{{8}}|[^\x00-\x1f\x7f]+\.nc)$",
         max_length=1000,
     )
     trajectory_contacts: bool = row("trajectory_contacts")
@@ -219,18 +222,19 @@ class Parameters(BaseModel):
         """Mass of a particle over the volume of the sphere of its diameter, kg m⁻³."""
         return float(canonical_number(self.mass / sphere_volume(self.diameter)))
 
-    def _samples_in(self, length: float) -> int:
+    def samples_in(self, length: float) -> int:
+        """Return the number of samples, rounded, in a length of time."""
         return round(length * self.time_unit / (self.sample_steps * self.time_step))
 
     @property
     def transient_samples(self) -> int:
         """Samples before averaging starts (the transient rounded to whole samples)."""
-        return self._samples_in(self.transient)
+        return self.samples_in(self.transient)
 
     @property
     def average_samples(self) -> int:
         """Samples averaged over (the average rounded to whole samples, at least one)."""
-        return max(1, self._samples_in(self.average))
+        return max(1, self.samples_in(self.average))
 
     @property
     def drift(self) -> float:
@@ -247,7 +251,7 @@ class Parameters(BaseModel):
         """Samples of the longest run: the limit of the converged protocol, else the shortest."""
         if self.protocol == "published":
             return self.shortest_samples
-        return max(self.shortest_samples, self._samples_in(self.limit))
+        return max(self.shortest_samples, self.samples_in(self.limit))
 
     @property
     def steps(self) -> int:
@@ -257,7 +261,7 @@ class Parameters(BaseModel):
     @property
     def trajectory_samples(self) -> int:
         """Samples from one frame of the trajectory to the next, at least one; 0 without frames."""
-        return max(1, self._samples_in(self.trajectory)) if self.trajectory else 0
+        return max(1, self.samples_in(self.trajectory)) if self.trajectory else 0
 
     @property
     def trajectory_room(self) -> int:
@@ -288,6 +292,9 @@ class Parameters(BaseModel):
 
     def require_rules(self) -> None:
         """Raise for values that do not go together; a system adds its own rules."""
+        if self.start_from == PREVIOUS:
+            allowed = "a point's id or a run file, and previous along a grid or cases of a series"
+            raise broken_rule("start_from", self.start_from, allowed)
         self._require_option_of_parameters()
         self._require_feasible_magnitude()
         self._require_feasible_size()

@@ -5,6 +5,7 @@ Amounts are how much of a point is run. They are no part of its id, so runs can 
 
 import hashlib
 import json
+import re
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -206,7 +207,9 @@ def point_id(parameters: Parameters) -> str:
     for name, value in values.items():
         if name not in unnamed and value != default_of(model, name, values):
             readable.append(f"{name}-{value}" if isinstance(value, str) else f"{name}{value:g}")
-    name = "-".join([parameters.system, *readable]).replace("+", "")[:_ID_LENGTH]
+    name = "-".join([parameters.system, *readable]).replace("+", "")
+    # A schedule has spaces and colons.
+    name = re.sub(r"[ :;]+", "-", name)[:_ID_LENGTH]
     wanted = amount_parameters(model)
     usual = {one: type(values[one])(default_of(model, one, values)) for one in wanted}
     return f"{name}-{hashlib.sha256(_json(values | usual).encode()).hexdigest()[:8]}"

@@ -17,6 +17,7 @@ from sim.parameters.common import (
 )
 from sim.parameters.images import LEAST_CELL, SIDES, largest_diameter, usual_cell, wider_cell
 from sim.parameters.roles import rows_of
+from sim.parameters.schedule import Schedule, require_schedule, with_ends
 
 row = rows_of("spheres")
 
@@ -63,8 +64,10 @@ class SphereParameters(Parameters):
     """Particles that rotate and slide on a plane.
 
     Lengths in diameters; a concrete system adds ``angle``, ``initial_velocity`` and the lengths of
-    a run.
+    a run. Parameters in ``driven`` may have a schedule.
     """
+
+    driven: ClassVar[tuple[str, ...]] = ("angle",)
 
     state_numbers: ClassVar[int] = 9
     axes: ClassVar[int] = 3
@@ -98,6 +101,7 @@ class SphereParameters(Parameters):
     bump_coverage: Real = row("bump_coverage")
     bump_arrangement: Literal["random", "ordered"] = row("bump_arrangement")
     gravity: Real = row("gravity")
+    schedule: Schedule = row("schedule", default="")
     initial_packing: Real = row("initial_packing")
     initial_agitation: Real = row("initial_agitation")
     steps_per_collision: int = row("steps_per_collision")
@@ -131,6 +135,11 @@ class SphereParameters(Parameters):
         across = canonical_number(values.get("cell_across", 0))
         is_square = across == canonical_number(values["cell"])
         return values | {"cell_across": 0.0} if is_square else values
+
+    @model_validator(mode="before")
+    @classmethod
+    def _end_schedule(cls, values: Any) -> Any:
+        return with_ends(values, cls.driven)
 
     @classmethod
     def hint(cls, key: str, value: Any) -> str:
@@ -264,6 +273,7 @@ class SphereParameters(Parameters):
     def require_rules(self) -> None:
         """Raise for values that do not go together."""
         super().require_rules()
+        require_schedule(self, self.schedule, self.driven)
         for name, allowed in self.refusals:
             allowed += f" with engine: {plain_name(self.engine)}"
             raise broken_rule(name, getattr(self, name), allowed)

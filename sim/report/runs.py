@@ -16,7 +16,7 @@ from sim.engine.stored_run import RunFile, open_run_file, parameters_of, summary
 from sim.figures.units import label_with_unit
 from sim.parameters import SYSTEMS, Parameters, as_yaml, complete_values, default_of, field_info
 from sim.parameters.functions import NAME as FUNCTION
-from sim.parameters.roles import amount_parameters
+from sim.parameters.roles import amount_parameters, numerical_parameters
 from sim.parameters.variables import SCALARS, VARIABLES, observable_variables
 from sim.parameters.words import setting
 from sim.report.numbers import finite_or_none, value_with_interval
@@ -143,7 +143,8 @@ def varied_parameters(dataset: xr.Dataset) -> dict[str, dict[str, np.ndarray]]:
         points = dataset.isel(point=(dataset["system"] == system).values)
         columns = {name: points[name].values for name in model.model_fields if name in points}
         rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
-        left_out = {*amount_parameters(model), *(variable.asked_by for variable in VARIABLES)}
+        asking = {variable.asked_by for variable in VARIABLES} & numerical_parameters(model)
+        left_out = {*amount_parameters(model), *asking}
         if rows:
             tables[system] = {
                 name: values

@@ -20,6 +20,7 @@ from sim.parameters import (
     roles,
     with_larger_amounts,
 )
+from sim.parameters.common import PREVIOUS
 from sim.parameters.density import DENSITY
 from sim.study.design import Axis
 from sim.study.design_file import DesignFile
@@ -59,14 +60,16 @@ def expand(files: Sequence[tuple[Path, StudyFile]]) -> Study:
 class _Draft:
     """Values of a point while they are collected, with the key of each in the file.
 
-    ``other_readings`` names the readings that differ from the first one in the study, and
-    ``of_paper`` the values that are the paper's, which holds them for its own law alone.
+    ``other_readings`` names the readings that differ from the first one in the study,
+    ``of_paper`` the values that are the paper's, which holds them for its own law alone;
+    ``follows`` is whether another point of its list or cases comes before.
     """
 
     values: dict[str, Any] = field(default_factory=dict)
     paths: dict[str, str] = field(default_factory=dict)
     other_readings: frozenset[str] = frozenset()
     of_paper: frozenset[str] = frozenset()
+    follows: bool = False
 
     def with_values(self, values: dict[str, Any], path: str) -> "_Draft":
         """Return a copy in which ``values``, given at ``path``, replace earlier ones."""
@@ -85,6 +88,13 @@ class _Draft:
         gone = self.of_paper & model.without_effect(self.values) if self.of_paper else ()
         values = {name: value for name, value in self.values.items() if name not in gone}
         return parse_point(values, source, self.paths)
+
+    def after(self, previous: str) -> "_Draft":
+        """Return a copy in which the start from the point before is its id."""
+        if self.values.get("start_from") != PREVIOUS:
+            return self
+        start = previous if self.follows else ""
+        return replace(self, values=self.values | {"start_from": start})
 
     def combinations(
         self, lists: dict[str, list[Any]], path: str
@@ -149,10 +159,13 @@ class _Family:
         for boundary in boundaries:
             for value in divide_range(boundary.low, boundary.high):
                 yield boundary.parameters_at(value), boundary.figures
+        previous = ""
         for draft in self._drafts() if isinstance(self.entry, SeriesFile) else ():
             others = draft.other_readings
             figures = [one for one in self.entry.figures if others <= set(FIGURES[one].groups)]
-            yield self._parameters(draft), figures
+            parameters = self._parameters(draft.after(previous))
+            previous = point_id(parameters)
+            yield parameters, figures
 
     def _drafts(self) -> Iterator[_Draft]:
         cases = self.entry.cases if isinstance(self.entry, SeriesFile) else None
@@ -161,10 +174,14 @@ class _Family:
             for row in rows:
                 yield base.with_values(row, f"{self.key}.design.over")
             if self.entry.grid:
-                for _, draft in base.combinations(self.entry.grid_lists, f"{self.key}.grid"):
-                    yield draft
+                lists = self.entry.grid_lists
+                last = next((n for n in map(len, reversed(lists.values())) if n > 1), 1)
+                drafts = base.combinations(lists, f"{self.key}.grid")
+                for index, (_, draft) in enumerate(drafts):
+                    yield replace(draft, follows=index % last > 0)
             for index, case in enumerate(cases or []):
-                yield base.with_values(case.explicit_values(), f"{self.key}.cases[{index}]")
+                draft = base.with_values(case.explicit_values(), f"{self.key}.cases[{index}]")
+                yield replace(draft, follows=index > 0)
             if not self.entry.grid and not cases and not rows:
                 yield base
 
@@ -191,9 +208,12 @@ class _Family:
 
     def _parameters_along(self, draft: _Draft, value: float, key: str = "range") -> Parameters:
         assert isinstance(self.entry, BoundaryFile)
-        along = self.entry.along
+        along, flowing = self.entry.along, self.entry.range[1]
+        values: dict[str, Any] = {along: value}
         paths = draft.paths | {along: f"{self.key}.{key}"}
-        return self._parameters(replace(draft, values=draft.values | {along: value}, paths=paths))
+        if self.entry.kind == "stop" and value != flowing:
+            values["start_from"] = point_id(self._parameters_along(draft, flowing, "range[1]"))
+        return self._parameters(replace(draft, values=draft.values | values, paths=paths))
 
     def _parameters(self, draft: _Draft) -> Parameters:
         """Return the parameters of a draft, with the overrides whose conditions it meets.

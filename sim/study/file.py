@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import chain
 from math import prod
-from typing import Annotated, Any, get_args
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import ConfigDict, Field
 from pydantic_core import PydanticCustomError
@@ -12,8 +12,9 @@ from pydantic_core import PydanticCustomError
 from sim.base.additions import additions
 from sim.base.plugins import ALLOWED, PATTERN
 from sim.parameters import AMOUNTS, SYSTEMS, Parameters
-from sim.parameters.common import TWO_NUMBERS, Real, broken_rule, sphere_volume
+from sim.parameters.common import PREVIOUS, TWO_NUMBERS, Real, broken_rule, sphere_volume
 from sim.parameters.density import DENSITY
+from sim.parameters.roles import fixed_parameters
 from sim.study.calibration import CalibrateFile
 from sim.study.design import Axis, axis_of
 from sim.study.design_file import DesignFile
@@ -102,6 +103,10 @@ class SeriesFile(_Family):
             if self.design and getattr(self, key):
                 allowed = f"no {key} beside it; a series has a design or a grid or cases"
                 yield broken_rule("design", "a design", allowed)
+        start = getattr(self.base, "start_from", "")
+        if start == PREVIOUS and (self.design or self.max_points < 2):
+            allowed = f"{PREVIOUS} in a series with a grid or cases of several points"
+            yield broken_rule("base.start_from", start, allowed)
 
     @property
     def varied(self) -> dict[str, Lists]:
@@ -145,7 +150,12 @@ def _of_mass(axis: Axis, points: Sequence[Parameters]) -> Axis:
 class BoundaryFile(_Family):
     """A boundary between regimes, for each combination of the grid."""
 
-    of: str = Field(description="what changes there")
+    kind: Literal["search", "stop"] = Field(
+        "search",
+        description="`search`: flows start as in the paper; `stop`: that at the high end of the "
+        "range does, the others from its end",
+    )
+    of: str = Field("flow", description="what changes there")
     along: str = Field(description="parameter along which it is looked for")
     range: list[Real] = Field(
         description="lowest and highest value of that parameter",
@@ -161,6 +171,11 @@ class BoundaryFile(_Family):
         low, high = self.range
         if not low < high:
             yield broken_rule("range", self.range, TWO_NUMBERS)
+        if self.kind == "stop" and self.of != "flow":
+            yield broken_rule("of", self.of, "flow with kind: stop")
+        if self.kind == "stop" and self.along in fixed_parameters(SYSTEMS[self.system]):
+            allowed = "with kind: stop, a parameter that may change while a flow goes on"
+            yield broken_rule("along", self.along, allowed)
         if further_rounds(low, high, self.tolerance) > MAX_ROUNDS:
             finest = (high - low) / PARTS ** (MAX_ROUNDS + 1)
             yield broken_rule("tolerance", self.tolerance, f"a number >= {1.01 * finest:.3g}")

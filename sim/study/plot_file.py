@@ -198,7 +198,8 @@ class PlotFile(Strict):
         max_length=MAX_BESIDE,
     )
     fit: Literal["linear", "quadratic", "power", "exponential"] = optional(
-        "of `curves`: law that is fitted to each curve and drawn in place of its line"
+        "law that is fitted to each of `curves`, and drawn in place of its line, or to boundaries "
+        "in a `map` of regimes"
     )
     log: list[Literal["x", "y", "colour"]] = Field(
         [],
@@ -220,6 +221,8 @@ class PlotFile(Strict):
         for number, axis in enumerate(self.log):
             if axis not in self.log_axes:
                 yield broken_rule(f"log[{number}]", axis, "one of " + ", ".join(self.log_axes))
+        if self.fit and self.keys.is_map and self.show != REGIME:
+            yield broken_rule("fit", self.fit, "a map of regimes, with boundaries")
         low, high = self.between or (0, 1)
         if not 0 <= low < high:
             yield broken_rule("between", self.between, _ALLOWED_BETWEEN)

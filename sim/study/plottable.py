@@ -292,7 +292,9 @@ def require_stored(
     """
     option = observable.asked_by
     if option and not all(getattr(point.parameters, option, False) for point in points):
-        raise error(f"points with {option}: true, as runs record it only then")
+        is_switch = all(isinstance(getattr(one.parameters, option, False), bool) for one in points)
+        value = ": true" if is_switch else ""
+        raise error(f"points with {option}{value}, as runs record it only then")
     if observable.source in variables_of("profile") and not all(one.profiles for one in points):
         raise error("points of series without profiles: false, as the dataset has none of theirs")
 

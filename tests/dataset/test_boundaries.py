@@ -15,11 +15,15 @@ from sim.base.seals import DamagedError
 from sim.dataset import sources
 from sim.dataset.boundaries import add_rounds, added_points, build, find_sides
 from sim.dataset.build import build as build_dataset
-from sim.dataset.results import read_table
+from sim.dataset.results import load_results, read_table
 from sim.dataset.rounds import read_round, side_of_run
-from sim.parameters import BeltParameters, ChuteParameters, canonical_values
+from sim.figures.data import figure_data
+from sim.figures.map import notes
+from sim.figures.regimes import fit_boundaries
+from sim.parameters import BeltParameters, ChuteParameters, canonical_values, point_id
 from sim.study.load import load_study
 from sim.surrogates.inquiries import write_round
+from tests.figures.drawing import picture
 from tests.made.runs import make_regimes, make_study, write_run
 
 CHUTE = ChuteParameters(replicates=2)
@@ -171,6 +175,48 @@ def test_a_round_follows_from_the_runs_before_it(study_results, tmp_path):
 def test_a_round_that_the_study_has_not_is_refused(number, study_results):
     with pytest.raises(InputError, match=f"ROUND: got {number}; allowed: .* 1 to 2"):
         write_round(study_results[0], number, study_results[1])
+
+
+#: Depths of flows that are slowed down, and the angle below which each comes to rest.
+STOPS = {depth: 23 * depth**-0.15 for depth in (2, 4, 8)}
+STOPPED = """
+study: stop
+boundaries:
+  - {name: stop, kind: stop, system: chute, along: angle, range: [15, 25], tolerance: 0.5,
+     base: {bumps: 1, replicates: 2}, grid: {depth: [2, 4, 8]}}
+plots: [{name: stops, kind: map, x: angle, y: depth, fit: power}]
+"""
+
+
+def test_a_flow_is_slowed_down_from_one_state_until_it_rests(tmp_path):
+    path = tmp_path / "stop.yaml"
+    path.write_text(STOPPED)
+    study = load_study(path, tmp_path)
+    points = [point.parameters for point in study.points.values()]
+    flowing = {point.depth: point_id(point) for point in points if point.angle == 25}
+    assert flowing.keys() == STOPS.keys()
+    for number in range(study.rounds + 1):
+        if number:
+            points = list(added_points(study, number, tmp_path / "stop" / "runs").values())
+        for point in points:
+            assert point.start_from == ("" if point.angle == 25 else flowing[point.depth])
+            rests = point.angle < STOPS[point.depth]
+            velocity, regime = (0.0, "arrested") if rests else (0.2, "steady")
+            write_run(tmp_path / "stop" / "runs", point, velocity, regime=regime)
+    dataset = build_dataset(path, tmp_path)
+    rows = read_table(dataset)
+    assert set(rows["verdict"]) == {"found"} and list(rows["depth"]) == list(STOPS)
+    assert set(rows["below"]) == {"arrested"} and set(rows["above"]) == {"flowing"}
+    found = np.array([rows["low"], rows["high"]])
+    stops = np.array([*STOPS.values()])
+    assert (found[0] <= stops).all() and (stops <= found[1]).all()
+    assert (np.diff(found, axis=0) <= 0.5).all()
+    data = figure_data(load_results(dataset), study.plots["stops"])
+    (fit,) = fit_boundaries(data)
+    assert fit.numbers["b"][0] == pytest.approx(-1 / 0.15, rel=0.15)
+    (line,) = (line for line in picture(data).axes[0].lines if line.get_label() == "power law")
+    assert list(line.get_xdata()) == list(fit.line.index)
+    assert "power law y = a xᵇ, least squares" in " ".join(notes(data))
 
 
 def test_a_study_without_boundaries_has_no_table(tmp_path):

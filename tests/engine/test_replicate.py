@@ -256,3 +256,22 @@ def test_a_start_that_has_gone_on_is_another_start(tmp_path):
     assert digest(run_in(tmp_path / "early", FLOW, **late)) == digest(expected) != before
     inode = early.stat().st_ino
     assert run_in(tmp_path / "early", FLOW, **late).stat().st_ino == inode
+
+
+@pytest.mark.long
+def test_sweeps_up_and_down_find_a_flow_and_a_bed_at_rest_at_one_angle(tmp_path):
+    base = {
+        **{"depth": 3, "cell": 5, "bumps": 0.5, "friction": 0.5, "stiffness": 300},
+        **{"steps_per_collision": 20, "transient": 60, "average": 30, "start_from": "previous"},
+    }
+    down = {"name": "down", "system": "chute", "base": base, "grid": {"angle": [24, 22]}}
+    slow = {"base": base | {"initial_velocity": 0}, "grid": {"angle": [20, 22]}}
+    study = parse_study({"study": "s", "series": [down, down | {"name": "up"} | slow]}, "s", None)
+    found = {}
+    for key, point in study.points.items():
+        assert run_point(point.parameters, tmp_path / f"{key}.nc", quiet=True) == 0
+        with netCDF4.Dataset(tmp_path / f"{key}.nc") as file:
+            speed = file["velocity"][0] / point.parameters.velocity_unit
+            found[point.series[0], point.parameters.angle] = speed, file["regime"][0]
+    assert found["down", 24][0] > found["down", 22][0] > 0.2
+    assert found["up", 20][1] == found["up", 22][1] == "arrested"

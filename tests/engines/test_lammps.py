@@ -161,6 +161,7 @@ def test_impacts_have_the_digits_of_ours_and_of_plain_python(case, partner, impa
     "values",
     [
         {"friction": 0, "friction_plane": 0.4},
+        {"friction": 0, "schedule": {"angle": [[0.25, 40], [0.5, 10], [0.5, 30], [0.75, 30]]}},
         {"law": "drag"},
         {**SHAKEN, "overtone_amplitude": 0.2, "phase_along": 30, "rotation": False, "angle": 5},
     ],

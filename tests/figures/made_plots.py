@@ -22,7 +22,8 @@ SIZE, SPEED = ChuteParameters().diameter, ChuteParameters().velocity_unit
 
 def made(plot: Mapping, points: Sequence[MadePoint]) -> tuple[FigureSpec, Results]:
     """Return a plot of points, and these as results."""
-    names = (*GRID, "youngs_modulus") if points[0].parameters.law not in LAW.usual else GRID
+    own = () if points[0].parameters.law in LAW.usual else ("youngs_modulus",)
+    names = (*GRID, "start_from", *own)
     cases = [{name: getattr(one.parameters, name) for name in names} for one in points]
     base = {"law": points[0].parameters.law}
     series = {"name": "flows", "system": "chute", "base": base, "cases": cases}

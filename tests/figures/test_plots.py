@@ -12,6 +12,7 @@ from sim.dataset.build import build
 from sim.dataset.results import load_results
 from sim.figures.render import derive_texts, render
 from sim.figures.units import scale_of, unit_of
+from sim.parameters import point_id
 from sim.study.load import load_study
 from tests.figures.drawing import notes
 from tests.figures.made_plots import GRID, SIZE, SPEED, drawn, flows
@@ -80,6 +81,22 @@ def test_a_cloud_of_points_is_not_joined_and_choices_tell_curves_apart():
     assert sorted(bars_of(axes)) == [0, 6]
     text = notes(data)
     assert "Points that differ in friction μ and angle θ are not joined." in text
+
+
+def test_a_sweep_has_a_curve_up_and_one_down():
+    points: list = []
+    for angle in (16, 18, 20, 18, 16):
+        start = point_id(points[-1].parameters) if points else ""
+        points.append(made_point("chute", {"velocity": angle}, angle=angle, start_from=start))
+    other = made_point("chute", {"velocity": 1.0}, angle=17, start_from=start)
+    plot = {"x": "angle", "curves": "start_from"}
+    figure, _, data = drawn(plot, [*points, other])
+    assert list(data.rows["start_from"]) == ["flows up"] * 3 + ["flows down"] * 3
+    legend = {text.get_text() for text in figure.legends[0].get_texts()}
+    assert {"start from: flows up", "start from: flows down"} <= legend
+    # Without that key they would lie on each other.
+    with pytest.raises(InputError, match=r"two points at .* that differ in start_from"):
+        drawn({"x": "angle"}, points)
 
 
 def test_panels_fill_their_rows_evenly():

@@ -38,6 +38,7 @@ KNOWN_LAWS = {
     "conveyor_hertz",
     "conveyor_hertz_rescaled",
     "conveyor_drag",
+    "conveyor_tilted",
     "conveyor_discs_bumps",
     "conveyor_discs_dashpot",
     "conveyor_sliding_as_printed",

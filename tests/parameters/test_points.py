@@ -50,8 +50,11 @@ def test_ids_show_what_differs_from_the_paper_and_hide_what_is_numerical():
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_every_parameter_is_in_the_id_but_how_much_is_wanted(system):
     special = {"corrector_order": 4, "steps_per_cycle": 2020, "samples_per_cycle": 10}
-    special["cell_across"] = 5.0
-    special["start_from"] = "run.nc"
+    special |= {
+        "start_from": "run.nc",
+        "schedule": {"angle": [[0, 5], [1, 17]]},
+        "cell_across": 5.0,
+    }
     others = {"ghost_mass": {"damping_mass": "reduced"}, "trajectory_contacts": {"trajectory": 1}}
     if system != "belt":
         names = "attraction", "tangential_unloading", "engine"

@@ -29,7 +29,7 @@ JOINT_RULE = re.compile(
     r"|at least (transient|sample_interval|bumps|twice the largest)|.*width - 3"
     r"|.* with (damping_mass|engine|integrator|law|shape): |a value that lets|0 or at "
     r"|false without a trajectory|(50|kept) unless law is |random, unless there are bumps"
-    r"|1 unless engine is|0, or a number >= 3)"
+    r"|1 unless engine is|0, or a number >= 3|.*(with which its|when the) schedule ends)"
 )
 
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from annotated_types import Ge, Gt, Le, Lt
 from hypothesis import strategies as st
+from pydantic import WithJsonSchema
 from pydantic.fields import FieldInfo
 
 from sim.parameters import SYSTEMS
@@ -71,6 +72,10 @@ def allowed(field: FieldInfo) -> st.SearchStrategy:
         return st.sampled_from(typing.get_args(field.annotation))
     if field.annotation is bool:
         return st.booleans()
+    if any(isinstance(one, WithJsonSchema) for one in field.metadata):
+        return st.sampled_from(
+            ["", "angle 0:10 0.5:20", {"angle": [[0, 30], [1e-6, 30], [1e-6, 0]]}]
+        )
     if field.annotation is str:
         return st.sampled_from(["", "run.nc", "../ä b.nc", "belt-frequency20-00000000"])
     low, high, open_end = 0, None, False

@@ -309,6 +309,22 @@ def test_doubtful_points_are_pointed_out(parse, tmp_path, monkeypatch):
     assert "replicates" not in as_table(parse(chute_study(cases=cases[1:])))
 
 
+def test_along_a_list_each_point_starts_from_the_one_before(parse):
+    lists = {"depth": [2, 3], "angle": [18, 20, 18], "friction": [0.5]}
+    sweep = {"name": "a", "system": "chute", "base": {"start_from": "previous"}, "grid": lists}
+    cases = [{"angle": 30}, {"angle": 25}, {"angle": 20, "start_from": ""}]
+    base = {"start_from": "previous", "replicates": 2}
+    study = parse({"study": "s", "series": [sweep, sweep | {"name": "b", "base": base}]})
+    ids = list(study.points)
+    assert [point.parameters.depth for point in study.points.values()] == [2] * 3 + [3] * 3
+    starts = [point.parameters.start_from for point in study.points.values()]
+    assert starts == ["", *ids[:2], "", *ids[3:5]]
+    assert all(point.parameters.replicates == 2 for point in study.points.values())
+    study = parse(chute_study(base={"start_from": "previous"}, cases=cases))
+    ids = list(study.points)
+    assert [one.parameters.start_from for one in study.points.values()] == ["", ids[0], ""]
+
+
 def test_what_points_start_from_is_bought_as_many_replicates_as_they(parse):
     series = [{"name": "a", "system": "chute"}]
     first = next(iter(parse({"study": "s", "series": series}).points))

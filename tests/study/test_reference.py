@@ -83,14 +83,13 @@ def test_the_schema_refuses_what_the_models_refuse(study, change, validator, tmp
 
 
 def test_examples_of_the_guide_work(tmp_path, monkeypatch):
-    study, designs, boundaries, point = EXAMPLES
+    study, designs, boundaries = EXAMPLES
     (tmp_path / "study.yaml").write_text(study)
     loaded = load_study(tmp_path / "study.yaml", tmp_path)
     assert len(loaded.points) == 10
     assert list(loaded.figures) == ["walton_2"]
     (tmp_path / "designs.yaml").write_text(f"study: spread\n{designs}")
     assert len(load_study(tmp_path / "designs.yaml", tmp_path).points) == 64
-    assert parse_point(yaml.safe_load(point), "point").vibration_angle == 60
     (tmp_path / "boundaries.yaml").write_text(f"study: limits\n{boundaries}")
     limits = load_study(tmp_path / "boundaries.yaml", tmp_path)
     assert [limit.grid["depth"] for limit in limits.boundaries] == [5, 10, 20]

@@ -7,24 +7,19 @@ a resting plane.
 from abc import abstractmethod
 from collections.abc import Sequence
 from functools import partial
-from math import cos, isfinite, radians, sin
-from typing import Any, ClassVar, NamedTuple
+from math import isfinite
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from sim.engine.boundary.drive import Gravity
+from sim.engine.boundary.drive import Gravity, constant_gravity, tilt_after, tilt_of
 from sim.engine.boundary.plane import make_plane, stored_in_plane
 from sim.engine.compile import address_of, call_directly, kind_of
 from sim.engine.contact import Partners, law_of
-from sim.engine.contact.friction import enlarge_memory, make_memory, memory_after
+from sim.engine.contact.friction import enlarge_memory, make_memory, memory_after, restart_memory
 from sim.engine.dynamics.cells import BlowUp, make_box
 from sim.engine.dynamics.neighbors import empty_pair_list
-from sim.engine.dynamics.spheres import (
-    SOLID,
-    make_scratch,
-    make_spheres,
-    stored_in_spheres,
-)
+from sim.engine.dynamics.spheres import SOLID, make_scratch, make_spheres, stored_in_spheres
 from sim.engine.dynamics.team import Team
 from sim.engine.observe.contacts import ContactSums, Sampling, add_contacts, list_contacts
 from sim.engine.observe.profiles import (
@@ -67,12 +62,13 @@ TERMS = ("kinetic_energy", "rotational_energy", "potential_energy", "stored_ener
 class State(NamedTuple):
     """The numbers of a sample in the frame of the plane, SI.
 
-    ``sums`` (8,) over its steps, see `leap_frog`; the sums ``translation`` of m v² and ``rotation``
-    of m times the squared velocity of the rim; mean ``height``; energies in springs between
-    particles (``pair``) and to the plane.
+    ``sums`` (8,) over its steps, see `leap_frog`; number of the last ``step``; the sums
+    ``translation`` of m v² and ``rotation`` of m times the squared velocity of the rim; mean
+    ``height``; energies in springs between particles (``pair``) and to the plane.
     """
 
     sums: np.ndarray
+    step: int
     translation: float
     rotation: float
     height: float
@@ -100,7 +96,7 @@ class PlaneFlow(Replica):
     ledger = make_ledger(*TERMS, turnover=LOSSES)
     axes = ("x", "y", "z")
     particle_names = ("spheres", "pairs", "plane", "memory", "scratch", "flow")
-    state_names: ClassVar[tuple[str, ...]] = (*particle_names, "travelled", "lost", "work_done")
+    state_names: tuple[str, ...] = (*particle_names, "travelled", "lost", "work_done")
 
     def __init__(
         self, parameters: SphereParameters, replicate: int, substeps: int, path_interval: float
@@ -124,8 +120,11 @@ class PlaneFlow(Replica):
         self.team = Team(p.threads)
         self.scratch = [make_scratch() for _ in range(p.threads)]
         self.flow = leap_frog.make_flow(number, p.threads, fixed=p.glued_particles > 0)
-        angle = radians(p.angle)
-        self.gravity = (p.gravity * sin(angle), 0.0, -p.gravity * cos(angle))
+        self.gravity = constant_gravity(p, p.angle)
+        self.tilt = tilt_of(p, self.sample_steps)
+        if self.tilt:
+            self.ledger = make_ledger(*self.ledger.terms, "tilt_work", turnover=LOSSES)
+            self.state_names = (*self.state_names, "centre", "slope_work", "tilt_work")
         self.drive = self._drive()
         self.kind = kind_of(self.laws, self.drive)
         self.slices = flow_profiles(p, layer.height, area, -self.gravity[2])
@@ -135,6 +134,7 @@ class PlaneFlow(Replica):
         self.weight = (self.mass * self.gravity[0], -self.mass * self.gravity[2])
         self.flux_area = length**2 * (p.breadth / p.cell)
         self.travelled, self.lost, self.work_done = 0.0, 0.0, 0.0
+        self.centre, self.slope_work, self.tilt_work = self._centre(), 0.0, 0.0
         interval = max(1, round(path_interval * p.time_unit / p.time_step)) * substeps
         self.path_steps = PATH_INTERVALS * interval
         times = np.arange(PATH_INTERVALS + 1) * interval * self.time_step
@@ -159,6 +159,11 @@ class PlaneFlow(Replica):
         """Continue with the particles of another flow and the memory of their contacts."""
         super().take_over(other)
         self.flow.sums[:] = 0.0
+        step = self.flow.step[0]
+        self.memory = restart_memory(self.memory, step)
+        self.plane = self.plane._replace(memory=restart_memory(self.plane.memory, step))
+        self.flow.step[0] = 0
+        self.centre = self._centre()
 
     def _advance(self, steps: int) -> int:
         return self.team.run(partial(self._advance_thread, steps))
@@ -205,6 +210,7 @@ class PlaneFlow(Replica):
         below = plane_law, spheres, plane, plane_memory, time_step
         return State(
             self.flow.sums.copy(),
+            int(step),
             *flow_energies(spheres.position, spheres.velocity, spheres.rim, spheres.mass),
             *call_directly(stored_in_spheres, self.kind, *between),
             *call_directly(stored_in_plane, self.kind, *below),
@@ -237,6 +243,32 @@ class PlaneFlow(Replica):
             "largest_overlap": sums[leap_frog.LARGEST],
             "base_normal_force": mean[leap_frog.PLANE_Z],
             "base_shear_force": -mean[leap_frog.PLANE_X],
+        }
+
+    def _centre(self) -> float:
+        """Return the height of the centre of mass above the plane, m."""
+        return float((self.spheres.mass * self.spheres.position[2]).sum() / self.mass)
+
+    def _tilted(self, state: Any, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """Return the values (K,) of time series that are others where gravity turns.
+
+        Its direction changes smoothly within a sample: work along x is that of the mean direction.
+        """
+        if not self.tilt:
+            return {}
+        steps, height = state.sums[:, leap_frog.STEPS], values["height_of_mass"]
+        before, self.centre = np.array([self.centre, *height[:-1]]), float(height[-1])
+        ends = state.step, state.step - steps, state.step - 0.5 * (steps + 1)
+        after, at_start, mean = (
+            np.array([tilt_after(self.tilt, step) for step in each]).T for each in ends
+        )
+        way = values["mean_velocity"] * steps * self.time_step
+        work = self._total("slope_work", self.mass * mean[1] * way)
+        turned = (mean[2] - after[2]) * height - (mean[2] - at_start[2]) * before
+        return {
+            "angle_now": after[0],
+            "potential_energy": -self.mass * after[2] * height - work,
+            "tilt_work": self._total("tilt_work", self.mass * turned),
         }
 
     def _add_profiles(self, sums: Any, k: int) -> None:
@@ -311,4 +343,8 @@ class Chute(PlaneFlow):
         self.scales = Scales(1e-3 * p.velocity_unit, negligible, p.drift, p.target)
 
     def _drive(self) -> Gravity:
-        return Gravity(self.gravity)
+        return Gravity(self.tilt or self.gravity)
+
+    def _values(self, state: Any) -> dict[str, np.ndarray]:
+        values = super()._values(state)
+        return values | self._tilted(state, values)

@@ -11,7 +11,6 @@ from sim.engine.boundary.drive import (
     plane_velocity,
     vibration,
 )
-from sim.engine.contact.friction import restart_memory
 from sim.engine.observe.regime import Scales
 from sim.engine.observe.samples import make_ledger
 from sim.engine.systems import leap_frog
@@ -25,14 +24,13 @@ class ShakenState(NamedTuple):
     """The numbers of a sample on a vibrating plane, SI.
 
     ``flow`` those in the frame of the plane; momentum ``along`` x and ``upward`` in that frame;
-    ``work`` of the plane during the sample; number of the last ``step``.
+    ``work`` of the plane during the sample.
     """
 
     flow: State
     along: float
     upward: float
     work: float
-    step: int
 
 
 class Conveyor(PlaneFlow):
@@ -64,7 +62,7 @@ class Conveyor(PlaneFlow):
         self._add_velocity(-self._starting_velocity())
 
     def _drive(self) -> Vibration:
-        return vibration(self.parameters, self.gravity)
+        return vibration(self.parameters, self.tilt or self.gravity)
 
     def take_over(self, other: "Conveyor") -> None:
         """Continue with the particles of another flow, the plane in its initial phase.
@@ -73,10 +71,6 @@ class Conveyor(PlaneFlow):
         """
         other.require_whole_cycles()
         super().take_over(other)
-        step = self.flow.step[0]
-        self.memory = restart_memory(self.memory, step)
-        self.plane = self.plane._replace(memory=restart_memory(self.plane.memory, step))
-        self.flow.step[0] = 0
         self._add_velocity(other._starting_velocity() - self._starting_velocity())
 
     def _add_velocity(self, velocity: np.ndarray) -> None:
@@ -92,12 +86,12 @@ class Conveyor(PlaneFlow):
         spheres = self.spheres
         along, upward = (spheres.mass * spheres.velocity[::2]).sum(axis=1)
         work, self.drive.work[0] = float(self.drive.work[0]), 0.0
-        return ShakenState(super()._state(), along, upward, work, self.flow.step[0])
+        return ShakenState(super()._state(), along, upward, work)
 
     def _values(self, state: Any) -> dict[str, np.ndarray]:
         """Return the values (K,) of each time series in the laboratory."""
         values = super()._values(state.flow)
-        time = state.step * self.time_step
+        time = state.flow.step * self.time_step
         interval = state.flow.sums[:, leap_frog.STEPS] * self.time_step
         # Velocities live half a step before the positions.
         ux, uz = (plane_velocity(self.drive, d, time - 0.5 * self.time_step) for d in (0, 1))
@@ -114,7 +108,8 @@ class Conveyor(PlaneFlow):
         potential = -self.gravity[2] * z - self.gravity[0] * displacement
         values["potential_energy"] = values["potential_energy"] + self.mass * potential
         values["height_of_mass"] = values["height_of_mass"] + z
+        values |= self._tilted(state.flow, values)
         return values | {
             "plane_work": self._total("plane_work", state.work),
-            "plane_phase": 2.0 * pi * (state.step % self.cycle_steps) / self.cycle_steps,
+            "plane_phase": 2.0 * pi * (state.flow.step % self.cycle_steps) / self.cycle_steps,
         }

@@ -31,13 +31,13 @@ class Replica(ABC):
     """
 
     #: The time series whose sum is the energy, and the names of the directions.
-    ledger: ClassVar[Ledger]
+    ledger: Ledger
     axes: ClassVar[tuple[str, ...]]
 
     #: Attributes with particles and contacts, and all that change during motion: arrays and
     #: numbers, or tuples, lists and dictionaries of them.
     particle_names: ClassVar[tuple[str, ...]]
-    state_names: ClassVar[tuple[str, ...]]
+    state_names: tuple[str, ...]
 
     #: The periodic cell, the neighbor list, the state of the loop over steps: the number of the
     #: last ``step`` (1,) and ``sums`` over steps; types that determine those of all kernels.

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from sim.engine.boundary.drive import tilt_of
 from sim.laws.hertz import effective_modulus
 from sim.parameters.dashpot import damping_fraction
 from sim.parameters.spheres import SKIN, SphereParameters
@@ -96,9 +97,7 @@ def drive_commands(p: Any, time_step: float) -> list[str]:
 
     The acceleration is that from half a step before to half a step after a time, as ours.
     """
-    angle = radians(p.angle)
-    slope = f"vector {sin(angle):.17g} 0 {-cos(angle):.17g}"
-    commands = [f"fix weight mobile gravity {p.gravity:.17g} {slope}"]
+    commands = _gravity_commands(p, time_step)
     if p.system == "conveyor":
         rate = 2.0 * pi * p.frequency
         first, second = radians(p.phase_along), radians(p.overtone_phase)
@@ -115,6 +114,27 @@ def drive_commands(p: Any, time_step: float) -> list[str]:
                 f"fix shaking_{axis} mobile gravity v_shaking_{axis} vector {vector}",
             ]
     return commands
+
+
+def _gravity_commands(p: Any, time_step: float) -> list[str]:
+    """Return the commands of gravity, whose direction may be a function of the step."""
+    fix = f"fix weight mobile gravity {p.gravity:.17g} vector"
+    tilt = tilt_of(p, round(p.sample_steps * p.time_step / time_step))
+    if not tilt:
+        angle = radians(p.angle)
+        return [f"{fix} {sin(angle):.17g} 0 {-cos(angle):.17g}"]
+    steps, angles = tilt.steps.astype(int), np.radians(tilt.angles)
+    parts = [f"(step<{steps[0]})*{angles[0]:.17g}", f"(step>={steps[-1]})*{angles[-1]:.17g}"]
+    for k in np.flatnonzero(np.diff(steps)):
+        rate = (angles[k + 1] - angles[k]) / (steps[k + 1] - steps[k])
+        within = f"(step>={steps[k]})*(step<{steps[k + 1]})"
+        parts.append(f"{within}*({angles[k]:.17g}+{rate:.17g}*(step-{steps[k]}))")
+    return [
+        f"variable slope equal {'+'.join(parts)}",
+        "variable slope_x equal sin(v_slope)",
+        "variable slope_z equal -cos(v_slope)",
+        f"{fix} v_slope_x 0 v_slope_z",
+    ]
 
 
 def _wave(amplitude: float, rate: float, phase: float, time_step: float) -> str:

@@ -6,12 +6,12 @@ forces on the plane from the change of momentum that gravity does not make. Both
 """
 
 from importlib.metadata import version
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from sim.engine.boundary.drive import plane_velocity
+from sim.engine.boundary.drive import plane_velocity, tilt_after
 from sim.engine.dynamics.cells import OK, OVERLAP, REASONS, BlowUp
 from sim.engine.dynamics.spheres import unrotated_orientations
 from sim.engine.systems import leap_frog
@@ -32,7 +32,7 @@ class LammpsFlow(PlaneFlow):
     ``place`` (2, N) is the place along x in LAMMPS' frame then (m), and the number of its cell.
     """
 
-    state_names: ClassVar[tuple[str, ...]] = (
+    state_names: tuple[str, ...] = (
         *("spheres", "flow", "travelled", "lost", "work_done", "adopted", "place", "restart"),
     )
 
@@ -106,7 +106,12 @@ class LammpsFlow(PlaneFlow):
         They end half a step after the present positions where that many are still to come: before
         the first step it is what the first one will make.
         """
-        return np.array(self.gravity) * (steps * self.time_step)
+        if not self.tilt:
+            return np.array(self.gravity) * (steps * self.time_step)
+        last = max(int(self.flow.step[0]), 1)
+        every = [tilt_after(self.tilt, step)[1:] for step in range(last - steps, last)]
+        along, upward = self.time_step * np.sum(every, axis=0)
+        return np.array([along, 0.0, upward])
 
     def _adopt(self, state: dict[str, np.ndarray]) -> None:
         """Take the state over, and add what happened since the last one to the sums."""
