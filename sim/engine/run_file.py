@@ -12,6 +12,7 @@ from sim.base.errors import InputError
 from sim.base.files import atomic_write
 from sim.base.seals import append_summary, seal
 from sim.engine.stored_run import (
+    STATE_TABLE,
     has_all,
     is_run_of,
     open_run_file,
@@ -22,6 +23,7 @@ from sim.engine.stored_run import (
 from sim.engine.systems.recorder import Record
 from sim.engine.systems.replica import Replica
 from sim.parameters import Parameters, amounts, canonical_values, field_info, in_si
+from sim.parameters.given import state_of
 from sim.parameters.variables import SCALARS, Variable, variables_of
 
 #: How numbers are stored: compressed, and with a checksum of every chunk.
@@ -164,6 +166,8 @@ def _write_parameters(file: _GroupWriter, parameters: Parameters) -> None:
             variable.comment = f"multiple of {row.scale}"
             if name in si:
                 variable.si_value, variable.si_units = si[name]
+    if state := state_of(parameters):
+        _put(file, STATE_TABLE, (), state.text, "", "the particles of initial_state, as CSV")
     _put(file, "particles", (), parameters.particles, "1", "number of particles")
     _put(file, "time_step", (), parameters.time_step, "s", "time step")
     for name, (value, meaning) in parameters.limits.items():

@@ -50,7 +50,7 @@ def test_ids_show_what_differs_from_the_paper_and_hide_what_is_numerical():
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_every_parameter_is_in_the_id_but_how_much_is_wanted(system):
     special = {"corrector_order": 4, "steps_per_cycle": 2020, "samples_per_cycle": 10}
-    special["start_from"] = "run.nc"
+    special |= {"start_from": "run.nc", "initial_state": "x (d), z (d)\n1, 3\n"}
     others = {"ghost_mass": {"damping_mass": "reduced"}, "trajectory_contacts": {"trajectory": 1}}
     if system != "belt":
         names = "attraction", "tangential_unloading", "engine"
