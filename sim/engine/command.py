@@ -22,6 +22,7 @@ from sim.base.yaml import read_yaml
 from sim.engine.identity import cache_directory, library_versions
 from sim.parameters import Parameters, canonical_values, parse_point, point_id
 from sim.parameters.functions import NAME as FUNCTION
+from sim.parameters.given import STATES, read_states
 from sim.parameters.roles import compiled_parameters
 from sim.parameters.schedule import shortest
 
@@ -86,6 +87,7 @@ def batch(results: Path) -> int:
         raise InputError("<stdin>: not a list of points; allowed: a JSON list of mappings")
     points = [parse_point(mapping, "<stdin>") for mapping in listed]
     runs, logs = results / "runs", results / "logs" / "runs"
+    read_states(runs / STATES, points)
     for folder in (runs, logs):
         require_writable(folder, "results")
         folder.mkdir(parents=True, exist_ok=True)

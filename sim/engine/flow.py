@@ -1,6 +1,7 @@
 """Runs from Python: a point without files, or a flow that is run step by step."""
 
 import warnings
+from collections.abc import Mapping
 from numbers import Integral, Real
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -16,6 +17,7 @@ from sim.engine.run import run_point
 from sim.engine.systems import build
 from sim.parameters import Parameters, parse_python_point, point_id
 from sim.parameters.common import MAX_SAMPLES
+from sim.parameters.given import table_text
 from sim.parameters.roles import id_parts
 from sim.parameters.variables import mask_failed, variables_of
 
@@ -28,7 +30,12 @@ _OF_OVERLAPS = ("diameter", "mass", "stiffness", "overlap_limit")
 
 
 def simulate(
-    system: str = "chute", *, progress: bool = True, keep: bool = False, **parameters: Any
+    system: str = "chute",
+    *,
+    state: Any = None,
+    progress: bool = True,
+    keep: bool = False,
+    **parameters: Any,
 ) -> "xr.Dataset":
     """Run a point and return the content of its run file; nothing stays on the disk.
 
@@ -36,6 +43,9 @@ def simulate(
     ----------
     system : str
         ``"chute"``, ``"belt"`` or ``"conveyor"``.
+    state : pandas.DataFrame, mapping of columns or xarray.Dataset, optional
+        Particles from which it starts, in place of ``initial_state``: columns as in such a file, or
+        the last state of a run of one replicate, or `Flow.particles`. A contact starts anew.
     progress : bool
         Show a bar, on terminals and in notebooks.
     keep : bool
@@ -71,7 +81,8 @@ def simulate(
     # Imported late: it takes half a second, which runs of the workflow do not need.
     import xarray as xr
 
-    point = parse_python_point("simulate", system, parameters)
+    given = parameters if state is None else parameters | _given("simulate", state, parameters)
+    point = parse_python_point("simulate", system, given)
     with TemporaryDirectory(prefix="talus-") as folder:
         output = Path(folder) / "run.nc"
         run_point(point, output, quiet=not progress, record_failure=True, temporary=True)
@@ -82,6 +93,7 @@ def simulate(
         warnings.warn(failure, stacklevel=2)
     run = run if keep else mask_failed(run)
     arguments = "".join(f", {name}={value!r}" for name, value in parameters.items())
+    arguments += "" if state is None else ", state=…"
     command = f"talus.simulate({system!r}{arguments})"
     return run.assign_attrs(command=command, history=f"{run.attrs['created']}: {command}")
 
@@ -96,6 +108,13 @@ def _failure(point: Parameters, run: "xr.Dataset") -> str:
     caveat = f"; {point.caveat}" if point.caveat else ""
     count = f"{len(reasons)} of {run.sizes['replicate']} replicates failed"
     return f"{point.system}: {count}: {reasons[0]}; at {values}{caveat}"
+
+
+def _given(source: str, state: Any, parameters: Mapping[str, Any]) -> dict[str, str]:
+    """Return the parameter that gives a state from Python."""
+    if "initial_state" in parameters:
+        raise InputError.of_value(source, "state", state, "state or initial_state, not both")
+    return {"initial_state": table_text(state, source)}
 
 
 def _is_number(kind: type, value: Any) -> bool:
@@ -115,6 +134,8 @@ class Flow:
         ``"chute"``, ``"belt"`` or ``"conveyor"``.
     replicate : int
         Number of the replicate, from 0: each has its own initial state.
+    state : pandas.DataFrame, mapping of columns or xarray.Dataset, optional
+        Particles from which it starts, as in `simulate`.
     **parameters
         Parameters of the system by name, in the units of a study file; parameters that are omitted
         have the value of the paper.
@@ -137,8 +158,11 @@ class Flow:
     True
     """
 
-    def __init__(self, system: str = "chute", *, replicate: int = 0, **parameters: Any):
-        self.parameters = parse_python_point("Flow", system, parameters)
+    def __init__(
+        self, system: str = "chute", *, replicate: int = 0, state: Any = None, **parameters: Any
+    ):
+        given = parameters if state is None else parameters | _given("Flow", state, parameters)
+        self.parameters = parse_python_point("Flow", system, given)
         if not (_is_number(Integral, replicate) and replicate >= 0):
             raise InputError.of_value("Flow", "replicate", replicate, "an integer >= 0")
         replicate = int(replicate)
@@ -265,7 +289,10 @@ class Flow:
 
     def _snapshot(self, name: str) -> np.ndarray:
         state = self._system.snapshot()
-        return np.array(state[name]) if name in state else np.empty((self.parameters.particles, 0))
+        values = np.array(state.get(name, np.empty((self.parameters.particles, 0))))
+        # A copy: an assignment to it would move no particle.
+        values.flags.writeable = False
+        return values
 
     def __repr__(self) -> str:
         return f"<Flow {point_id(self.parameters)} at {self.time:.6g} s>"

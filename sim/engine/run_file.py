@@ -12,6 +12,7 @@ from sim.base.errors import InputError
 from sim.base.files import atomic_write
 from sim.base.seals import append_summary, seal
 from sim.engine.stored_run import (
+    STATE_TABLE,
     amounts_of,
     has_all,
     is_run_of,
@@ -22,6 +23,7 @@ from sim.engine.systems.recorder import Record
 from sim.engine.systems.replica import Replica
 from sim.parameters import Parameters, amounts, canonical_values, field_info, in_si
 from sim.parameters.functions import NAME as FUNCTION
+from sim.parameters.given import state_of
 from sim.parameters.variables import SCALARS, Variable, observable_variables, variables_of
 
 #: How numbers are stored: compressed, and with a checksum of every chunk.
@@ -147,6 +149,8 @@ def _write_parameters(file: _Writer, parameters: Parameters) -> None:
             variable.comment = f"multiple of {row.scale}"
             if name in si:
                 variable.si_value, variable.si_units = si[name]
+    if state := state_of(parameters):
+        _put(file, STATE_TABLE, (), state.text, "", "the particles of initial_state, as CSV")
     _put(file, "particles", (), parameters.particles, "1", "number of particles")
     if parameters.system == FUNCTION:
         return

@@ -28,6 +28,7 @@ from sim.parameters import (
     point_id,
     with_larger_amounts,
 )
+from sim.parameters.given import remember_text
 from sim.parameters.variables import OBSERVABLE, SCALARS, observable_variables
 
 if TYPE_CHECKING:
@@ -36,6 +37,9 @@ if TYPE_CHECKING:
 
 #: What such a file is called in messages.
 _KIND = "run file"
+
+#: Variable with the particles from which the flow started, where they were given.
+STATE_TABLE = "initial_state_table"
 
 #: Group of a reduced run file with its particles.
 STATE = "state"
@@ -233,6 +237,8 @@ def parameters_of(file: netCDF4.Dataset, path: Path) -> Parameters:
             value = file.variables[name][...]
             value = value if isinstance(value, str) else value.item()
             values[name] = bool(value) if field.annotation is bool else value
+    if STATE_TABLE in file.variables:
+        remember_text(str(file.variables[STATE_TABLE][...]), path)
     return parse_point(values, path)
 
 

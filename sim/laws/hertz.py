@@ -53,7 +53,7 @@ def effective_modulus(p: SphereParameters) -> float:
 
 def collision_time(p: SphereParameters) -> float:
     """Return 2.87 (m*²/(R* E*² v))^(1/5) of the lightest particles at v = 10 √(gσ), s."""
-    radius = p.diameter * (1 - p.diameter_spread) / 4
+    radius = p.smallest_diameter / 4
     speed = IMPACT * p.velocity_unit
     return 2.87 * ((p.lightest_mass / 2 / effective_modulus(p)) ** 2 / (radius * speed)) ** 0.2
 

@@ -3,7 +3,14 @@
 import math
 from typing import Any, ClassVar, Literal
 
-from sim.parameters.common import MAX_PARTICLES, MAX_STEPS, Parameters, Real, broken_rule
+from sim.parameters.common import (
+    MAX_PARTICLES,
+    MAX_STEPS,
+    Parameters,
+    Real,
+    broken_rule,
+    require_default,
+)
 from sim.parameters.roles import rows_of
 
 row = rows_of("belt")
@@ -102,6 +109,12 @@ class BeltParameters(Parameters):
     corrector_order: int = row("corrector_order")
     corrections: int = row("corrections")
     stiffness_keeps: Literal["damping", "restitution"] = row("stiffness_keeps")
+
+    @property
+    def ground(self) -> float:
+        """Height of the belt's surface in its initial phase, m."""
+        surface = 0.5 if self.belt_ghost == "centred" else 0.0
+        return (self.amplitude * math.sin(math.radians(self.phase)) + surface) * self.diameter
 
     @property
     def time_unit(self) -> float:
@@ -215,6 +228,8 @@ class BeltParameters(Parameters):
     def require_rules(self) -> None:
         """Raise for values that do not go together."""
         super().require_rules()
+        if self.initial_state:
+            require_default(self, "diameter_spread", "there is no initial_state")
         if self.obstacle > 0 and not self.obstacle < self.width - 3:
             allowed = f"a number in [0, width - 3) = [0, {self.width - 3:g})"
             raise broken_rule("obstacle", self.obstacle, allowed)

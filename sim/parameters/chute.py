@@ -31,7 +31,10 @@ class ChuteParameters(SphereParameters):
     system: Literal["chute"] = row("system")
     angle: Real = row("angle")
     initial_velocity: Real = row(
-        "initial_velocity", default_factory=lambda values: min(4 + 1.2 * values["depth"], 30)
+        "initial_velocity",
+        default_factory=lambda values: (
+            0 if values["initial_state"] else min(4 + 1.2 * values["depth"], 30)
+        ),
     )
     transient: Real = row("transient")
     average: Real = row("average")

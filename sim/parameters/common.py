@@ -86,6 +86,12 @@ def require_default(parameters: "Parameters", name: str, unless: str) -> None:
         raise broken_rule(name, value, f"{text} unless {unless}")
 
 
+def least_sizes(p: "Parameters") -> tuple[float, float]:
+    """Return the least mass and diameter of given particles over those of the point."""
+    _, *sizes = p.initial_state.split("_")
+    return (float(sizes[0]), float(sizes[1])) if sizes else (1.0, 1.0)
+
+
 class Parameters(BaseModel):
     """Parameters shared by all systems, and the lengths of a run counted in steps.
 
@@ -124,6 +130,7 @@ class Parameters(BaseModel):
         average: float = 0.0
         limit: float = 0.0
         trajectory: float = 0.0
+        overlap_limit: float = 0.0
 
         @property
         def time_unit(self) -> float: ...
@@ -145,6 +152,11 @@ class Parameters(BaseModel):
         default="",
         pattern=rf"^(|{PREVIOUS}|[a-z]+-[\w.-]+-[0-9a-f]{{8}}|[^\x00-\x1f\x7f]+\.nc)$",
         max_length=1000,
+    )
+    initial_state: str = row(
+        "initial_state",
+        default="",
+        pattern=r"^(|[^/\\\n]+\.csv|[0-9a-f]{12}(_[0-9.e+-]+){0,2}|[^\n]+\n[\s\S]*)$",
     )
     trajectory_contacts: bool = row("trajectory_contacts")
 
@@ -182,6 +194,16 @@ class Parameters(BaseModel):
     def effective_particles(self) -> float:
         """Number of moving particles with the same work and memory as all, fixed ones included."""
         return self.particles + self.glued_particles
+
+    @property
+    def ground(self) -> float:
+        """Height of what is below the particles when a flow starts, m."""
+        return 0.0
+
+    @property
+    def is_alike(self) -> bool:
+        """True where nothing of the initial state is random: all replicates would be equal."""
+        return bool(self.initial_state)
 
     @property
     def is_stable(self) -> bool | None:
@@ -296,8 +318,17 @@ class Parameters(BaseModel):
             allowed = "a point's id or a run file, and previous along a grid or cases of a series"
             raise broken_rule("start_from", self.start_from, allowed)
         self._require_option_of_parameters()
+        self._require_one_start()
         self._require_feasible_magnitude()
         self._require_feasible_size()
+
+    def _require_one_start(self) -> None:
+        if self.initial_state and self.start_from:
+            allowed = "nothing beside initial_state, which is another start"
+            raise broken_rule("start_from", self.start_from, allowed)
+        if self.is_alike and self.replicates > 1:
+            allowed = "1 with this initial_state, from which all replicates are alike"
+            raise broken_rule("replicates", self.replicates, allowed)
 
     def _require_option_of_parameters(self) -> None:
         for choice in CHOICES:

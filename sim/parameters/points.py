@@ -24,10 +24,11 @@ from sim.base.yaml import read_yaml
 from sim.parameters.belt import BeltParameters
 from sim.parameters.choices import extended
 from sim.parameters.chute import ChuteParameters
-from sim.parameters.common import Parameters, canonical_number
+from sim.parameters.common import Parameters, canonical_number, least_sizes
 from sim.parameters.conveyor import ConveyorParameters
 from sim.parameters.density import DENSITY, doubts, with_mass
 from sim.parameters.functions import FUNCTION, FunctionParameters
+from sim.parameters.given import require_possible, state_of, with_state
 from sim.parameters.laws import ENGINE, LAW, MOTION
 from sim.parameters.roles import (
     Declaration,
@@ -111,8 +112,9 @@ def parse_point(
     """Return the parameters of one point: complete, canonical and immutable.
 
     ``mapping`` has ``system`` and any of its parameters; omitted ones take the paper's values, and
-    a density (kg/m³) gives the mass. Raises ``InputError``, which names ``source`` and the path of
-    a value there, the parameter itself or that of ``paths``.
+    a density (kg/m³) gives the mass, and a given initial state the number of particles. Raises
+    ``InputError``, which names ``source`` and the path of a value there, the parameter itself or
+    that of ``paths``.
     """
     if not isinstance(mapping, Mapping):
         raise InputError.of_value(source, "", mapping, "a mapping of parameter names to values")
@@ -121,11 +123,15 @@ def parse_point(
         path = (paths or {}).get("system", "system")
         raise InputError.of_value(source, path, system, one_of(system, SYSTEMS))
     model, paths = SYSTEMS[system], paths or {}
-    values = with_mass(mapping, model, str(source), paths)
+    values = with_state(with_mass(mapping, model, str(source), paths), model, str(source), paths)
     if DENSITY in mapping:
         paths = {**paths, "mass": paths.get(DENSITY, DENSITY)}
     try:
-        return model.model_validate(values)
+        point = model.model_validate(values)
+        # The least sizes of particles follow from the state, whose table has no other units.
+        if point.initial_state and (state := require_possible(point)) != point.initial_state:
+            point = model.model_validate({**values, "initial_state": state})
+        return point
     except ValidationError as error:
         hint = partial(hint_on_key, system=system)
         raise input_error(error, model, str(source), paths, hint) from None
@@ -262,6 +268,8 @@ def require_compatible_source(parameters: Parameters, source: Parameters, where:
     allowed = ""
     if source.system != parameters.system:
         allowed = f"a run of the {parameters.system}"
+    elif least_sizes(source) != least_sizes(parameters):
+        allowed = "a run of particles that all have the mass and the diameter of the point"
     elif source.replicates < parameters.replicates:
         allowed = f"a run of {parameters.replicates} replicates or more, as of the point itself"
     else:
@@ -312,5 +320,7 @@ def _rows(model: type[Parameters]) -> Mapping[str, FieldRow]:
 def as_yaml(parameters: Parameters) -> str:
     """Return the text of a point file with every parameter."""
     values = complete_values(parameters)
+    if state := state_of(parameters):
+        values["initial_state"] = state.text
     # JSON scalars are YAML with the same value.
     return "".join(f"{name}: {json.dumps(values[name])}\n" for name in field_info(parameters))

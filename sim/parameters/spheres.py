@@ -14,6 +14,8 @@ from sim.parameters.common import (
     Real,
     broken_rule,
     canonical_number,
+    least_sizes,
+    require_default,
 )
 from sim.parameters.images import LEAST_CELL, SIDES, largest_diameter, usual_cell, wider_cell
 from sim.parameters.roles import rows_of
@@ -57,6 +59,9 @@ else:
     LawName = Literal[tuple(name for name in _NAMES if name != "motions")]
     EngineName = Literal[tuple(dict.fromkeys((CHOICES["engine"], *module_names("sim.engines"))))]
 
+#: Parameters of the random initial state alone.
+DRAWN = ("initial_packing", "initial_agitation", "initial_height", "diameter_spread")
+
 SlidingDirection = Literal["printed", "slip"]
 
 
@@ -95,7 +100,10 @@ class SphereParameters(Parameters):
     diameter_spread: Real = row("diameter_spread")
     bumps: Real = row("bumps")
     cell: Real = row(
-        "cell", default_factory=lambda values: usual_cell(values["depth"], values["bumps"])
+        "cell",
+        default_factory=lambda values: usual_cell(
+            0 if values["initial_state"] else values["depth"], values["bumps"]
+        ),
     )
     cell_across: Real = row("cell_across")
     bump_coverage: Real = row("bump_coverage")
@@ -104,6 +112,8 @@ class SphereParameters(Parameters):
     schedule: Schedule = row("schedule", default="")
     initial_packing: Real = row("initial_packing")
     initial_agitation: Real = row("initial_agitation")
+    initial_height: Real = row("initial_height")
+    initial_normal_velocity: Real = row("initial_normal_velocity")
     steps_per_collision: int = row("steps_per_collision")
     slice_height: Real = row("slice_height")
     stress_profiles: bool = row("stress_profiles")
@@ -161,8 +171,22 @@ class SphereParameters(Parameters):
     @property
     def lightest_mass(self) -> float:
         """Mass of the lightest particles, kg."""
+        if self.initial_state:
+            return self.mass * least_sizes(self)[0]
         spread = self.diameter_spread
         return self.mass * (1 - spread) ** 3 / (1 + spread**2)
+
+    @property
+    def smallest_diameter(self) -> float:
+        """Diameter of the smallest particles, m."""
+        if self.initial_state:
+            return self.diameter * least_sizes(self)[1]
+        return self.diameter * (1 - self.diameter_spread)
+
+    @property
+    def is_alike(self) -> bool:
+        """True where nothing of the initial state is random, bumps included."""
+        return super().is_alike and not (self.bumps and self.bump_arrangement == "random")
 
     @property
     def loading_time(self) -> float:
@@ -274,6 +298,8 @@ class SphereParameters(Parameters):
         """Raise for values that do not go together."""
         super().require_rules()
         require_schedule(self, self.schedule, self.driven)
+        for name in DRAWN if self.initial_state else ():
+            require_default(self, name, "there is no initial_state")
         for name, allowed in self.refusals:
             allowed += f" with engine: {plain_name(self.engine)}"
             raise broken_rule(name, getattr(self, name), allowed)

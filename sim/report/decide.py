@@ -155,6 +155,8 @@ def _replicate_offer(
     assert study.decide is not None, "asked of studies that decide something"
     amounts, hours = {}, 0.0
     for point, factor in times.items():
+        if point in study.points and study.points[point].parameters.is_alike:
+            continue
         wall_times = _wall_times(results.dataset, point)
         number = min(ceil(len(wall_times) * min(factor, MOST_FACTOR)), study.decide.replicates)
         if number > len(wall_times) > 0:

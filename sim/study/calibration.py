@@ -9,12 +9,12 @@ from pydantic_core import PydanticCustomError
 
 from sim.base.additions import plain_name
 from sim.base.errors import InputError
+from sim.base.measured import ALLOWED_FILE, FILE, PURE, MeasuredTable, read_measured
 from sim.base.messages import one_of
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.common import CHOICES, TWO_NUMBERS, Real, broken_rule
 from sim.study.design import Axis
 from sim.study.entries import optional
-from sim.study.measured import ALLOWED_FILE, FILE, PURE, MeasuredTable, read_measured
 from sim.study.plottable import numbers
 from sim.study.surrogate import (
     ACCEPTED_ERROR,

@@ -9,6 +9,7 @@ from typing import Any
 from sim.base.errors import InputError, count_text
 from sim.base.messages import one_of
 from sim.parameters import NUMERICAL, SYSTEMS, Parameters, canonical_number, field_info, roles
+from sim.parameters.given import state_of
 from sim.study.calibration import CalibrateFile
 from sim.study.figure_spec import FIGURES, Answer, FigureSpec, written
 from sim.study.file import QUESTIONS, StudyFile
@@ -34,7 +35,8 @@ def feed(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
     curve; for plots with clashing names, unknown series, parameters or observables, and parameters
     that do not vary.
     """
-    entries, data = _figures(study, files), []
+    given = (state_of(point.parameters) for point in study.points.values())
+    entries, data = _figures(study, files), [one.file for one in given if one and one.file]
     for number, (path, file) in enumerate(files):
         # A part knows its own series alone.
         series = [entry.name for _, entry in file.entries] if number else list(study.series)

@@ -15,6 +15,7 @@ from filelock import FileLock, Timeout
 from sim.base.errors import InputError
 from sim.base.files import age, atomic_write, lock_of, read_regular
 from sim.parameters import RUN_FILE, Parameters, canonical_json
+from sim.parameters.given import STATES, write_states
 from sim.parameters.laws import engine_of
 from sim.study.model import Need, Study
 from sim.study.points import Estimate, estimate, plan_batches
@@ -201,6 +202,7 @@ class Plan:
             raise InputError(f"{self.folder}: cannot be locked: its workflow is running") from None
         except OSError:
             pass  # no locks on this file system
+        write_states(self._batches.parent / STATES, self._points().values())
         notes = {self._owner: self._own_note, self._batches: json.dumps(batches).encode()}
         for path, content in notes.items():
             with atomic_write(path) as temporary:

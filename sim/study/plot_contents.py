@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from sim.base.errors import Allowed, InputError
+from sim.base.measured import PURE, MeasuredTable, read_measured
 from sim.base.messages import near
 from sim.parameters import NUMERICAL, SYSTEMS, Parameters, field_info
 from sim.study.design import axis_of
 from sim.study.figure_spec import DataSet, FigureSpec, written
-from sim.study.measured import PURE, MeasuredTable, read_measured
 from sim.study.plot_file import MAX_MAGNITUDE, BesideFile, PlotFile, allowed_on_logarithmic
 from sim.study.plottable import (
     REGIME,

@@ -8,10 +8,10 @@ from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, WithJso
 from pydantic_core import PydanticCustomError
 
 from sim.base.additions import NAME as PLUGIN_NAME
+from sim.base.measured import ALLOWED_FILE, FILE
 from sim.base.messages import one_of
 from sim.parameters.common import Real, broken_rule
 from sim.study.entries import Name, Strict, optional, require_printable
-from sim.study.measured import ALLOWED_FILE, FILE
 from sim.study.plottable import REGIME, Keys, every_name, find_kind, study_kinds
 
 

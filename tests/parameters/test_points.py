@@ -54,6 +54,7 @@ def test_every_parameter_is_in_the_id_but_how_much_is_wanted(system):
         "start_from": "run.nc",
         "schedule": {"angle": [[0, 5], [1, 17]]},
         "cell_across": 5.0,
+        "initial_state": "x (d), z (d)\n1, 3\n",
     }
     others = {"ghost_mass": {"damping_mass": "reduced"}, "trajectory_contacts": {"trajectory": 1}}
     if system != "belt":

@@ -3,7 +3,7 @@
 import pytest
 
 from sim.base.errors import InputError
-from sim.study.measured import MAX_ROWS, read_measured
+from sim.base.measured import MAX_ROWS, read_measured
 
 TABLE = "# by hand\nangle (deg), V [mm/s], s\n\n16, 200, 5\n 17.5 ,2.5e2,6\n"
 

@@ -61,7 +61,8 @@ class Belt(Replica):
         self.period = p.samples_per_cycle
         self.path_steps = self.cycle_steps
         settling_step = p.settling_step / substeps
-        self.stage = FALLING
+        after_fall = PRIOR_SHAKING if p.prior_frequency else SHAKING
+        self.stage = after_fall if p.initial_state else FALLING
         self._stages = make_stages(p, settling_step, self.time_step, self.cycle_steps)
         self.box = make_box(width)
         bed = initial_bed(p, self.box, replicate)
@@ -69,6 +70,9 @@ class Belt(Replica):
         self.disks = make_disks(
             bed.position, bed.velocity, bed.radius, bed.mass, self._step_length()
         )
+        if p.initial_state:
+            # So that a free fall is exact from its first step on.
+            self.disks.taylor[2, 1] = -0.5 * p.gravity * self._step_length() ** 2
         self.mass = float(bed.mass.sum())
         self.pairs = empty_pair_list(bed.radius, self.box, SKIN * p.diameter)
         self.search = make_search(p.beads)
@@ -110,7 +114,7 @@ class Belt(Replica):
     def settle(self) -> None:
         """Let the beads fall onto the resting belt, and shake them at the prior frequency, if any.
 
-        It continues from its ``stage``.
+        It continues from its ``stage``. Given beads do not fall first.
         """
         p = self.parameters
         if self.stage == FALLING:

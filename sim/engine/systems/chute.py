@@ -6,6 +6,7 @@ a resting plane.
 
 from abc import abstractmethod
 from collections.abc import Sequence
+from copy import deepcopy
 from functools import partial
 from math import isfinite
 from typing import Any, NamedTuple
@@ -45,6 +46,7 @@ from sim.engine.systems.slices import flow_profiles
 from sim.engine.systems.start import initial_layer
 from sim.parameters import ChuteParameters
 from sim.parameters.chute import negligible_acceleration
+from sim.parameters.given import given_particles
 from sim.parameters.spheres import SKIN, SphereParameters
 from sim.parameters.variables import HISTORY, parts
 
@@ -104,7 +106,10 @@ class PlaneFlow(Replica):
         super().__init__(parameters, substeps)
         p, length = parameters, parameters.cell * parameters.diameter
         if p.is_flat:
-            breadth = BREADTH * max(p.diameter * (1 + p.diameter_spread), p.bumps * p.diameter)
+            largest = p.diameter * (1 + p.diameter_spread)
+            if p.initial_state:
+                largest = 2.0 * float(given_particles(p).radius.max())
+            breadth = BREADTH * max(largest, p.bumps * p.diameter)
             self.inertia, self._profile_weight, area = DISC, AREA, length
         else:
             breadth = p.breadth * p.diameter
@@ -113,6 +118,8 @@ class PlaneFlow(Replica):
         layer = initial_layer(p, self.box, replicate)
         number = len(layer.radius)
         self.spheres = make_spheres(*layer[:4], p.threads, p.orientations)
+        if layer.spin is not None:
+            self.spheres.rim[:] = layer.spin.T * layer.radius
         self.pairs = empty_pair_list(layer.radius, self.box, SKIN * p.diameter)
         self.laws = (self._law(p.friction, 0.5 * p.mass), self._law(p.friction_plane, p.mass))
         self.plane = make_plane(self.laws[1], number, p.threads)
@@ -154,6 +161,34 @@ class PlaneFlow(Replica):
     def loop(self) -> leap_frog.Flow:
         """State of the loop over steps."""
         return self.flow
+
+    def settle(self) -> None:
+        """Take given velocities, those at t = 0, back to half a step before, as leap-frog has them.
+
+        Half of what the forces at t = 0 change in a step is left out, with which a free fall is
+        exact. Random ones count as those of half a step before.
+        """
+        super().settle()
+        p = self.parameters
+        if p.initial_state or p.initial_height or p.initial_normal_velocity:
+            change, turn = self._first_changes()
+            mobile = self.spheres.mass > 0.0
+            self.spheres.velocity[:, mobile] -= 0.5 * change[:, mobile]
+            self.spheres.rim[:, mobile] -= 0.5 * turn[:, mobile]
+
+    def _first_changes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return by how much velocities and those of rims (3, N) change in the first step, m/s."""
+        before = {name: deepcopy(getattr(self, name)) for name in self.state_names}
+        self._run(1)
+        order = np.argsort(self.spheres.label[0])
+        velocity, rim = (one[:, order] for one in (self.spheres.velocity, self.spheres.rim))
+        for name, value in before.items():
+            setattr(self, name, value)
+        return velocity - self.spheres.velocity + self._frame_change(), rim - self.spheres.rim
+
+    def _frame_change(self) -> np.ndarray:
+        """Return the change of the plane's velocity (3, 1) in the first step, m/s."""
+        return np.zeros((3, 1))
 
     def take_over(self, other: Any) -> None:
         """Continue with the particles of another flow and the memory of their contacts."""

@@ -79,8 +79,14 @@ class Conveyor(PlaneFlow):
 
     def _starting_velocity(self) -> np.ndarray:
         """Return the velocity of the plane along x and z half a step before it starts, m/s."""
-        time = -0.5 * self.time_step
+        return self._plane_velocity(-0.5 * self.time_step)
+
+    def _plane_velocity(self, time: float) -> np.ndarray:
         return np.array([plane_velocity(self.drive, axis, time) for axis in (0, 1)])
+
+    def _frame_change(self) -> np.ndarray:
+        along, normal = self._plane_velocity(0.5 * self.time_step) - self._starting_velocity()
+        return np.array([[along], [0.0], [normal]])
 
     def _state(self) -> ShakenState:
         spheres = self.spheres

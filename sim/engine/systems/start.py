@@ -1,4 +1,4 @@
-"""Initial states: random packings, a layer above the plane, a bed above the belt."""
+"""Initial states: given or random ones, a layer above the plane, a bed above the belt."""
 
 from collections.abc import Callable, Hashable
 from copy import deepcopy
@@ -16,6 +16,7 @@ from sim.engine.dynamics.cells import Box, make_box, nearest_image
 from sim.engine.dynamics.disks import CORRECTORS, Gear, Verlet
 from sim.engine.states import flatten
 from sim.parameters import BeltParameters, point_id
+from sim.parameters.given import given_particles, overlapping_pair
 from sim.parameters.images import wider_cell
 from sim.parameters.spheres import SphereParameters
 
@@ -133,7 +134,8 @@ def _is_free(trial, home, radius, packing):
 class Layer(NamedTuple):
     """Particles: ``position`` and ``velocity`` (N, D), ``radius`` and ``mass`` (N,), SI.
 
-    Glued spheres come last; they have no mass. ``height`` (m) is that of the filled region.
+    Glued spheres come last; they have no mass. ``height`` (m) is that of the filled region, and
+    ``spin`` (N, 3) the angular velocity (1/s) of particles that rotate.
     """
 
     position: np.ndarray
@@ -141,14 +143,17 @@ class Layer(NamedTuple):
     radius: np.ndarray
     mass: np.ndarray
     height: float
+    spin: np.ndarray | None = None
 
 
 def initial_layer(p: SphereParameters, box: Box, replicate: int) -> Layer:
     """Return the initial state of a replicate of spheres, or of discs in the plane y = 0.
 
     Raises ``ValueError`` when the particles do not fit, and `InputError` where the largest of few
-    particles is so large that it needs a wider cell.
+    particles is so large that it needs a wider cell, or a given one overlaps a glued one too much.
     """
+    if p.initial_state:
+        return _given_layer(p, box, replicate)
     rng = np.random.default_rng([p.seed, replicate])
     dimension, solid, root = (2, 4.0, np.sqrt) if p.is_flat else (3, 6.0, np.cbrt)
     cell = make_box(box.length[0]) if p.is_flat else box
@@ -169,6 +174,8 @@ def initial_layer(p: SphereParameters, box: Box, replicate: int) -> Layer:
     position = random_packing(cell, height, radius, rng)
     velocity = _random_velocities(p, position.shape, rng)
     mass = p.mass * size**dimension
+    if p.initial_height:
+        position[:, -1] += p.initial_height * p.diameter - (position[:, -1] - radius).min()
     mobile = Layer(in_space(position), in_space(velocity), radius, mass, height)
     if not p.bumps:
         return mobile
@@ -180,7 +187,28 @@ def _random_velocities(p: SphereParameters, shape: tuple[int, ...], rng) -> np.n
     velocity = rng.normal(0.0, p.initial_agitation * p.velocity_unit / shape[1] ** 0.5, shape)
     velocity -= velocity.mean(axis=0)
     velocity[:, 0] += p.initial_velocity * p.velocity_unit
+    if p.initial_normal_velocity:
+        velocity[:, -1] += p.initial_normal_velocity * p.velocity_unit
     return velocity
+
+
+def _given_layer(p: SphereParameters, box: Box, replicate: int) -> Layer:
+    given = given_particles(p)
+    common = np.array([p.initial_velocity, 0.0, p.initial_normal_velocity]) * p.velocity_unit
+    top = float((given.position[:, 2] + given.radius).max())
+    layer = Layer(
+        given.position, given.velocity + common, given.radius, given.mass, top, given.spin
+    )
+    if not p.bumps:
+        return layer
+    cell = make_box(box.length[0]) if p.is_flat else box
+    glued = _bump_positions(p, cell, replicate)
+    glued = np.insert(glued, 1, 0.0, axis=1) if p.is_flat else glued
+    layer = _with_glued(layer, p, glued)
+    if pair := overlapping_pair(layer.position, layer.radius, p, movable=len(given.radius)):
+        allowed = f"a state that overlaps no glued particle as number {min(pair) + 1} does"
+        raise InputError.of_value(point_id(p), "initial_state", p.initial_state, allowed)
+    return layer
 
 
 def _bump_positions(p: SphereParameters, box: Box, replicate: int) -> np.ndarray:
@@ -197,12 +225,19 @@ def _bump_positions(p: SphereParameters, box: Box, replicate: int) -> np.ndarray
 def _lift_above(mobile: Layer, p: SphereParameters, glued: np.ndarray) -> Layer:
     """Return the mobile particles, raised by a bump, followed by those glued at these positions."""
     diameter = p.bumps * p.diameter
-    return Layer(
-        np.concatenate([mobile.position + np.array([0.0, 0.0, diameter]), glued]),
-        np.concatenate([mobile.velocity, np.zeros_like(glued)]),
-        np.concatenate([mobile.radius, np.full(len(glued), diameter / 2)]),
-        np.concatenate([mobile.mass, np.zeros(len(glued))]),
-        mobile.height + diameter,
+    raised = mobile.position + np.array([0.0, 0.0, diameter])
+    return _with_glued(mobile._replace(position=raised, height=mobile.height + diameter), p, glued)
+
+
+def _with_glued(mobile: Layer, p: SphereParameters, glued: np.ndarray) -> Layer:
+    """Return mobile particles followed by those glued at these positions."""
+    still, number = np.zeros_like(glued), len(glued)
+    return mobile._replace(
+        position=np.concatenate([mobile.position, glued]),
+        velocity=np.concatenate([mobile.velocity, still]),
+        radius=np.concatenate([mobile.radius, np.full(number, p.bumps * p.diameter / 2)]),
+        mass=np.concatenate([mobile.mass, np.zeros(number)]),
+        spin=None if mobile.spin is None else np.concatenate([mobile.spin, still]),
     )
 
 
@@ -214,7 +249,12 @@ FALLING, PRIOR_SHAKING, SHAKING = "falling", "shaken before", ""
 
 
 def initial_bed(p: BeltParameters, box: Box, replicate: int) -> Layer:
-    """Return beads at rest that overlap neither each other nor belt nor obstacle."""
+    """Return beads at rest that overlap neither each other nor belt nor obstacle, or given ones."""
+    if p.initial_state:
+        given = given_particles(p)
+        place, velocity = given.position[:, ::2], given.velocity[:, ::2]
+        top = float((place[:, 1] + given.radius).max())
+        return Layer(place, velocity, given.radius, given.mass, top)
     rng = np.random.default_rng([p.seed, replicate])
     spread = p.diameter_spread * p.diameter
     diameter = rng.uniform(p.diameter - spread, p.diameter + spread, p.beads)

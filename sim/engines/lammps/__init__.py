@@ -7,6 +7,7 @@ of our own.
 from collections.abc import Iterator
 from typing import Any
 
+from sim.parameters.given import has_one_mass
 from sim.parameters.laws import flow_engine
 
 #: Laws that it has: `deck` says how.
@@ -47,6 +48,8 @@ def refuses(p: Any) -> Iterator[tuple[str, str]]:
     for name in ONE_MASS if p.law == "drag" else ():
         if getattr(p, name):
             yield name, "0 with law: drag"
+    if p.law == "drag" and not has_one_mass(p):
+        yield "initial_state", "particles of one mass with law: drag"
     if p.law == "hertz" and p.attraction == "clipped" and p.restitution <= LEAST_CLIPPED:
         # It takes the damping as the restitution that it gives where it may pull.
         yield "restitution", f"above {LEAST_CLIPPED:g} with attraction: clipped and law: hertz"

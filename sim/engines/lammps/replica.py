@@ -75,6 +75,11 @@ class LammpsFlow(PlaneFlow):
         velocity[0] -= self._speed
         return particle_data(self.parameters, self.spheres, velocity)
 
+    def _first_changes(self) -> tuple[np.ndarray, np.ndarray]:
+        # LAMMPS takes the velocities at t = 0, and its own first half step.
+        change = np.zeros_like(self.spheres.velocity)
+        return change + self._pull(1)[:, None] + self._frame_change(), np.zeros_like(change)
+
     def _start(self) -> Process:
         process = Process(point_id(self.parameters), self.parameters.ranks)
         if is_restart := bool(self._restart.size):

@@ -1,13 +1,16 @@
-"""Tables that were measured elsewhere: CSV files beside a study, with units in their headings."""
+"""Tables from elsewhere: CSV files beside a study or point, with units in their headings.
+
+They hold what was measured, or the particles of an initial state.
+"""
 
 import csv
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from io import TextIOWrapper
+from io import StringIO, TextIOWrapper
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 from sim.base.errors import Allowed, InputError
 from sim.base.files import open_regular
@@ -96,18 +99,28 @@ def read_measured(path: Path) -> MeasuredTable:
         if path.resolve().parent != path.parent.resolve():
             raise InputError(f"{path}: a link to elsewhere; allowed: {ALLOWED_FILE}")
         with TextIOWrapper(open_regular(path), encoding="utf-8-sig", newline="") as file:
-            reader = csv.reader(file, strict=True, skipinitialspace=True)
-            rows = []
-            for row in reader:
-                texts = [text.strip() for text in row]
-                if any(texts) and not texts[0].startswith("#"):
-                    rows.append((reader.line_num, texts))
-                if len(rows) > MAX_ROWS + 1:
-                    raise InputError(f"{path}: more than {MAX_ROWS:,} rows")
+            return _parse(file, path)
     except OSError as error:
         raise InputError(f"{path}: {error.strerror or error}") from None
     except UnicodeDecodeError:
         raise InputError(f"{path}: not a text file (UTF-8 expected)") from None
+
+
+def parse_table(text: str, path: Path) -> MeasuredTable:
+    """Return the table of the text of such a file; messages name ``path``."""
+    return _parse(StringIO(text, newline=""), path)
+
+
+def _parse(file: TextIO, path: Path) -> MeasuredTable:
+    reader = csv.reader(file, strict=True, skipinitialspace=True)
+    rows = []
+    try:
+        for row in reader:
+            texts = [text.strip() for text in row]
+            if any(texts) and not texts[0].startswith("#"):
+                rows.append((reader.line_num, texts))
+            if len(rows) > MAX_ROWS + 1:
+                raise InputError(f"{path}: more than {MAX_ROWS:,} rows")
     except csv.Error as error:
         raise InputError(f"{path}: line {reader.line_num}: not readable as CSV: {error}") from None
     if len(rows) < 2:

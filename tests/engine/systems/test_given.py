@@ -1,0 +1,124 @@
+"""Flows from a given state, against closed forms and against the state that they came from."""
+
+from math import cos, radians, sqrt
+
+import numpy as np
+import pytest
+
+from sim import Flow, InputError, simulate
+
+#: Glass of Chung and Ooi (2011), tests 1: radius (m), Young's modulus (Pa), Poisson's ratio.
+RADIUS, YOUNG, POISSON = 0.01, 48e9, 0.2
+ONE = {"cell": 4, "sample_interval": 0.05, "angle": 0}
+
+
+def quiet(flow: Flow, duration: float) -> Flow:
+    return flow.run(duration, progress=False)
+
+
+@pytest.mark.parametrize("engine", ["chute", "conveyor", "belt"])
+def test_a_free_fall_is_exact_from_its_first_step_on(engine):
+    state = {"x (d)": [1.5], "z (d)": [6.0], "vx (m/s)": [0.02], "vz (m/s)": [0.05]}
+    size = {"width": 5} if engine == "belt" else {"cell": 4, "friction": 0}
+    flow = quiet(Flow(engine, state=state, **size), 0.3)
+    p, t = flow.parameters, flow.time
+    slope = radians(getattr(p, "angle", 0))
+    height = 6 * p.diameter + 0.05 * t - p.gravity * cos(slope) * t**2 / 2
+    mean = float(flow.series.height_of_mass[-1])
+    # The plane's own path is a sum of steps in the frame of the conveyor.
+    assert mean == pytest.approx(height, rel=1e-8 if engine == "conveyor" else 1e-11)
+
+
+def test_release_from_a_height_is_a_free_fall():
+    p = {"depth": 1 / 16, "initial_velocity": 0, "initial_agitation": 0, **ONE}
+    flow = Flow("chute", initial_height=20, initial_normal_velocity=3, **p)
+    d, g = flow.parameters.diameter, flow.parameters.gravity
+    t = quiet(flow, 4).time
+    expected = 20.5 * d + 3 * sqrt(g * d) * t - g * t**2 / 2
+    assert flow.positions[0, 2] == pytest.approx(expected, rel=1e-11)
+    packing = Flow("chute", depth=2, cell=4, initial_height=1.5)
+    assert (packing.positions[:, 2] - packing.radii).min() == pytest.approx(1.5 * d, abs=1e-5 * d)
+
+
+def test_two_spheres_that_meet_head_on_exchange_their_velocities():
+    """Chung and Ooi (2011), test 1: α_max = (15 m* v²/(16 E* √R*))^(2/5)."""
+    diameter, speed = 2 * RADIUS, 10.0
+    modulus = YOUNG / (2 * (1 - POISSON**2))
+    reach = diameter * (1 + 1e-6)
+    state = {"x": [0.02, 0.02 + reach], "z": [0.05, 0.05], "vx": [speed, -speed], "y": [0.02, 0.02]}
+    point = {"law": "hertz", "restitution": 1, "friction": 0, "stiffness": modulus * diameter / 15}
+    point |= {"diameter": diameter, "density": 2800, "steps_per_collision": 400, "gravity": 9.8}
+    flow = Flow("chute", state=state, **ONE | point | {"sample_interval": 1e-4})
+    quiet(flow, 0.003)
+    p = flow.parameters
+    closing, mass, radius = 2 * speed, p.mass / 2, RADIUS / 2
+    deepest = (15 * mass * closing**2 / (16 * modulus * sqrt(radius))) ** 0.4
+    assert flow.series.largest_overlap.max() * diameter == pytest.approx(deepest, rel=1e-4)
+    assert flow.velocities[:, 0] == pytest.approx([-speed, speed], rel=1e-6)
+    assert flow.velocities[:, 1] == pytest.approx(0, abs=1e-12)
+
+
+def test_a_sphere_that_slides_rolls_after_two_sevenths_of_the_time_to_stop():
+    friction, start = 0.2, 0.05
+    point = {"law": "spring_dashpot", "friction": friction, "stiffness": 1e3} | ONE
+    weight = 1.492e-6 * 9.8 / 1e3
+    state = {"x": [1e-3], "z": [0.5e-3 - weight], "vx": [start]}
+    flow = Flow("chute", state=state, **point)
+    to_stop = start / (friction * 9.8)
+    while flow.time < 0.25 * to_stop:
+        quiet(flow, 0.05)
+    step = flow.parameters.time_step
+    sliding = start - friction * 9.8 * (flow.time - step / 2)
+    assert flow.velocities[0, 0] == pytest.approx(sliding, rel=1e-9)
+    assert flow.spins[0, 1] == pytest.approx(2.5 * (start - sliding) / 0.5e-3, rel=1e-9)
+    quiet(flow, 2 * to_stop / flow.parameters.time_unit)
+    # The tangential spring swings on; the angular momentum about the plane stays.
+    angular = flow.velocities[0, 0] + 0.4 * 0.5e-3 * flow.spins[0, 1]
+    assert angular == pytest.approx(start, rel=1e-9)
+    rolling = float(flow.series.mean_velocity[flow.series.time > to_stop].mean())
+    assert start - rolling == pytest.approx(2 / 7 * start, rel=1e-3)
+
+
+@pytest.mark.parametrize("spin", [-400.0, 400.0])
+def test_a_spinning_sphere_is_thrown_along_the_plane(spin):
+    """While it slides, the impulse of friction is μ times that of the normal force."""
+    point = {"law": "hertz", "restitution": 1, "friction": 0.1, "stiffness": 1e3, "gravity": 1e-3}
+    state = {"x": [1e-3], "z": [0.52e-3], "vz": [-0.3], "wy (rad/s)": [spin]}
+    steps = {"steps_per_collision": 200, "sample_interval": 1e-3}
+    flow = quiet(Flow("chute", state=state, **ONE | point | steps), 0.005)
+    thrown = 0.1 * 2 * 0.3 * np.sign(spin)
+    assert flow.velocities[0, 0] == pytest.approx(thrown, rel=1e-3)
+    assert flow.spins[0, 1] == pytest.approx(spin - 2.5 * thrown / 0.5e-3, rel=1e-3)
+
+
+@pytest.mark.parametrize("system", ["chute", "belt"])
+def test_the_last_state_of_a_run_is_a_start(system):
+    size = {"beads": 8, "width": 5} if system == "belt" else {"depth": 1, "cell": 4, "bumps": 0.5}
+    flow = quiet(Flow(system, **size, diameter_spread=0.2), 1)
+    size = {"width": 5} if system == "belt" else {"cell": 4, "bumps": 0.5}
+    again = Flow(system, state=flow.particles, **size)
+    mobile = again.parameters.particles
+    assert (again.positions == flow.positions).all() and (again.radii == flow.radii).all()
+    step = 1e3 * again.parameters.gravity * again.parameters.time_step
+    assert abs(again.velocities - flow.velocities)[:mobile].max() < step
+    run = simulate(system, **size, state=flow.particles, transient=0, average=1, progress=False)
+    other = Flow(system, state=run, **size)
+    assert (other.positions == run.position[0, -1]).all()
+
+
+def test_what_is_shown_of_particles_cannot_be_assigned_to():
+    flow = Flow("chute", depth=1, cell=4)
+    for name in ("positions", "velocities", "spins", "radii"):
+        with pytest.raises(ValueError, match="read-only"):
+            getattr(flow, name)[0] = 0.5
+
+
+def test_lighter_and_smaller_particles_shorten_the_time_step():
+    state = {"x (d)": [1, 3], "z (d)": [2, 2], "diameter (d)": [1, 0.5]}
+    usual, light = (
+        Flow("chute", state={**state, "diameter (d)": [1, size]}, **ONE).parameters
+        for size in (1.0, 0.5)
+    )
+    assert light.time_step == pytest.approx(usual.time_step * 0.5**1.5)
+    with pytest.raises(InputError, match=r"line 3, column diameter.*kg each with"):
+        Flow("chute", state=state, law="spring_dashpot", **ONE)
