@@ -153,7 +153,8 @@ def _stored_energy(law, overlap, memory):
 def add_law(kind, law, has_plugin):
     """Register a type of parameters as a law, with its functions, of a plug-in or of Talus."""
     if adopt_type(kind, has_plugin):
-        _inline(law.force)
+        if law.force:
+            _inline(law.force)
         _add_functions(kind, *law.of(kind), law.energy)
 
 
