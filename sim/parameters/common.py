@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from math import pi
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from annotated_types import Ge, Gt
 from pydantic import BaseModel, BeforeValidator, ConfigDict, model_validator
@@ -86,10 +86,17 @@ def require_default(parameters: "Parameters", name: str, unless: str) -> None:
         raise broken_rule(name, value, f"{text} unless {unless}")
 
 
-def least_sizes(p: "Parameters") -> tuple[float, float]:
-    """Return the least mass and diameter of given particles over those of the point."""
-    _, *sizes = p.initial_state.split("_")
-    return (float(sizes[0]), float(sizes[1])) if sizes else (1.0, 1.0)
+class GivenSizes(NamedTuple):
+    """Masses and diameters of given particles over those of the point."""
+
+    lightest: float = 1.0
+    smallest: float = 1.0
+    heaviest: float = 1.0
+
+
+def given_sizes(p: "Parameters") -> GivenSizes:
+    """Return the sizes that the name of a given state tells."""
+    return GivenSizes(*map(float, p.initial_state.split("_")[1:]))
 
 
 class Parameters(BaseModel):
@@ -156,7 +163,7 @@ class Parameters(BaseModel):
     initial_state: str = row(
         "initial_state",
         default="",
-        pattern=r"^(|[^/\\\n]+\.csv|[0-9a-f]{12}(_[0-9.e+-]+){0,2}|[^\n]+\n[\s\S]*)$",
+        pattern=r"^(|[^/\\\n]+\.csv|[0-9a-f]{12}(_[0-9.e+-]+){0,3}|[^\n]+\n[\s\S]*)$",
     )
     trajectory_contacts: bool = row("trajectory_contacts")
 
@@ -171,7 +178,7 @@ class Parameters(BaseModel):
 
     @classmethod
     def without_effect(cls, values: Mapping[str, Any]) -> set[str]:
-        """Return the parameters of laws and motions other than those of a point's values."""
+        """Return what laws and motions of others have, and what others stand in the place of."""
         used, others = set[str](), set[str]()
         for choice in CHOICES:
             field = cls.model_fields.get(choice)
@@ -179,11 +186,18 @@ class Parameters(BaseModel):
                 chosen = values.get(choice, field.default if field else name)
                 is_chosen = plain_name(name) == plain_name(chosen)
                 (used if is_chosen else others).update((*option.owns, *option.parameters))
+                pairs = getattr(option, "replaces", {}).items() if is_chosen else ()
+                others.update(*(names for key, names in pairs if values.get(key)))
         return others - used
 
     def option(self, choice: str) -> Any:
         """Return the law or the motion that the point has."""
         return self.options(choice)[getattr(self, choice, CHOICES[choice])]
+
+    @property
+    def replaced(self) -> frozenset[str]:
+        """Names of the parameters without effect, as others stand in their place."""
+        return frozenset()
 
     @property
     def glued_particles(self) -> int:

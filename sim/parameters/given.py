@@ -257,18 +257,13 @@ def require_possible(p: Parameters) -> str:
         line = state.table.lines[other]
         allowed = f"a place that overlaps the particle of line {line} by less than overlap_limit"
         raise state.table.error(row, "x", state.table.texts["x"][row], allowed)
-    least = float(x.mass.min() / p.mass), float(2.0 * x.radius.min() / p.diameter)
+    least = x.mass.min() / p.mass, 2.0 * x.radius.min() / p.diameter, x.mass.max() / p.mass
     is_usual = all(abs(one - 1.0) < 1e-12 for one in least)
     return p.initial_state[:12] + ("" if is_usual else "".join(f"_{one:.12g}" for one in least))
 
 
 def _other_mass(p: Parameters, x: Particles) -> Any:
     return abs(x.mass - p.mass) > 1e-9 * p.mass
-
-
-def has_one_mass(p: Parameters) -> bool:
-    """True where all particles of a given state, if there is one, have the mass of the point."""
-    return state_of(p) is None or not _other_mass(p, given_particles(p)).any()
 
 
 def _error(state: GivenState, wrong: Any, names: Iterable[str], allowed: str) -> InputError:

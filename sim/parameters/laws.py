@@ -3,9 +3,9 @@
 import math
 from collections.abc import Callable, Iterable
 from importlib.util import find_spec
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
 from sim.base.additions import attribute_errors_to, plain_name
 from sim.base.errors import InputError
@@ -13,7 +13,7 @@ from sim.base.plugins import Line, Names, module_names, takes
 from sim.parameters.belt import BeltParameters
 from sim.parameters.choices import Choice, Option
 from sim.parameters.chute import ChuteParameters
-from sim.parameters.common import CHOICES
+from sim.parameters.common import CHOICES, broken_rule
 from sim.parameters.conveyor import ConveyorParameters
 from sim.parameters.spheres import SMALL_OVERLAP
 
@@ -36,12 +36,26 @@ class Law(Option):
     collision_time: Annotated[Callable[[Any], float], takes(1)]
     remembers: int = Field(USUALLY_REMEMBERED, ge=0, le=MOST_REMEMBERED)
     one_mass: bool = False
+    replaces: dict[str, Names] = {}
     max_overlap: float = Field(math.inf, gt=0)
-    variants: dict[type, tuple[Callable[..., Any], int]] = {}
+    turns: int = Field(0, ge=0)
+    variants: dict[type, tuple[Callable[..., Any], int] | tuple[Callable[..., Any], int, int]] = {}
 
-    def of(self, kind: type) -> tuple[Callable[..., Any] | None, int]:
-        """Return the force of a type that ``make`` gives, and how many numbers it remembers."""
-        return self.variants.get(kind, (self.force, self.remembers))
+    @model_validator(mode="after")
+    def _has_its_vectors_in_memory(self) -> Self:
+        for _, remembers, turns in map(self.of, (object, *self.variants)):
+            if not 0 <= 3 * turns <= remembers:
+                raise broken_rule("turns", turns, f"3 numbers each of the {remembers} remembered")
+        return self
+
+    def of(self, kind: type) -> tuple[Callable[..., Any] | None, int, int]:
+        """Return the force of a type that ``make`` gives, what it remembers and how much turns."""
+        force, remembers, *turns = self.variants.get(kind, (self.force, self.remembers))
+        return force, remembers, turns[0] if turns else self.turns
+
+    def has_functions(self, kind: type) -> bool:
+        """Return whether a type that ``make`` gives has a ``force``, or a body compiled by hand."""
+        return self.of(kind)[0] is not None
 
 
 def law(name: str, **fields: Any) -> None:
@@ -78,6 +92,9 @@ def law(name: str, **fields: Any) -> None:
         Parameters that it adds to those of the chute, made by `parameter`.
     remembers : int
         How many numbers ``force`` gives to remember.
+    turns : int
+        How many vectors of 3 numbers come first among them: they turn with the contact as the
+        tangential force does, and change sign with the order of the partners.
     one_mass : bool
         Whether the law needs particles of one mass: ``force`` makes no use of ``mass``.
     max_overlap : float
@@ -86,9 +103,12 @@ def law(name: str, **fields: Any) -> None:
     owns : tuple of str
         Parameters of Talus that have an effect with this law alone, or with others that own them,
         too: under all others they are refused.
+    replaces : mapping
+        Parameters other than 0 stand in place of others, which then have their defaults: the name
+        of each with the names of these.
     variants : mapping
-        Types of what ``make`` returns that have another ``force``, with it and how many numbers
-        that gives to remember. It may call ``force``.
+        Types of what ``make`` returns that have another ``force``, with it, how many numbers
+        that gives to remember and, where it differs, how many vectors turn. It may call ``force``.
     """
     LAW.add(name, Law, **fields)
 

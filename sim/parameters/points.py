@@ -24,7 +24,7 @@ from sim.base.yaml import read_yaml
 from sim.parameters.belt import BeltParameters
 from sim.parameters.choices import extended
 from sim.parameters.chute import ChuteParameters
-from sim.parameters.common import Parameters, canonical_number, least_sizes
+from sim.parameters.common import Parameters, canonical_number, given_sizes
 from sim.parameters.conveyor import ConveyorParameters
 from sim.parameters.density import DENSITY, doubts, with_mass
 from sim.parameters.functions import FUNCTION, FunctionParameters
@@ -208,7 +208,8 @@ def point_id(parameters: Parameters) -> str:
     """
     values, model = canonical_values(parameters), type(parameters)
     parts = id_parts(model)
-    readable = [f"{label}{values[name]:g}" for name, label in parts.items()]
+    shown = {name: label for name, label in parts.items() if name not in parameters.replaced}
+    readable = [f"{label}{values[name]:g}" for name, label in shown.items()]
     unnamed = numerical_parameters(model) | set(parts)
     for name, value in values.items():
         if name not in unnamed and value != default_of(model, name, values):
@@ -268,7 +269,7 @@ def require_compatible_source(parameters: Parameters, source: Parameters, where:
     allowed = ""
     if source.system != parameters.system:
         allowed = f"a run of the {parameters.system}"
-    elif least_sizes(source) != least_sizes(parameters):
+    elif given_sizes(source) != given_sizes(parameters):
         allowed = "a run of particles that all have the mass and the diameter of the point"
     elif source.replicates < parameters.replicates:
         allowed = f"a run of {parameters.replicates} replicates or more, as of the point itself"

@@ -9,10 +9,10 @@ from sim.engine.boundary.drive import Gravity
 from sim.engine.boundary.plane import make_plane
 from sim.engine.compile import address_of, kind_of
 from sim.engine.contact.damping import SpringDamping
-from sim.engine.contact.friction import enlarge_memory, make_memory
+from sim.engine.contact.friction import enlarge_memory, make_memory, turning_numbers
 from sim.engine.dynamics.cells import make_box
 from sim.engine.dynamics.disks import Gear, make_disks
-from sim.engine.dynamics.neighbors import double_room, empty_pair_list, make_search
+from sim.engine.dynamics.neighbors import Bond, double_room, empty_pair_list, make_search
 from sim.engine.dynamics.spheres import SOLID, make_scratch, make_spheres
 from sim.engine.dynamics.team import Team
 from sim.engine.systems import leap_frog, shaking
@@ -73,6 +73,7 @@ class SphereMotion:
         self.pairs = empty_pair_list(self.spheres.radius, self.box, skin, room)
         self.plane = make_plane(self.laws[1], number, threads)
         self.memory = make_memory(self.laws[0], len(self.pairs.touching))
+        self.bond = Bond(turning_numbers(self.laws[0]))
         self.team, self.scratch = Team(threads), [make_scratch() for _ in range(threads)]
         self.flow = leap_frog.make_flow(number, threads)
         self.gravity, self.overlap_limit, self._inertia = gravity, overlap_limit, inertia
@@ -82,8 +83,8 @@ class SphereMotion:
         return self.team.run(partial(self._advance, steps))
 
     def _advance(self, steps: int, rank: int) -> int:
-        contacts = leap_frog.FlowContacts(self.laws, self.pairs, self.plane, self.memory)
-        drive, (*_, thread, _) = Gravity(self.gravity), (moved := self._moved(rank))
+        contacts = leap_frog.FlowContacts(self.laws, self.pairs, self.plane, self.memory, self.bond)
+        drive, (*_, thread, _, _) = Gravity(self.gravity), (moved := self._moved(rank))
         refresh = address_of(refresh_together, kind_of(*moved), *moved)
         motion = leap_frog.Motion(drive, self.time_step, self.overlap_limit, self._inertia, refresh)
         return leap_frog.advance_spheres(self.spheres, contacts, self.flow, motion, thread, steps)
@@ -91,7 +92,8 @@ class SphereMotion:
     def _moved(self, rank: int = 0) -> tuple:
         """Arguments of the kernel that rebuilds the list."""
         thread = Thread(rank, self.team.gate, self.scratch[rank])
-        return self.spheres, self.pairs, self.plane, self.flow.sharing, thread, self.memory[0]
+        memory, sharing = self.memory[0], self.flow.sharing
+        return self.spheres, self.pairs, self.plane, sharing, thread, memory, self.bond
 
     def refresh(self) -> int:
         """Rebuild the list of a single thread; return the status."""

@@ -1,8 +1,9 @@
 """The family of frictional laws with a memory: spheres that rotate, in three dimensions.
 
-The memory of a contact is the tangential force on i, followed by numbers of the law's own. The
-force changes sign when the partners change places; the numbers do not. Each law declares for its
-type how many numbers it has, so a loop is compiled for exactly that many.
+The memory of a contact is the tangential force on i, followed by numbers of the law's own, of which
+the first may be vectors. Force and vectors change sign when the partners change places; the other
+numbers do not. Each law declares for its type how many it has, so a loop is compiled for exactly
+that many.
 """
 
 from typing import NamedTuple
@@ -20,18 +21,22 @@ VECTOR = 3
 #: How many numbers of its own each law remembers, by the type of its parameters.
 _own_numbers: dict[type, int] = {}
 
+#: How many vectors are among them, by the types of laws that have any.
+_own_vectors: dict[type, int] = {}
 
 #: Laws whose memory loops over contacts read whether a contact touched before or not.
 _always_read: set[type] = set()
 
 
-def declare_memory(kind: type, numbers: int, always_read: bool = False) -> None:
+def declare_memory(kind: type, numbers: int, always_read: bool = False, vectors: int = 0) -> None:
     """Declare how many numbers besides the tangential force a law of this type remembers.
+
+    They begin with ``vectors`` of 3 numbers each.
 
     Loads upon a condition keep a loop over contacts from being a vector loop on processors without
     a fast gather. Laws that are ``always_read`` have none; the others would round differently.
     """
-    _own_numbers[kind] = numbers
+    _own_numbers[kind], _own_vectors[kind] = numbers, vectors
     if always_read:
         _always_read.add(kind)
 
@@ -39,6 +44,16 @@ def declare_memory(kind: type, numbers: int, always_read: bool = False) -> None:
 def memory_size(kind: type) -> int:
     """Return how many numbers a contact remembers under a law of this type."""
     return VECTOR + _own_numbers[kind]
+
+
+def own_vectors(kind: type) -> int:
+    """Return how many of a law's own numbers are vectors."""
+    return _own_vectors[kind]
+
+
+def turning_numbers(law: NamedTuple) -> int:
+    """Return how many numbers of a memory, its first, change sign where partners change places."""
+    return VECTOR * (1 + _own_vectors[type(law)])
 
 
 def make_memory(law: NamedTuple, contacts: int) -> np.ndarray:

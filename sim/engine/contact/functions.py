@@ -24,6 +24,7 @@ from sim.engine.contact.friction import (
     declare_memory,
     friction_direction,
     inverse_square_root,
+    own_vectors,
     stored_energy,
     work_against,
 )
@@ -80,6 +81,23 @@ def turn_into_plane(normal, tangential):
     return magnitude * ux, magnitude * uy, magnitude * uz
 
 
+@by_type
+def turn_vectors(law, normal, numbers):
+    """Return a law's own numbers with its vectors turned as the tangential force is."""
+    return _turning(own_vectors(law.instance_class))
+
+
+def _turning(vectors):
+    if vectors == 0:
+        return lambda law, normal, numbers: numbers
+    turn_others = inlined(_turning(vectors - 1))
+
+    def body(law, normal, numbers):
+        return (*turn_into_plane(normal, numbers[:3]), *turn_others(law, normal, numbers[3:]))
+
+    return body
+
+
 def force_of(law, overlap, approach, slip, tangential, memory, radius, mass):
     """Return the result of a law's function ``force``, see `sim.parameters.laws.law`."""
     raise NotImplementedError
@@ -106,7 +124,7 @@ def _contact_force(law, overlap, approach, normal, slip, memory):
         return None
 
     def body(law, overlap, approach, normal, slip, memory):
-        before, numbers = memory[:3], memory[3:]
+        before, numbers = memory[:3], turn_vectors(law.law, normal, memory[3:])
         force, tangential, numbers, loss = force_of(
             law.law,
             overlap,
@@ -135,20 +153,20 @@ def _stored_energy(law, overlap, memory):
 def add_law(kind, law, has_plugin):
     """Register a type of parameters as a law, with its functions, of a plug-in or of Talus."""
     if adopt_type(kind, has_plugin):
-        _inline(law.force)
-        force, own_numbers = law.of(kind)
-        _add_functions(kind, force, law.energy, own_numbers)
+        if law.force:
+            _inline(law.force)
+        _add_functions(kind, *law.of(kind), law.energy)
 
 
 #: A function that several types have is registered once.
 _inline = cache(inlined)
 
 
-def _add_functions(kind, force, energy, own_numbers):
+def _add_functions(kind, force, own_numbers, vectors, energy):
     """Register functions for a type; it remembers ``own_numbers`` besides the tangential force."""
     own_force, own_energy = _inline(force), _inline(energy)
     _functional.add(kind)
-    declare_memory(kind, own_numbers)
+    declare_memory(kind, own_numbers, vectors=vectors)
 
     @implements(force_of)
     def _force(law, overlap, approach, slip, tangential, memory, radius, mass):

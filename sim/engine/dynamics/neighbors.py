@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.engine.compile import LANES, append_negative, assume_no_alias, inlined
-from sim.engine.contact.friction import VECTOR
 from sim.engine.dynamics.cells import (
     LIST_FULL,
     NOT_FINITE,
@@ -77,6 +76,13 @@ class PairList(NamedTuple):
     skin: float
     largest: float
     box: Box
+
+
+class Bond(NamedTuple):
+    """What the law of the contacts asks of their list: how many ``turning`` numbers of a memory,
+    its first, change sign where the partners change places."""
+
+    turning: int
 
 
 class Search(NamedTuple):
@@ -190,11 +196,11 @@ def find_next(pairs, position, radius, rank, threads):
 
 
 @inlined
-def carry_slots(pairs, order, memory, first, last):
+def carry_slots(pairs, order, memory, bond, first, last):
     """Copy the memory slots of the contacts among pairs ``first``..``last`` to the next list.
 
-    ``memory`` (M, C) is that of the last step: where partners change places, the remembered force
-    changes sign.
+    ``memory`` (M, C) is that of the last step: where partners change places, the remembered vectors
+    change sign.
     """
     next_list, rank = pairs.next, np.empty(order.size, np.int64)
     for i in range(order.size):
@@ -210,7 +216,7 @@ def carry_slots(pairs, order, memory, first, last):
             i, j = rank[pairs.first[p]], rank[pairs.second[p]]
             if i > j:
                 i, j = j, i
-                for m in range(VECTOR):
+                for m in range(bond.turning):
                     memory[m, s] = -memory[m, s]
             new = np.uint64(next_list.start[i])
             while new < next_list.stop[i] and next_list.second[new] != j:
@@ -291,7 +297,7 @@ def refresh(pairs, position, radius, memory):
     ordered, share = find_next(pairs, position, radius, 0, 1)
     if not has_room(pairs, 1):
         return LIST_FULL, ordered.order
-    carry_slots(pairs, ordered.order, memory, 0, pairs.start[ordered.order.size])
+    carry_slots(pairs, ordered.order, memory, Bond(0), 0, pairs.start[ordered.order.size])
     adopt_part(pairs, position, ordered, share, 1)
     pairs.valid[0] = True
     return OK, ordered.order

@@ -17,9 +17,9 @@ from sim.engine.boundary.drive import Gravity, constant_gravity, tilt_after, til
 from sim.engine.boundary.plane import make_plane, stored_in_plane
 from sim.engine.compile import address_of, call_directly, kind_of
 from sim.engine.contact import Partners, law_of
-from sim.engine.contact.friction import enlarge_memory, make_memory, memory_after, restart_memory
+from sim.engine.contact.friction import enlarge_memory, make_memory, memory_after, turning_numbers
 from sim.engine.dynamics.cells import BlowUp, make_box
-from sim.engine.dynamics.neighbors import empty_pair_list
+from sim.engine.dynamics.neighbors import Bond, empty_pair_list
 from sim.engine.dynamics.spheres import SOLID, make_scratch, make_spheres, stored_in_spheres
 from sim.engine.dynamics.team import Team
 from sim.engine.observe.contacts import ContactSums, Sampling, add_contacts, list_contacts
@@ -124,6 +124,7 @@ class PlaneFlow(Replica):
         self.laws = (self._law(p.friction, 0.5 * p.mass), self._law(p.friction_plane, p.mass))
         self.plane = make_plane(self.laws[1], number, p.threads)
         self.memory = make_memory(self.laws[0], len(self.pairs.touching))
+        self.bond = Bond(turning_numbers(self.laws[0]))
         self.team = Team(p.threads)
         self.scratch = [make_scratch() for _ in range(p.threads)]
         self.flow = leap_frog.make_flow(number, p.threads, fixed=p.glued_particles > 0)
@@ -207,14 +208,14 @@ class PlaneFlow(Replica):
         limit = self.parameters.overlap_limit
         thread = Thread(rank, self.team.gate, self.scratch[rank])
         spheres, flow, contacts = self.spheres, self.flow, self._contacts()
-        moved = spheres, self.pairs, self.plane, flow.sharing, thread, self.memory[0]
+        moved = spheres, self.pairs, self.plane, flow.sharing, thread, self.memory[0], self.bond
         refresh = address_of(refresh_together, self.kind, *moved)
         motion = leap_frog.Motion(self.drive, self.time_step, limit, self.inertia, refresh)
         kernel = leap_frog.advance_spheres
         return call_directly(kernel, self.kind, spheres, contacts, flow, motion, thread, steps)
 
     def _contacts(self) -> leap_frog.FlowContacts:
-        return leap_frog.FlowContacts(self.laws, self.pairs, self.plane, self.memory)
+        return leap_frog.FlowContacts(self.laws, self.pairs, self.plane, self.memory, self.bond)
 
     def _enlarge_list(self) -> None:
         super()._enlarge_list()

@@ -17,7 +17,7 @@ from sim.engine.boundary.plane import Plane, plane_forces
 from sim.engine.compile import assume_no_alias, call, inlined, loop_kernel, prefer_wide_vectors
 from sim.engine.dynamics.cells import OK, OVERLAP
 from sim.engine.dynamics.mean_flow import AGE, allowed_stray
-from sim.engine.dynamics.neighbors import PairList
+from sim.engine.dynamics.neighbors import Bond, PairList
 from sim.engine.dynamics.spheres import Contacts, rotate, sphere_forces
 from sim.engine.dynamics.team import Share, barrier
 from sim.engine.systems.sharing import (
@@ -44,13 +44,15 @@ STRIP = 2048
 class FlowContacts(NamedTuple):
     """Contact partners of the spheres, and the memory of their contacts.
 
-    ``laws`` between two spheres and between a sphere and the plane; ``memory`` (2, M, C) of pairs.
+    ``laws`` between two spheres and between a sphere and the plane; ``memory`` (2, M, C) of pairs,
+    and the ``bond`` of their law.
     """
 
     laws: tuple[NamedTuple, NamedTuple]
     pairs: PairList
     plane: Plane
     memory: np.ndarray
+    bond: Bond
 
 
 class Motion(NamedTuple):
@@ -249,7 +251,7 @@ def advance_spheres(spheres, contacts, flow, motion, thread, steps):
     while step < last:
         if not valid:
             pairs, plane, memory = contacts.pairs, contacts.plane, contacts.memory[step % 2]
-            arguments = spheres, pairs, plane, flow.sharing, thread, memory
+            arguments = spheres, pairs, plane, flow.sharing, thread, memory, contacts.bond
             status = call(motion.refresh, 0, *arguments)
             if status != OK:
                 return status

@@ -95,7 +95,7 @@ def collect_forces(spheres, sharing, share):
 
 
 @kernel
-def refresh_together(spheres, pairs, plane, sharing, thread, memory):
+def refresh_together(spheres, pairs, plane, sharing, thread, memory, bond):
     """Rebuild the neighbor list, sort the particles by position and share them out anew.
 
     All threads call it together; ``memory`` (M, C) is that of the last step. Returns a status:
@@ -114,9 +114,8 @@ def refresh_together(spheres, pairs, plane, sharing, thread, memory):
     if not has_room(pairs, threads):
         return LIST_FULL
     old_share = own_share(sharing, rank)
-    carry_slots(
-        pairs, ordered.order, memory, pairs.start[old_share.begin], pairs.start[old_share.end]
-    )
+    begin, end = pairs.start[old_share.begin], pairs.start[old_share.end]
+    carry_slots(pairs, ordered.order, memory, bond, begin, end)
     barrier(gate)
     adopt_part(pairs, spheres.position, ordered, share, threads)
     if rank == 0:

@@ -7,10 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim.engine.contact.friction import VECTOR
 from sim.engine.dynamics.cells import LIST_FULL, NOT_FINITE, OK, make_box
 from sim.engine.dynamics.mean_flow import AGE, SLOPE, allowed_stray, set_stream
-from sim.engine.dynamics.neighbors import empty_pair_list
+from sim.engine.dynamics.neighbors import Bond, empty_pair_list
 from tests.engine_motion.helpers import (
     MASS,
     RADIUS,
@@ -102,11 +101,13 @@ def test_list_holds_exactly_the_pairs_within_reach(
     assert np.array_equal(gas.radius, start[1][gas.label[0]])
 
 
-def test_memory_goes_with_the_pairs_that_touched_last_and_with_no_others():
-    """Its first three numbers are a force on the first partner: they follow the partners' order."""
+@pytest.mark.parametrize("turning", [3, 6])
+def test_memory_goes_with_the_pairs_that_touched_last_and_with_no_others(turning):
+    """Its first numbers are vectors as the force on the first partner: they follow the order."""
     rng = np.random.default_rng(5)
     length = (6e-3, 6e-3, 0.0)
     gas = Gas(*random_gas(rng, 150, length, 5 * UNIT, 0.2), length, 0.3 * UNIT)
+    gas.motion.bond = Bond(turning)
     assert gas.motion.refresh() == OK
     names, slot = gas.names(), gas.pairs.slot
     is_touching = rng.random(len(names)) < 0.4
@@ -116,7 +117,7 @@ def test_memory_goes_with_the_pairs_that_touched_last_and_with_no_others():
         name: gas.memory[:, slot[k]].copy() for k, name in enumerate(names) if is_touching[k]
     }
     turned_memories = {
-        (j, i): np.where(np.arange(len(m)) < VECTOR, -m, m) for (i, j), m in old_memories.items()
+        (j, i): np.where(np.arange(len(m)) < turning, -m, m) for (i, j), m in old_memories.items()
     }
     gas.position += rng.normal(0, 0.05 * UNIT, gas.position.shape)
     assert gas.motion.refresh() == OK
