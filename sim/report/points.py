@@ -52,6 +52,11 @@ def show(path: Path, format: str, as_point: bool = False, results: Path = Path("
         return describe_run(path, as_point)
     study = load_study(path, None)
     require_start_files(study)
+    if study.plugins:
+        # It needs the libraries of judges.
+        from sim.claims.sources import require_plugins
+
+        require_plugins(study.plugins)
     for warning in warnings(study, results):
         print(f"warning: {warning}", file=sys.stderr)
     points = {key: point.parameters for key, point in study.points.items()}

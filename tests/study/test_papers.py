@@ -1,6 +1,7 @@
 """A paper's own values: where they stand in a study, in evidence and in what is told."""
 
 import json
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -14,7 +15,8 @@ from sim.claims.verdict import Untestable
 from sim.parameters import parse_point, point_id
 from sim.study.load import parse_study
 from sim.study.papers import paper_values, papers
-from tests.made.plugins import restore_plugins
+from tests.made.plugins import restore_plugins, without_plugins
+from tests.made.processes import ROOT
 from tests.made.results import made_point, made_results
 
 #: Values of a paper, two of them of its law alone.
@@ -121,3 +123,49 @@ def test_a_wrong_value_of_a_paper_is_told_with_its_file_and_key(folder, name, va
 def test_a_study_names_a_paper_that_is_there():
     with pytest.raises(InputError, match=r"s\.yaml: paper: got 'onw'; allowed: one of walton, "):
         only_point({}, paper="onw")
+
+
+def law_id(folder: Path, edits: dict[str, str]) -> str:
+    """Return the id of a point with a law of a folder whose files are edited."""
+    own = folder / "grains"
+    shutil.rmtree(own, ignore_errors=True)
+    own.mkdir()
+    law = (ROOT / "docs" / "examples" / "hertz_mindlin.py").read_text()
+    texts = {
+        "__init__.py": "import talus\n\nfrom . import laws\n\ntalus.paper(__name__)\n",
+        "laws.py": f"from .numbers import ONE\n{law}",
+        "numbers.py": "ONE = 1\n",
+        "judges.py": "def judge(evidence):\n    return []\n",
+        "paper.yaml": "name: grains\nauthor: A\nquote: A (2000)\nsystem: chute\n",
+    }
+    texts |= {name: text for name, text in edits.items() if name[0] != "+"}
+    for name, text in texts.items():
+        (own / name).write_text(text + edits.get(f"+{name}", ""))
+    with without_plugins():
+        load_plugins(own)
+        return point_id(parse_point({"system": "chute", "law": "hertz_mindlin"}, "p"))
+
+
+@pytest.mark.parametrize(
+    ("edit", "makes_others"),
+    [
+        ({"+judges.py": "# edited\n"}, False),
+        ({"+paper.yaml": "headline: []\n"}, False),
+        ({"claims.yaml": "claims: []\n"}, False),
+        ({"+__init__.py": "# edited\n"}, False),
+        ({"+laws.py": "# edited\n"}, True),
+        ({"+numbers.py": "# edited\n"}, True),
+    ],
+)
+def test_a_law_in_the_folder_of_a_paper_has_a_hash_of_its_own(folder, edit, makes_others):
+    assert (law_id(folder, {}) != law_id(folder, edit)) is makes_others
+    # A law that may read any file is told by all of them.
+    reads = {"+laws.py": "PLACE = __file__\n"}
+    assert law_id(folder, reads) != law_id(folder, reads | edit)
+
+
+def test_a_law_that_is_declared_where_all_is_imported_has_the_hash_of_all(folder):
+    text = "import talus\n\nfrom . import judges\nfrom .laws import make\n\ntalus.paper(__name__)\n"
+    law = (ROOT / "docs" / "examples" / "hertz_mindlin.py").read_text()
+    whole = {"__init__.py": f"{text}\n{law}", "laws.py": "def make(p, partners):\n    return 0\n"}
+    assert law_id(folder, whole) != law_id(folder, whole | {"+judges.py": "# edited\n"})
