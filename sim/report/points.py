@@ -149,13 +149,14 @@ def warnings(study: Study, results: Path) -> Iterator[str]:
         for row in field_info(parameters).values()
         if row.unit == "m"
     )
+    is_natural = study.units == "natural"
     for (name, value), count in lengths.items():
-        if value > LARGEST_LENGTH:
+        if value > LARGEST_LENGTH and not is_natural:
             yield (
                 f"{name}: {value:g} at {count_text(count, 'point')} is {value:g} m; if you mean "
                 f"{value:g} mm, write {value / 1000:g}"
             )
-    yield from doubts_of(points)
+    yield from () if is_natural else doubts_of(points)
     memory = psutil.virtual_memory().total / MEGABYTE
     for key, cost in _costs(study).items():
         if cost.memory > memory:

@@ -4,7 +4,9 @@ import json
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
+import pandas as pd
 import pytest
 
 from sim.base.errors import InputError
@@ -12,7 +14,9 @@ from sim.base.plugins import load_plugins
 from sim.claims.evidence import Evidence, combined_readings
 from sim.claims.place import Points
 from sim.claims.verdict import Untestable
+from sim.figures.plot import parameter_label, units_of_parameters
 from sim.parameters import parse_point, point_id
+from sim.report.points import warnings
 from sim.study.load import parse_study
 from sim.study.papers import paper_values, papers
 from tests.made.plugins import restore_plugins, without_plugins
@@ -37,12 +41,14 @@ def folder(tmp_path) -> Iterator[Path]:
         yield tmp_path
 
 
-def load_paper(folder: Path, values: dict, name: str = "mine") -> None:
+def load_paper(folder: Path, values: dict, name: str = "mine", **keys: str) -> None:
     """Write and load a paper with values of its own."""
     words = {"name": name, "author": "Own", "quote": "Own (2000)", "system": "chute"}
     (folder / name).mkdir()
     (folder / name / "__init__.py").write_text("import talus\n\ntalus.paper(__name__)\n")
-    (folder / name / "paper.yaml").write_text(json.dumps(words | {"defaults": {"chute": values}}))
+    (folder / name / "paper.yaml").write_text(
+        json.dumps(words | keys | {"defaults": {"chute": values}})
+    )
     load_plugins(folder / name)
 
 
@@ -169,3 +175,39 @@ def test_a_law_that_is_declared_where_all_is_imported_has_the_hash_of_all(folder
     law = (ROOT / "docs" / "examples" / "hertz_mindlin.py").read_text()
     whole = {"__init__.py": f"{text}\n{law}", "laws.py": "def make(p, partners):\n    return 0\n"}
     assert law_id(folder, whole) != law_id(folder, whole | {"+judges.py": "# edited\n"})
+
+
+def natural(keys: dict, base: dict, **plot):
+    """Return a study of two stiffnesses with a plot, in natural units if its keys say so."""
+    series = [{"name": "a", "system": "chute", "base": base, "grid": {"stiffness": [1e4, 2e4]}}]
+    plots = [{"name": "v", "x": "stiffness", **plot}]
+    return parse_study({"study": "s", "series": series, "plots": plots} | keys, "s.yaml", None)
+
+
+def test_natural_units_are_a_particle_of_one_and_are_shown_but_where_a_plot_names_others(folder):
+    load_paper(folder, {"friction": 0.5}, "light", units="natural")
+    for keys in ({"units": "natural"}, {"paper": "light"}):
+        study = natural(keys, {})
+        assert study.units == study.plots["v"].units == "natural"
+        for point in study.points.values():
+            one = point.parameters
+            assert (one.diameter, one.mass, one.gravity, one.time_unit) == (1, 1, 1, 1)
+        assert not [text for text in warnings(study, folder) if "if you mean" in text]
+        rows = pd.DataFrame([vars(one.parameters) for one in study.points.values()])
+        data = SimpleNamespace(rows=rows, spec=study.plots["v"])
+        assert parameter_label("chute", "stiffness", units_of_parameters(data)).endswith("σ)")
+    assert natural({"units": "natural"}, {}, units="si").plots["v"].units == "si"
+    study = natural({"units": "si", "paper": "light"}, {"gravity": 9.8})
+    assert study.units == "si" and papers()["light"].values["chute"]["gravity"] == 1
+    usual = natural({}, {})
+    assert usual.units == usual.plots["v"].units == "si"
+    # A plot in natural units of particles in metres has parameters as the study file has them.
+    rows = pd.DataFrame([vars(one.parameters) for one in usual.points.values()])
+    data = SimpleNamespace(rows=rows, spec=natural({}, {}, units="natural").plots["v"])
+    assert units_of_parameters(data) == "si"
+
+
+@pytest.mark.parametrize("name", ["diameter", "mass", "gravity"])
+def test_natural_units_with_another_particle_are_refused(name):
+    with pytest.raises(InputError, match=rf"s\.yaml: units: got 'natural with {name} = 2'"):
+        natural({"units": "natural"}, {name: 2})
