@@ -13,7 +13,7 @@ from sim.claims import FOR_JUDGES
 from sim.claims.claim import Claim, Number
 from sim.parameters import SYSTEMS
 from sim.parameters.variables import Variable, observable_variables, variables_of
-from sim.study.figure_spec import KEYS_OF_ALL, FigureFile, Measure, Style
+from sim.study.figure_spec import KEYS_OF_ALL, FigureFile, Measure, Style, keys_of_papers
 from sim.study.papers import Paper, Readings
 from sim.study.plottable import kinds
 
@@ -141,7 +141,7 @@ def judges() -> str:
         in_figures[name] = f"{FigureFile.model_fields[name].description} (required)"
     figure = "paper foreign scattered answer plugin series parameters colour"
     by_kind = [
-        (f"`{name}`", ", ".join(f"`{key}`" for key in kind.keys.for_papers))
+        (f"`{name}`", ", ".join(f"`{key}`" for key in keys_of_papers(kind.keys)))
         for name, kind in kinds().items()
         # The others draw answers, which no paper asks for.
         if kind.keys.every or kind.keys.systems

@@ -1,11 +1,14 @@
 """A registry of what plug-ins add to Talus, by kind and name; errors are attributed to plug-ins."""
 
+import ast
+import hashlib
 import inspect
 import re
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -44,10 +47,11 @@ class Plugin:
 
 
 class Addition(NamedTuple):
-    """A value that a plug-in adds, with the plug-in."""
+    """A value that a plug-in adds, with the plug-in and those of its files that declare it."""
 
     value: Any
     plugin: Plugin
+    declared_in: frozenset[Path] = frozenset()
 
 
 class AdditionError(Exception):
@@ -101,7 +105,7 @@ def add(kind: str, name: str, value: Any, reserved: Iterable[str] = ()) -> None:
         other = entries[name].plugin
         same = " in this process; start another" if other.name == _loading[-1].name else ""
         raise AdditionError(f"{kind} {name}: {other} has one of this name{same}")
-    entries[name] = Addition(value, _loading[-1])
+    entries[name] = Addition(value, _loading[-1], _declaring_files(_loading[-1]))
 
 
 def is_of_talus() -> bool:
@@ -132,7 +136,57 @@ def additions(kind: str) -> dict[str, Addition]:
 
 def plugin_options(kind: str) -> dict[str, Any]:
     """Return the values of a kind that plug-ins add, by the names that points have for them."""
-    return {f"{name}.{one.plugin.code}": one.value for name, one in additions(kind).items()}
+    return {f"{name}.{option_code(one)}": one.value for name, one in additions(kind).items()}
+
+
+#: File by which a folder is that of a paper; and names by which code reaches further files.
+PAPER_FILE = "paper.yaml"
+_REACHES = {"__file__", "__path__", "__spec__", "__import__", "import_module", "open", "resources"}
+
+
+def option_code(addition: Addition) -> str:
+    """Return the hash by which points name a law, a motion or an engine of a plug-in.
+
+    It is that of the plug-in. In the folder of a paper it is that of the modules that declare it or
+    have its functions, with those that they import there: an edit of a judge makes no other points.
+    """
+    plugin, held = addition.plugin, vars(addition.value).values()
+    own = {Path(one.__code__.co_filename) for one in held if inspect.isfunction(one)}
+    return _code_of(plugin, frozenset(own & {*plugin.files} | addition.declared_in))
+
+
+@cache
+def _code_of(plugin: Plugin, files: frozenset[Path]) -> str:
+    folder, found, rest = Path(plugin.place), set[Path](), [*files]
+    if folder / PAPER_FILE not in plugin.files:
+        return plugin.code
+    while rest:
+        found.add(file := rest.pop())
+        for node in ast.walk(ast.parse(file.read_bytes())):
+            if _REACHES & {getattr(node, key, None) for key in ("id", "attr", "name")}:
+                return plugin.code
+            if isinstance(node, ast.ImportFrom) and node.level:
+                rest += {*_imported(file, node)} & {*plugin.files} - found
+    digest = hashlib.sha256()
+    for file in sorted(found):
+        digest.update(file.relative_to(folder).as_posix().encode() + file.read_bytes())
+    return digest.hexdigest()[: len(plugin.code)]
+
+
+def _imported(file: Path, node: ast.ImportFrom) -> Iterator[Path]:
+    """Yield the files that a relative import in a file may mean."""
+    base = file.parents[node.level - 1].joinpath(*(node.module or "").split("."))
+    for place in (base, *(base / one.name for one in node.names)):
+        yield from (place.with_name(f"{place.name}{FILE}"), place / "__init__.py")
+
+
+def _declaring_files(plugin: Plugin) -> frozenset[Path]:
+    """Return the files of a plug-in whose code is at work, up to what imports them."""
+    files, frame = set[Path](), inspect.currentframe()
+    while frame and not frame.f_code.co_filename.startswith("<frozen importlib"):
+        files.add(Path(frame.f_code.co_filename))
+        frame = frame.f_back
+    return frozenset(files & {*plugin.files})
 
 
 def plain_name(option: str) -> str:

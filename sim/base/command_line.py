@@ -68,10 +68,11 @@ CODE = _option("--code", "HASH", "leave out what this code has made", default=""
 COMMANDS: dict[str, tuple[str, str, Sequence[Parameter]]] = {
     "init": (
         "sim.study.command:init",
-        "Write a study file to start from; nothing is overwritten.",
+        "Write a study file to start from, or a paper's files; nothing is overwritten.",
         [
             _argument("target", "[FILE.yaml or FOLDER]", default="."),
             _option("--from model", "NAME", "study to copy, such as paper_walton", default="first"),
+            _option("--paper", "NAME", "a paper of your own and its study, into the folder"),
         ],
     ),
     "study": (

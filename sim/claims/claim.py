@@ -23,6 +23,7 @@ from sim.base.additions import (
     shipped,
 )
 from sim.base.errors import InputError, in_short, printable
+from sim.base.messages import one_of
 from sim.base.plugins import (
     NOT_EMPTY,
     Declared,
@@ -172,7 +173,7 @@ class Claim(Declared):
     def _names_bounds_and_figures(self) -> Self:
         for name in self.figures:
             if name not in FIGURES:
-                raise broken_rule("figures", name, "the name of a figure")
+                raise broken_rule("figures", name, one_of(name, FIGURES))
         for name in {name for changes in self.alternatives.values() for name in changes}:
             if name not in self.bounds:
                 raise broken_rule("alternatives", name, f"one of the bounds {[*self.bounds]}")
@@ -278,8 +279,8 @@ def judge(name: str, *, system: str, **fields: Any) -> Callable[[JudgeFunction],
     return register
 
 
-def _declare_claims(paper: Paper) -> None:
-    """Declare the claims of a paper by `judge`, from its ``claims.yaml`` if it has one.
+def declare_claims(paper: Paper) -> None:
+    """Declare the claims of a paper by `judge`, once, from its ``claims.yaml`` if it has one.
 
     Each claim there has the arguments of `judge`, its name as ``id`` and its function as ``judge``,
     such as ``judges.onset`` of a module ``judges`` beside the file.
@@ -289,15 +290,16 @@ def _declare_claims(paper: Paper) -> None:
     InputError
         For a file that is not readable, and for the first wrong claim.
     """
+    if paper.name in {claim.paper for claim in _registered()}:
+        return
     path = paper.folder / "claims.yaml"
     of_plugin = additions(PAPER).get(paper.name)
     try:
         with attribute_additions_to(of_plugin.plugin if of_plugin else TALUS):
-            for claim in paper.claims:
+            for number, claim in enumerate(paper.claims):
                 words = dict(claim)
                 name, place = words.pop("id"), words.pop("judge")
-                module, _, function_name = place.rpartition(".")
-                function = getattr(import_module(f"{paper.package}.{module}"), function_name)
+                function = _find_judge(paper, f"claims[{number}].judge", place)
                 judge(name, **words, paper=paper.name, system=paper.system)(function)
     except InputError:
         raise
@@ -306,16 +308,30 @@ def _declare_claims(paper: Paper) -> None:
         raise InputError(f"{path}: {error_text(error, paper.folder)}") from None
 
 
+def _find_judge(paper: Paper, key: str, place: Any) -> JudgeFunction:
+    """Return the function that is named as ``judges.onset``."""
+    path, module = paper.folder / "claims.yaml", str(place).rpartition(".")[0]
+    file = paper.folder / module.replace(".", "/")
+    if not module or not (file.is_dir() or file.with_name(f"{file.name}.py").is_file()):
+        allowed = "a function of a module beside this file, as judges.onset"
+        raise InputError.of_value(path, key, place, allowed)
+    held = vars(import_module(f"{paper.package}.{module}"))
+    names = {f"{module}.{name}": name for name, one in held.items() if callable(one)}
+    if place not in names:
+        raise InputError.of_value(path, key, place, one_of(place, names))
+    function: JudgeFunction = held[names[place]]
+    return function
+
+
 def claims(systems: Collection[str] = tuple(SYSTEMS)) -> list[Claim]:
     """Return the claims on systems: those of the papers that ship, then those of plug-ins.
 
     Judges of papers on other systems are not loaded: some of them load the engine.
     """
     every = papers()
-    declared = {claim.paper for claim in _registered()}
-    for name in every.keys() - declared:
-        if every[name].system in systems:
-            _declare_claims(every[name])
+    for paper in every.values():
+        if paper.system in systems:
+            declare_claims(paper)
     order = {name: number for number, name in enumerate(every)}
     of_systems = [claim for claim in _registered() if claim.system in systems]
     return sorted(of_systems, key=lambda claim: order.get(claim.paper, len(order)))

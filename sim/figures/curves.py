@@ -198,7 +198,7 @@ def _draw_levels(data: FigureData, axes: Axes) -> None:
         axes.plot([], [], label=spec.level, **LEVEL)
     if spec.relative:
         axes.axvline(1, **LEVEL)
-    if "right" in spec.labels:
+    if "right" in spec.labels and spec.units == "si":
         unit = float(np.sqrt(rows["gravity"] * rows["diameter"]).iloc[0])
         functions = (lambda v: np.divide(v, unit), lambda v: np.multiply(v, unit))
         right = axes.secondary_yaxis("right", functions=functions)

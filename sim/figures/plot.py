@@ -126,9 +126,15 @@ def observable_label(data: FigureData, observable: Observable) -> str:
     return wrap_label(observable_text(observable.name, observable.unit, units, system))
 
 
-def parameter_label(system: str, name: str) -> str:
+def units_of_parameters(data: FigureData) -> str:
+    """Return ``natural`` where that is the unit of a figure and numbers of parameters have it."""
+    are_one = (data.rows[["diameter", "mass", "gravity"]] == 1).all(axis=None)
+    return data.spec.units if are_one else "si"
+
+
+def parameter_label(system: str, name: str, units: str = "si") -> str:
     """Return the axis label of a parameter, in the unit of study files."""
-    text = wrap_label(parameter_text(system, name))
+    text = wrap_label(parameter_text(system, name, units))
     return with_subscript(text, field_info(SYSTEMS[system])[name].symbol)
 
 
@@ -179,7 +185,8 @@ def given_labels(data: FigureData) -> tuple[str, str]:
     if spec.second:
         usual = [observable_label(data, observables[spec.second])]
     else:
-        usual = [parameter_label(spec.system, name) for name in spec.axes[:2]]
+        units = units_of_parameters(data)
+        usual = [parameter_label(spec.system, name, units) for name in spec.axes[:2]]
     if measures := spec.quantities:
         usual[1:] = [measures[0].label]
     elif spec.show in observables and not spec.keys.is_map:

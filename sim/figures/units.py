@@ -20,6 +20,8 @@ _NATURAL = {
     "J": ((1, 1, 1), "mgd"),
     "W": ((0.5, 1.5, 1), "mg√(gd)"),
     "Pa": ((-2, 1, 1), "mg/d²"),
+    "kg": ((0, 0, 1), "m"),
+    "N m-1": ((-1, 1, 1), "mg/d"),
     "kg s-1": ((-0.5, 0.5, 1), "m√(g/d)"),
     "kg m-1 s-1": ((-1.5, 0.5, 1), "m√(g/d)/d"),
 }
@@ -64,14 +66,21 @@ def scale_of(unit: str, units: str, rows: pd.DataFrame) -> pd.Series:
     return pd.Series(scale, rows.index, dtype=float)
 
 
-def parameter_text(system: str, name: str) -> str:
+def parameter_text(system: str, name: str, units: str = "si") -> str:
     """Return the label of a parameter, in the unit of study files.
 
-    >>> parameter_text("belt", "amplitude")
-    'amplitude A_z/⟨d⟩'
+    >>> parameter_text("belt", "amplitude"), parameter_text("chute", "stiffness", "natural")
+    ('amplitude A_z/⟨d⟩', 'stiffness K1/(mg/σ)')
     """
+    return label_with_unit(parameter_phrase(system, name), parameter_unit_text(system, name, units))
+
+
+def parameter_unit_text(system: str, name: str, units: str) -> str:
+    """Return the unit of a parameter as people write it, in a study with these units."""
     row = field_info(SYSTEMS[system])[name]
-    return label_with_unit(parameter_phrase(system, name), row.scale or row.unit_text.strip())
+    if units == "natural" and row.unit in _NATURAL:
+        return row.scale or unit_of(row.unit, units, system)
+    return row.scale or row.unit_text.strip()
 
 
 def observable_text(name: str, unit: str, units: str, system: str) -> str:

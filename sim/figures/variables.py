@@ -23,6 +23,7 @@ from sim.figures.plot import (
     observable_label,
     observed_quantity,
     parameter_label,
+    units_of_parameters,
 )
 from sim.figures.spheres import COLOURS as VIRIDIS
 from sim.figures.style import COLOURS as NAMED_COLOURS
@@ -122,7 +123,8 @@ class Variable:
 
 def parameter(data: FigureData, name: str, *, log: bool | None = None) -> Variable:
     """Return a parameter; it is logarithmic as asked for, by default if its values are so."""
-    values, label = data.rows[name], parameter_label(data.spec.system, name)
+    values, units = data.rows[name], units_of_parameters(data)
+    label = parameter_label(data.spec.system, name, units)
     if not is_number(data.spec.system, name):
         return _choice(name, label, values.astype(str))
     is_log = has_logarithmic_values(values) if log is None else log

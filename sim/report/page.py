@@ -19,6 +19,7 @@ from sim.dataset.replicates import CLOSED_SHARE
 from sim.dataset.results import Results, load_current
 from sim.figures.caption import parted
 from sim.figures.figure_records import require_unchanged
+from sim.figures.units import unit_of
 from sim.report.claims import (
     REPORTED,
     VERDICTS,
@@ -260,7 +261,8 @@ def render(
         drawing_program=drawing_program(),
         varied=varied,
         settings=settings,
-        parameters=parameter_rows(dataset),
+        parameters=parameter_rows(dataset, study.units),
+        velocity_unit=unit_of("m s-1", study.units, str(dataset["system"].values[0])),
         paper_values=paper_values((one.parameters for one in study.points.values()), study.paper),
         boundaries=boundary_rows(study, results.boundaries),
         opinions=opinions_of(study, dataset, folder),

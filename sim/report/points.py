@@ -52,6 +52,11 @@ def show(path: Path, format: str, as_point: bool = False, results: Path = Path("
         return describe_run(path, as_point)
     study = load_study(path, None)
     require_start_files(study)
+    if study.plugins:
+        # It needs the libraries of judges.
+        from sim.claims.sources import require_plugins
+
+        require_plugins(study.plugins)
     for warning in warnings(study, results):
         print(f"warning: {warning}", file=sys.stderr)
     points = {key: point.parameters for key, point in study.points.items()}
@@ -145,13 +150,14 @@ def warnings(study: Study, results: Path) -> Iterator[str]:
         for row in field_info(parameters).values()
         if row.unit == "m"
     )
+    is_natural = study.units == "natural"
     for (name, value), count in lengths.items():
-        if value > LARGEST_LENGTH:
+        if value > LARGEST_LENGTH and not is_natural:
             yield (
                 f"{name}: {value:g} at {count_text(count, 'point')} is {value:g} m; if you mean "
                 f"{value:g} mm, write {value / 1000:g}"
             )
-    yield from doubts_of(points)
+    yield from () if is_natural else doubts_of(points)
     memory = psutil.virtual_memory().total / MEGABYTE
     for key, cost in _costs(study).items():
         if cost.memory > memory:

@@ -13,7 +13,7 @@ import xarray as xr
 
 from sim.dataset.replicates import UNSOUND_SHARE, caveats, layer_orders, outcomes
 from sim.engine.stored_run import RunFile, open_run_file, parameters_of, summary_of
-from sim.figures.units import label_with_unit
+from sim.figures.units import label_with_unit, unit_of
 from sim.parameters import SYSTEMS, Parameters, as_yaml, complete_values, default_of, field_info
 from sim.parameters.functions import NAME as FUNCTION
 from sim.parameters.roles import amount_parameters, numerical_parameters
@@ -156,7 +156,7 @@ def varied_parameters(dataset: xr.Dataset) -> dict[str, dict[str, np.ndarray]]:
     return tables
 
 
-def parameter_rows(dataset: xr.Dataset) -> dict[str, list[dict[str, Any]]]:
+def parameter_rows(dataset: xr.Dataset, units: str = "si") -> dict[str, list[dict[str, Any]]]:
     """Return the parameters of each system in the study with the values they take."""
     tables = {}
     for system, model in SYSTEMS.items():
@@ -166,7 +166,9 @@ def parameter_rows(dataset: xr.Dataset) -> dict[str, list[dict[str, Any]]]:
                 {
                     "name": name,
                     "symbol": row.symbol,
-                    "unit": row.scale or _unit_text(row.unit),
+                    "unit": row.scale or unit_of(row.unit, units, system)
+                    if units == "natural"
+                    else row.scale or _unit_text(row.unit),
                     "description": row.description,
                     "values": _values(points[name].values.tolist(), model, name),
                 }

@@ -21,23 +21,30 @@ from sim.base.files import (
     user_temporary_folder,
 )
 from sim.base.messages import one_of
-from sim.base.plugins import VARIABLE
+from sim.base.plugins import VARIABLE, module_names
 from sim.base.program import package_folder, program
 from sim.study.entries import ALLOWED_NAME, NAME
 from sim.study.load import DEFAULT_STUDY, load_study
 from sim.study.model import Study
+from sim.study.papers import OWN, SHIPPED
 
 #: Suffixes of study files.
 YAML_SUFFIXES = (".yaml", ".yml")
 
+#: Pattern of the name of a paper, with which names of claims begin.
+_PAPER_NAME = r"[a-z][a-z0-9_]{0,29}"
 
-def init(target: Path, model: str) -> str:
+
+def init(target: Path, model: str, paper: str = "") -> str:
     """Write a copy of a shipped study for the user to edit; return a line with the next command.
 
     ``target`` is the file, which gives the study its name, or a folder for a file named after the
-    ``model``, the study to copy. Raises ``InputError`` if there is no such study, the file's name
-    cannot name a study, or the file exists.
+    ``model``, the study to copy. With ``paper``, its name, the files of a paper of one's own are
+    written, and a study of it. Raises ``InputError`` if there is no such study, the name cannot be
+    one of a study or a paper, or a file exists.
     """
+    if paper:
+        return _init_paper(target, paper)
     files = sorted(package_folder("config").glob("*.yaml"))
     texts = {path.stem: path.read_text("utf-8") for path in files}
     texts = {name: text for name, text in texts.items() if "\nparts:" not in text}
@@ -58,6 +65,26 @@ def init(target: Path, model: str) -> str:
     except FileExistsError:
         raise InputError(f"{path}: is there already, and stays as it is") from None
     return f"{path}: written; {program()} study {path} runs it"
+
+
+def _init_paper(target: Path, name: str) -> str:
+    """Write the folder of a paper, and its study beside it; nothing is written if one is there."""
+    if not re.fullmatch(_PAPER_NAME, name) or name in (*module_names(SHIPPED), OWN):
+        allowed = "up to 30 letters a-z, digits and _, a letter first, no paper of Talus"
+        raise InputError.of_value("--paper", "", name, allowed)
+    require_writable(target, "init")
+    model = package_folder("config") / "paper"
+    own = {path: path.relative_to(model).as_posix() for path in sorted(model.rglob("*.*"))}
+    files = {path: target / re.sub("^mine", name, place) for path, place in own.items()}
+    for path in (target / name, *files.values()):
+        if os.path.lexists(path):
+            raise InputError(f"{path}: is there already, and stays as it is")
+    (target / name).mkdir(parents=True)
+    for path, place in files.items():
+        text = re.sub(r"\bmine(?![a-z])", name, path.read_text("utf-8"))
+        place.write_text(text, encoding="utf-8")
+    written = target / f"{name}.yaml"
+    return f"{written} and {target / name}: written; {program()} study {written} runs them"
 
 
 def study(

@@ -202,6 +202,9 @@ def allow_range_in_schema(schema: dict[str, Any]) -> None:
     schema["anyOf"] = [list_schema, {"$ref": f"#/$defs/{RANGE}"}]
 
 
+#: What the key ``units: natural`` of a study or a paper stands for.
+NATURAL = {"diameter": 1.0, "mass": 1.0, "gravity": 1.0}
+
 #: Kind of the plug-in additions that judge claims.
 JUDGE = "judge"
 

@@ -24,6 +24,7 @@ from sim.parameters.common import PREVIOUS
 from sim.parameters.density import DENSITY
 from sim.study.design import Axis
 from sim.study.design_file import DesignFile
+from sim.study.entries import NATURAL
 from sim.study.figure_spec import FIGURES
 from sim.study.file import MAX_POINTS, BoundaryFile, SeriesFile, StudyFile
 from sim.study.model import Boundary, Point, Study
@@ -52,7 +53,7 @@ def expand(files: Sequence[tuple[Path, StudyFile]]) -> Study:
     _require_valid_points(points, str(path))
     paths, vary = tuple(path for path, _ in files), (tuple(boundaries), axes, designs)
     rest: dict[str, Any] = {"readings": _readings_by_system(file), "decide": file.decide}
-    rest["paper"] = file.paper or ""
+    rest |= {"paper": file.paper or "", "units": "natural" if file.is_natural else "si"}
     return Study(file.study, file.title, paths, points, series, *vary, **rest)
 
 
@@ -125,6 +126,7 @@ class _Family:
         ids = {}
         for parameters, figures in self._members(boundaries):
             profiles = isinstance(self.entry, BoundaryFile) or self.entry.profiles
+            self._require_units(parameters)
             point = point_with_membership(points, parameters, self.entry.name, figures, profiles)
             self._require_same_point(point, parameters)
             ids[point.id] = points[point.id] = point
@@ -189,6 +191,8 @@ class _Family:
         """Yield the base of a series under each reading, or of boundaries under the first one."""
         system = self.entry.system
         draft = _Draft({"system": system}, {"system": f"{self.key}.system"})
+        if self.file.is_natural:
+            draft = draft.with_values(NATURAL, "units")
         if own := papers()[self.file.paper].values.get(system) if self.file.paper else None:
             draft = draft.with_values(own, f"paper.{self.file.paper}")
             draft = replace(draft, of_paper=frozenset(own))
@@ -228,6 +232,13 @@ class _Family:
                 path = f"{self.key}.overrides[{index}].set"
                 new = new.with_values(override.set.explicit_values(), path)
         return before if new is draft else new.point(self.source)
+
+    def _require_units(self, parameters: Parameters) -> None:
+        for name, value in NATURAL.items() if self.file.is_natural else ():
+            if getattr(parameters, name) != value:
+                got = f"natural with {name} = {getattr(parameters, name):g}"
+                allowed = f"{name} of 1 in natural units, or units: si"
+                raise InputError.of_value(self.source, "units", got, allowed)
 
     def _require_same_point(self, point: Point, parameters: Parameters) -> None:
         """Raise `InputError` if parameters of the same id differ in more than amounts."""

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from sim.base.errors import InputError, count_text
 from sim.base.messages import one_of
@@ -22,9 +22,12 @@ from sim.study.plot_contents import (
     parameter_phrase,
     varying_parameters,
 )
+from sim.study.plot_file import PlotFile
 from sim.study.plottable import numbers, plugin_code
 from sim.study.sensitivity import PropagationFile, SensitivityFile
 from sim.study.surrogate import Place, Question, SurrogateFile
+
+_Plot = TypeVar("_Plot", bound=PlotFile)
 
 
 def feed(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
@@ -41,6 +44,7 @@ def feed(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
         # A part knows its own series alone.
         series = [entry.name for _, entry in file.entries] if number else list(study.series)
         for index, plot in enumerate(file.plots or []):
+            plot = _in_units(plot, study)
             names = plot.series or series
             points = [point for point in study.points.values() if set(point.series) & set(names)]
             contents = PlotContents(plot, points, str(path), f"plots[{index}]")
@@ -48,6 +52,12 @@ def feed(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> Study:
             entries[plot.name] = plot_entry(contents, names)
             data += [path.parent / one.file for one in plot.beside or () if one.file]
     return replace(study, entries=entries, data=tuple(dict.fromkeys(data)))
+
+
+def _in_units(plot: _Plot, study: Study) -> _Plot:
+    """Return a plot in the units of the study, if it names none."""
+    is_given = study.units == "si" or "units" in plot.model_fields_set
+    return plot if is_given else plot.model_copy(update={"units": study.units})
 
 
 def _figures(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> dict[str, FigureSpec]:
@@ -61,7 +71,7 @@ def _figures(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> dict[str,
         if name not in feeds:
             allowed = "a figure that a series of the study feeds"
             raise InputError.of_value(path, f"figures[{index}]", name, allowed)
-    figures = {name: spec for name, spec in FIGURES.items() if name in feeds}
+    figures = {name: _in_units(spec, study) for name, spec in FIGURES.items() if name in feeds}
     for name, spec in figures.items():
         if file.figures is not None and name not in file.figures:
             allowed = "a figure that the study lists under figures"

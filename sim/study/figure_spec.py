@@ -21,6 +21,7 @@ from sim.study.plottable import (
     LARGEST_PORTION,
     SHARE,
     TALLEST,
+    Keys,
     find_observable,
     kinds,
     require_parameter,
@@ -215,6 +216,11 @@ _LIMITS = {"creep": CREEP, "largest_portion": LARGEST_PORTION, "share": 100 * SH
 _LIMIT_WORDS = {name: f"{value:g}" for name, value in (_LIMITS | {"tallest": TALLEST}).items()}
 
 
+def keys_of_papers(keys: Keys) -> tuple[str, ...]:
+    """Return all keys of a paper's figure of a kind, besides those of all kinds."""
+    return tuple(keys.of_papers.split()) or (*keys.every, "log")
+
+
 class FigureFile(FigureSpec):
     """A figure of a paper, as its file has it. Words in braces in its texts are filled in."""
 
@@ -248,7 +254,7 @@ class FigureFile(FigureSpec):
     @property
     def keys_of_kind(self) -> tuple[str, ...]:
         """Names of all its keys."""
-        return *KEYS_OF_ALL, *self.keys.for_papers
+        return *KEYS_OF_ALL, *keys_of_papers(self.keys)
 
 
 class PaperFigures(Strict):

@@ -223,6 +223,11 @@ class StudyFile(Strict):
         "all figures of the study, each fed by a series (omitted: those that are fed)"
     )
     paper: str = optional("paper whose `defaults` stand where the study gives no value")
+    units: Literal["si", "natural"] = optional(
+        "`natural`: diameter, mass and gravity are 1, so that all numbers are in units of these, "
+        "stiffness in mg/d for instance; plots and report show them so, files say it of a "
+        "particle of 1 m and 1 kg (omitted: the paper's, or si)"
+    )
     defaults: Strict = Field(Strict(), description="parameters shared by series")
     readings: Strict = Field(
         Strict(), description="readings of the papers under which every series is run"
@@ -296,6 +301,12 @@ class StudyFile(Strict):
             if name not in {"all", *chain(*ids), *additions(JUDGE)}:
                 allowed = f"{ranges}, all, or the name of a judge of a plug-in"
                 yield broken_rule(f"decide.claims[{index}]", name, allowed)
+
+    @property
+    def is_natural(self) -> bool:
+        """Whether all numbers are in units of diameter, mass and gravity."""
+        own = papers()[self.paper].units if self.paper else "si"
+        return (self.units or own) == "natural"
 
     @property
     def entries(self) -> Iterator[tuple[str, SeriesFile | BoundaryFile]]:

@@ -207,7 +207,7 @@ def points(study: str | Path | Mapping[str, Any]) -> "pd.DataFrame":
     else:
         raise InputError.of_value("points", "study", study, "the path of a study file or a mapping")
     members = [point.parameters for point in validated_study.points.values()]
-    for text in doubts_of(members):
+    for text in doubts_of(members) if validated_study.units == "si" else ():
         warnings.warn(text, stacklevel=2)
     rows = {}
     for point in validated_study.points.values():

@@ -35,9 +35,10 @@ class Study:
     ``entries`` are the figures that the points feed, by name: those of papers, then its own plots.
     ``readings`` are those of the papers under which every series is run, by system, each as values
     that differ from the defaults. ``paper`` is the one whose values stand where the study gives
-    none, empty for the usual defaults. ``decide`` is what more replicates are to decide; the
-    parameters of the points include those added so far. ``plugins`` and ``data`` (CSV files) are
-    what it and its parts name, and ``questions`` what is answered from the dataset.
+    none, empty for the usual defaults, and ``units`` are ``si`` or ``natural``. ``decide`` is what
+    more replicates are to decide; the parameters of the points include those added so far.
+    ``plugins`` and ``data`` (CSV files) are what it and its parts name, and ``questions`` what is
+    answered from the dataset.
     """
 
     name: str
@@ -51,6 +52,7 @@ class Study:
     entries: dict[str, FigureSpec] = field(default_factory=dict)
     readings: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
     paper: str = ""
+    units: str = "si"
     decide: DecideFile | None = None
     plugins: tuple[Plugin, ...] = ()
     data: tuple[Path, ...] = ()

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import Field
 
@@ -21,7 +21,7 @@ from sim.parameters import SYSTEMS, Parameters, default_of, field_info, parse_po
 from sim.parameters.density import DENSITY
 from sim.parameters.laws import LAW
 from sim.parameters.words import quantity, setting
-from sim.study.entries import Strict, Text, read_into
+from sim.study.entries import NATURAL, Strict, Text, read_into
 
 #: Kind of the additions that are papers; and what stands for one of a study's own claims.
 PAPER, OWN = "paper", "own"
@@ -79,6 +79,9 @@ class Paper(Strict):
     defaults: dict[str, dict[str, Any]] = Field(
         {}, description="its own values of parameters, by system, as in a study file"
     )
+    units: Literal["si", "natural"] = Field(
+        "si", description="`natural`: diameter, mass and gravity are 1, as in a study file"
+    )
     readings: Readings = Field(Readings(), description="how it is read")
     folder: Path = Field(exclude=True)
     package: str = Field(exclude=True)
@@ -86,8 +89,9 @@ class Paper(Strict):
     @cached_property
     def values(self) -> dict[str, dict[str, Any]]:
         """Its own values by system, valid together and in canonical form."""
-        found = {}
-        for system, given in self.defaults.items():
+        found, units = {}, NATURAL if self.units == "natural" else {}
+        for system in {*self.defaults, *([self.system] if units else [])}:
+            given = units | self.defaults.get(system, {})
             paths = {name: f"defaults.{system}.{name}" for name in (*given, "system")}
             point = parse_point({**given, "system": system}, self.folder / "paper.yaml", paths)
             names = ("mass" if name == DENSITY else name for name in given)

@@ -84,11 +84,6 @@ class Keys:
         return tuple(dict.fromkeys(filter(None, named)))
 
     @property
-    def for_papers(self) -> tuple[str, ...]:
-        """All keys of a paper's figure of the kind, besides those of all kinds."""
-        return tuple(self.of_papers.split()) or (*self.every, "log")
-
-    @property
     def is_map(self) -> bool:
         """Whether both axes are parameters, so that each point has a place of its own."""
         return len(self.axes) == 2

@@ -13,8 +13,10 @@ import pytest
 from sim.__main__ import main
 from sim.base.errors import InputError
 from sim.base.program import package_folder
+from sim.claims.sources import require_plugins
 from sim.study import command
 from sim.study.load import DEFAULT_STUDY, load_study
+from tests.made.plugins import plugin_claims, restore_plugins
 from tests.made.processes import ROOT, wait_until
 
 MERGED = "study: merged\na: &a {x: 1}\n" + "".join(
@@ -62,9 +64,33 @@ def test_a_study_of_the_program_is_copied_under_the_name_of_the_file(
     assert Path(schema) == package_folder("config") / "schema.json"
 
 
+def test_a_paper_of_ones_own_begins_with_files_that_are_right(exec_call, capsys):
+    with restore_plugins():
+        assert main(["init", "--paper", "silbert01", "a"]) == 0
+        assert capsys.readouterr().out.startswith("a/silbert01.yaml and a/silbert01: written; ")
+        assert {path.name for path in Path("a/silbert01").iterdir()} == {
+            *("__init__.py", "paper.yaml", "figures.yaml", "claims.yaml", "judges.py")
+        }
+        assert not [path for path in Path("a").rglob("*.*") if "mine" in path.read_text()]
+        study = load_study("a/silbert01.yaml")
+        assert study.paper == "silbert01" and list(study.figures) == ["silbert01_velocity"]
+        require_plugins(study.plugins)
+        (claim,) = plugin_claims(["chute"])
+        assert claim.id == "silbert01_steeper" and claim.figures == [*study.figures]
+    Path("b").mkdir()
+    Path("b/silbert01.yaml").write_text("mine")
+    for folder in "ab":
+        before = {path: path.read_text() for path in Path(folder).rglob("*.*")}
+        assert main(["init", "--paper", "silbert01", folder]) == 2
+        assert "silbert01" in (told := capsys.readouterr().err) and "is there already" in told
+        assert before == {path: path.read_text() for path in Path(folder).rglob("*.*")}
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
+        *((["--paper", one], "--paper: got ") for one in ("walton", "own", "A", "a.b", "a" * 31)),
+        (["--paper", "a", "first.yaml"], "init: got 'first.yaml'; allowed: a folder"),
         ([], "first.yaml: is there already"),
         (["--from", "paper"], "--from: got 'paper'; allowed: one of beyond, explore, first, "),
         (["a b.yaml"], "init: got 'a b.yaml'; allowed: "),

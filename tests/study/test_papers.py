@@ -1,9 +1,12 @@
 """A paper's own values: where they stand in a study, in evidence and in what is told."""
 
 import json
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
+import pandas as pd
 import pytest
 
 from sim.base.errors import InputError
@@ -11,10 +14,13 @@ from sim.base.plugins import load_plugins
 from sim.claims.evidence import Evidence, combined_readings
 from sim.claims.place import Points
 from sim.claims.verdict import Untestable
+from sim.figures.plot import parameter_label, units_of_parameters
 from sim.parameters import parse_point, point_id
+from sim.report.points import warnings
 from sim.study.load import parse_study
 from sim.study.papers import paper_values, papers
-from tests.made.plugins import restore_plugins
+from tests.made.plugins import restore_plugins, without_plugins
+from tests.made.processes import ROOT
 from tests.made.results import made_point, made_results
 
 #: Values of a paper, two of them of its law alone.
@@ -35,12 +41,14 @@ def folder(tmp_path) -> Iterator[Path]:
         yield tmp_path
 
 
-def load_paper(folder: Path, values: dict, name: str = "mine") -> None:
+def load_paper(folder: Path, values: dict, name: str = "mine", **keys: str) -> None:
     """Write and load a paper with values of its own."""
     words = {"name": name, "author": "Own", "quote": "Own (2000)", "system": "chute"}
     (folder / name).mkdir()
     (folder / name / "__init__.py").write_text("import talus\n\ntalus.paper(__name__)\n")
-    (folder / name / "paper.yaml").write_text(json.dumps(words | {"defaults": {"chute": values}}))
+    (folder / name / "paper.yaml").write_text(
+        json.dumps(words | keys | {"defaults": {"chute": values}})
+    )
     load_plugins(folder / name)
 
 
@@ -121,3 +129,85 @@ def test_a_wrong_value_of_a_paper_is_told_with_its_file_and_key(folder, name, va
 def test_a_study_names_a_paper_that_is_there():
     with pytest.raises(InputError, match=r"s\.yaml: paper: got 'onw'; allowed: one of walton, "):
         only_point({}, paper="onw")
+
+
+def law_id(folder: Path, edits: dict[str, str]) -> str:
+    """Return the id of a point with a law of a folder whose files are edited."""
+    own = folder / "grains"
+    shutil.rmtree(own, ignore_errors=True)
+    own.mkdir()
+    law = (ROOT / "docs" / "examples" / "hertz_mindlin.py").read_text()
+    texts = {
+        "__init__.py": "import talus\n\nfrom . import laws\n\ntalus.paper(__name__)\n",
+        "laws.py": f"from .numbers import ONE\n{law}",
+        "numbers.py": "ONE = 1\n",
+        "judges.py": "def judge(evidence):\n    return []\n",
+        "paper.yaml": "name: grains\nauthor: A\nquote: A (2000)\nsystem: chute\n",
+    }
+    texts |= {name: text for name, text in edits.items() if name[0] != "+"}
+    for name, text in texts.items():
+        (own / name).write_text(text + edits.get(f"+{name}", ""))
+    with without_plugins():
+        load_plugins(own)
+        return point_id(parse_point({"system": "chute", "law": "hertz_mindlin"}, "p"))
+
+
+@pytest.mark.parametrize(
+    ("edit", "makes_others"),
+    [
+        ({"+judges.py": "# edited\n"}, False),
+        ({"+paper.yaml": "headline: []\n"}, False),
+        ({"claims.yaml": "claims: []\n"}, False),
+        ({"+__init__.py": "# edited\n"}, False),
+        ({"+laws.py": "# edited\n"}, True),
+        ({"+numbers.py": "# edited\n"}, True),
+    ],
+)
+def test_a_law_in_the_folder_of_a_paper_has_a_hash_of_its_own(folder, edit, makes_others):
+    assert (law_id(folder, {}) != law_id(folder, edit)) is makes_others
+    # A law that may read any file is told by all of them.
+    reads = {"+laws.py": "PLACE = __file__\n"}
+    assert law_id(folder, reads) != law_id(folder, reads | edit)
+
+
+def test_a_law_that_is_declared_where_all_is_imported_has_the_hash_of_all(folder):
+    text = "import talus\n\nfrom . import judges\nfrom .laws import make\n\ntalus.paper(__name__)\n"
+    law = (ROOT / "docs" / "examples" / "hertz_mindlin.py").read_text()
+    whole = {"__init__.py": f"{text}\n{law}", "laws.py": "def make(p, partners):\n    return 0\n"}
+    assert law_id(folder, whole) != law_id(folder, whole | {"+judges.py": "# edited\n"})
+
+
+def natural(keys: dict, base: dict, **plot):
+    """Return a study of two stiffnesses with a plot, in natural units if its keys say so."""
+    series = [{"name": "a", "system": "chute", "base": base, "grid": {"stiffness": [1e4, 2e4]}}]
+    plots = [{"name": "v", "x": "stiffness", **plot}]
+    return parse_study({"study": "s", "series": series, "plots": plots} | keys, "s.yaml", None)
+
+
+def test_natural_units_are_a_particle_of_one_and_are_shown_but_where_a_plot_names_others(folder):
+    load_paper(folder, {"friction": 0.5}, "light", units="natural")
+    for keys in ({"units": "natural"}, {"paper": "light"}):
+        study = natural(keys, {})
+        assert study.units == study.plots["v"].units == "natural"
+        for point in study.points.values():
+            one = point.parameters
+            assert (one.diameter, one.mass, one.gravity, one.time_unit) == (1, 1, 1, 1)
+        assert not [text for text in warnings(study, folder) if "if you mean" in text]
+        rows = pd.DataFrame([vars(one.parameters) for one in study.points.values()])
+        data = SimpleNamespace(rows=rows, spec=study.plots["v"])
+        assert parameter_label("chute", "stiffness", units_of_parameters(data)).endswith("σ)")
+    assert natural({"units": "natural"}, {}, units="si").plots["v"].units == "si"
+    study = natural({"units": "si", "paper": "light"}, {"gravity": 9.8})
+    assert study.units == "si" and papers()["light"].values["chute"]["gravity"] == 1
+    usual = natural({}, {})
+    assert usual.units == usual.plots["v"].units == "si"
+    # A plot in natural units of particles in metres has parameters as the study file has them.
+    rows = pd.DataFrame([vars(one.parameters) for one in usual.points.values()])
+    data = SimpleNamespace(rows=rows, spec=natural({}, {}, units="natural").plots["v"])
+    assert units_of_parameters(data) == "si"
+
+
+@pytest.mark.parametrize("name", ["diameter", "mass", "gravity"])
+def test_natural_units_with_another_particle_are_refused(name):
+    with pytest.raises(InputError, match=rf"s\.yaml: units: got 'natural with {name} = 2'"):
+        natural({"units": "natural"}, {name: 2})

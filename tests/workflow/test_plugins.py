@@ -14,6 +14,7 @@ import xarray as xr
 
 from sim.base.errors import InputError
 from sim.claims.claim import claims
+from sim.report.points import show
 from sim.study.figure_spec import FIGURES
 from sim.study.load import load_study
 from sim.study.papers import papers
@@ -159,11 +160,9 @@ def test_a_law_goes_the_whole_way(tmp_path):
 
 
 def load(folder: Path) -> None:
-    """Load the study with everything that its paper says."""
+    """List the points of the study, which reads everything that its paper says."""
     with restore_plugins():
-        load_study(folder / STUDY, None)
-        list(FIGURES)
-        claims()
+        show(folder / STUDY, "table", results=folder)
 
 
 def test_the_paper_is_loaded_beside_those_that_ship(tmp_path):
@@ -195,7 +194,20 @@ def test_the_paper_is_loaded_beside_those_that_ship(tmp_path):
         ("claims.yaml", "{least}", "{most}", "claims.yaml: judge silbert_steeper: .*most"),
         ("claims.yaml", f"id: {CLAIM}", "id: W1", "claims.yaml: judge 'W1': a name has"),
         ("claims.yaml", "claims:", "claim:", "claims.yaml: .*claims, a list, and nothing else"),
-        ("judges.py", "import trend", "import trends", "claims.yaml: judges.py line 3: .*trends"),
+        ("claims.yaml", "judges.steeper", "steeper", r"claims\[0\].judge: got 'steeper'; allowed"),
+        ("claims.yaml", "judges.steeper", "judge.steeper", "a function of a module beside this"),
+        ("claims.yaml", "[silbert_slopes]", "[slopes]", "figures: got 'slopes'; allowed: one of"),
+        ("claims.yaml", "{least: 3}", "{most: 3}", "claims.yaml: judge silbert_steeper: .*least"),
+        ("paper.yaml", "[silbert_slopes]", "[walton_2]", r"headline\[0\]: got 'walton_2'; allowed"),
+        ("paper.yaml", "bumps: 1", "bumps: 9", "paper.yaml: defaults.chute.bumps: got 9; allowed"),
+        ("judges.py", ", trend", ", trends", "claims.yaml: judges.py line 3: .*trends"),
+        ("judges.py", "{least} angles", "{leest}", r"judges\.py: line 11: NameError: .*'leest'"),
+        (
+            "judges.py",
+            '"angle"',
+            "[ANGLE for _ in '']",
+            r"judges\.py: line 8: NameError: .*'ANGLE'",
+        ),
         ("__init__.py", "talus.paper(", "talus.papre(", "plugins.0.*line 5: AttributeError"),
     ],
 )

@@ -10,7 +10,7 @@ FOLDERS = Path(workflow.snakefile).parents
 ROOT = next(folder for folder in FOLDERS if (folder / "sim" / "__main__.py").exists())
 sys.path.insert(0, str(ROOT))
 
-from sim.base.additions import additions, codes
+from sim.base.additions import codes
 from sim.base.errors import InputError
 from sim.base.files import write_start
 from sim.base.program import files_hash, room_hash
@@ -21,7 +21,6 @@ from sim.engine.states import checkpoint_interval
 from sim.parameters import SYSTEMS, amounts
 from sim.study.command import job_environment, study_path
 from sim.study.load import load_study
-from sim.study.papers import PAPER
 from sim.study.plan import Plan
 
 try:
@@ -30,11 +29,11 @@ try:
     settings = workflow.config_settings
     STUDY = load_study(study_path(settings.configfiles, settings.config_args))
     require_start_files(STUDY)
-    if additions(PAPER):
-        # Its files are read before anything runs.
-        from sim.claims.claim import claims
+    if STUDY.plugins:
+        # Their files are read before anything runs.
+        from sim.claims.sources import require_plugins
 
-        claims()
+        require_plugins(STUDY.plugins)
     RESULTS = f"results/{STUDY.name}"
     # The main process takes runs of other studies before jobs start.
     others = shared_runs if workflow.is_main_process else None

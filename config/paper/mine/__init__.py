@@ -1,0 +1,5 @@
+"""Author et al. (2000): flows of spheres down a plane."""
+
+import talus
+
+talus.paper(__name__)
