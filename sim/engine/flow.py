@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from sim.base.errors import InputError
+from sim.base.messages import one_of
 from sim.engine.dynamics.cells import BlowUp
 from sim.engine.progress import bar
 from sim.engine.replicate import origin_of
 from sim.engine.run import run_point
+from sim.engine.systems import SYSTEMS as FLOWS
 from sim.engine.systems import build
 from sim.parameters import Parameters, parse_python_point, point_id
 from sim.parameters.common import MAX_SAMPLES
@@ -35,7 +37,7 @@ def simulate(
     Parameters
     ----------
     system : str
-        ``"chute"``, ``"belt"`` or ``"conveyor"``.
+        ``"chute"``, ``"belt"``, ``"conveyor"``, or ``"function"`` for one of a plug-in.
     progress : bool
         Show a bar, on terminals and in notebooks.
     keep : bool
@@ -138,6 +140,8 @@ class Flow:
     """
 
     def __init__(self, system: str = "chute", *, replicate: int = 0, **parameters: Any):
+        if system not in FLOWS:
+            raise InputError.of_value("Flow", "system", system, one_of(str(system), FLOWS))
         self.parameters = parse_python_point("Flow", system, parameters)
         if not (_is_number(Integral, replicate) and replicate >= 0):
             raise InputError.of_value("Flow", "replicate", replicate, "an integer >= 0")
