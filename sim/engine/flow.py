@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from sim.base.errors import InputError
+from sim.base.messages import one_of
 from sim.engine.dynamics.cells import BlowUp
 from sim.engine.progress import bar
 from sim.engine.replicate import origin_of
 from sim.engine.run import run_point
+from sim.engine.systems import SYSTEMS as FLOWS
 from sim.engine.systems import build
 from sim.parameters import Parameters, parse_python_point, point_id
 from sim.parameters.common import MAX_SAMPLES
@@ -42,7 +44,7 @@ def simulate(
     Parameters
     ----------
     system : str
-        ``"chute"``, ``"belt"`` or ``"conveyor"``.
+        ``"chute"``, ``"belt"``, ``"conveyor"``, or ``"function"`` for one of a plug-in.
     state : pandas.DataFrame, mapping of columns or xarray.Dataset, optional
         Particles from which it starts, in place of ``initial_state``: columns as in such a file, or
         the last state of a run of one replicate, or `Flow.particles`. A contact starts anew.
@@ -161,6 +163,8 @@ class Flow:
     def __init__(
         self, system: str = "chute", *, replicate: int = 0, state: Any = None, **parameters: Any
     ):
+        if system not in FLOWS:
+            raise InputError.of_value("Flow", "system", system, one_of(str(system), FLOWS))
         given = parameters if state is None else parameters | _given("Flow", state, parameters)
         self.parameters = parse_python_point("Flow", system, given)
         if not (_is_number(Integral, replicate) and replicate >= 0):

@@ -191,7 +191,7 @@ def _attributes(parameters: Parameters, records: list[Record]) -> dict:
         "versions": versions,
         "machine": platform.machine(),
         "command": command,
-        "velocity_unit": parameters.velocity_unit,
+        **({} if parameters.system == FUNCTION else {"velocity_unit": parameters.velocity_unit}),
         "status": "failed" if reasons else "completed",
         "reason": "; ".join(reasons),
         "caveat": parameters.caveat,

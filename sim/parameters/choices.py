@@ -78,7 +78,7 @@ def parameter(
 
 
 def _said(field: Any) -> tuple[Any, ...]:
-    """Return what a parameter of an option is; several options of a choice may have the same."""
+    """Return what a parameter of an option is, but for what its choice makes of it."""
     extra = replace(field.json_schema_extra, fixed=False)
     return field.default, field.metadata, field.description, extra
 
@@ -111,7 +111,8 @@ class Choice:
 
     ``name`` is the parameter and the kind of the additions, ``usual`` are the options of Talus, its
     default first. Where it is ``kept``, what an option's parameters say is the same in a flow that
-    goes on under others.
+    goes on under others. Where it ``shares`` them, several options may have a parameter that they
+    declare alike.
     """
 
     name: str
@@ -120,6 +121,7 @@ class Choice:
     usual: tuple[str, ...]
     role: Role
     kept: bool
+    shares: bool = False
 
     @classmethod
     def declared(cls, name: str, *models: type[Parameters]) -> Self:
@@ -153,7 +155,8 @@ class Choice:
             for other, one in plugin_options(kind).items():
                 if name not in one.parameters:
                     continue
-                if kind != self.name or _said(one.parameters[name]) != _said(field):
+                is_shared = self.shares and kind == self.name
+                if not is_shared or _said(one.parameters[name]) != _said(field):
                     owner = f"{kind} {plain_name(other)}"
                     raise AdditionError(f"{what}: parameter {name}: {owner} has it")
 

@@ -1,5 +1,6 @@
 """Points of a plug-in's plain function, which stands in place of a flow."""
 
+from dataclasses import replace
 from inspect import signature
 from math import nan
 from typing import Any, ClassVar, Literal
@@ -66,7 +67,7 @@ class FunctionParameters(Parameters):
 
 
 #: The choice of a function.
-FUNCTION = Choice.declared(NAME, FunctionParameters)
+FUNCTION = replace(Choice.declared(NAME, FunctionParameters), shares=True)
 
 
 class Function(Option):

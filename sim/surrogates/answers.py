@@ -123,7 +123,7 @@ def caveats_of_indices(table: "pd.DataFrame") -> tuple[str, ...]:
     """
     first, alone = table.iloc[0], table[table["other"] == ""]
     absent, blocks, noise = first["absent"], first["blocks"], first["noise"]
-    names = alone["index"] + " " + alone["parameter"]
+    names = (alone["index"] + " " + alone["parameter"]).str.strip()
     nowhere = "no flow of a regime that counts is likely, or no run is near"
     missed = f"{blocks} blocks may miss an effect in a small part of the ranges"
     is_spread = first["index"] == "mean"

@@ -1,10 +1,11 @@
 """How an observable is spread where parameters are: mean, deviation, quantiles, exceedance.
 
 Of runs, intervals take these for independent draws, which a design that spreads them evenly
-betters: Student's of the mean; of the deviation Bonett's, which holds for other than normal values
-(2006, Comput. Stat. Data Anal. 50, 775); of a quantile two of the sorted values (Conover 1999,
-Practical Nonparametric Statistics, section 3.2); of a probability Clopper and Pearson's. The noise
-of the runs is taken off their variance, and the values are drawn together by as much.
+betters: Student's of the mean; of the deviation Bonett's, for other than normal values (2006,
+Comput. Stat. Data Anal. 50, 775), with few degrees of freedom; of a quantile two of the sorted
+values (Conover 1999, Practical Nonparametric Statistics, section 3.2); of a probability Clopper and
+Pearson's. The noise of the runs is taken off their variance, and the values are drawn together by
+as much.
 
 Of a surrogate they are those of realisations of it: its mean plus its error times a smooth random
 field, as sensitivities have them.
@@ -29,6 +30,12 @@ DRAWS, _SCRAMBLINGS, _REALISATIONS = 2**12, 8, 16
 
 #: Shares of the design beyond which there is no spread: of points without a value, and of noise.
 _MOST_LEFT_OUT, _MOST_NOISE = 0.5, 0.5
+
+#: Runs for a degree of freedom of the interval of a deviation, and fewest degrees: with these it
+#: holds an exponential distribution's as often as it says. Kurtosis of a tail so long that it does
+#: not, and what is said of it.
+_RUNS, _FREEDOM, _LONG_TAIL = 8, 3, 6.0
+_TAILED = "a long tail, of which its interval holds less often than 95 %"
 
 #: Probability below and above an interval.
 _TAIL = (1 - CONFIDENCE) / 2
@@ -77,6 +84,8 @@ def spread_of_runs(
     known = np.isfinite(runs.variances[is_known]).any()
     basis = {"left_out": total - count, "noise": share if known else np.nan}
     table = tabulate(labels(quantiles, exceeds), *np.array(rows).T, blocks=count, **basis)
+    if _kurtosis(values) > _LONG_TAIL:
+        table.loc[table["index"] == "deviation", "doubt"] = _TAILED
     few = table["value"].isna() & (table["index"] == "quantile")
     needed = [_fewest(float(level)) for level in table["parameter"][few]]
     table.loc[few, "doubt"] = [f"no value, as it needs {n:,} runs or more" for n in needed]
@@ -88,15 +97,20 @@ def _deviation(values: np.ndarray, noise: float) -> tuple[float, float, float]:
     count, variance = len(values), float(values.var(ddof=1))
     if not variance:
         return 0.0, 0.0, 0.0
-    z = float(student(MANY))
+    z = float(student(max(_FREEDOM, count / _RUNS)))
     cut = int(count / (2 * np.sqrt(max(count - 4, 1))))
     trimmed = np.sort(values)[cut : count - cut].mean()
-    kurtosis = count * ((values - trimmed) ** 4).sum() / ((values - values.mean()) ** 2).sum() ** 2
-    factor = count / (count - z)
-    error = factor * np.sqrt(max(0.0, kurtosis - (count - 3) / count) / (count - 1))
+    fourth = count * ((values - trimmed) ** 4).sum() / ((values - values.mean()) ** 2).sum() ** 2
+    factor = count / (count - float(student(MANY)))
+    error = factor * np.sqrt(max(0.0, fourth - (count - 3) / count) / (count - 1))
     ends = factor * variance * np.exp([-z * error, z * error])
     low, high = np.sqrt(np.maximum(0.0, ends - noise))
     return float(np.sqrt(max(0.0, variance - noise))), float(low), float(high)
+
+
+def _kurtosis(values: np.ndarray) -> float:
+    variance = float(values.var())
+    return float(((values - values.mean()) ** 4).mean()) / variance**2 if variance else 0.0
 
 
 def _quantile(values: np.ndarray, level: float) -> tuple[float, float, float]:

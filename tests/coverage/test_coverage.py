@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.coverage import calibration, sensitivity, surrogates
+from tests.coverage import calibration, propagation, sensitivity, surrogates
 
 
 @pytest.mark.long
@@ -34,6 +34,13 @@ def test_chains_are_the_posterior_of_a_grid(number):
 def test_intervals_of_sensitivities_hold_the_truth(name):
     _, answered, held = sensitivity.coverage(name)
     assert not answered or np.mean(held) >= 0.9
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", propagation.CASES)
+def test_intervals_of_propagations_hold_the_truth(name):
+    _, answered, held = propagation.coverage(name)
+    assert answered and np.mean(held) >= 0.9
 
 
 @pytest.mark.long

@@ -22,6 +22,7 @@ from sim.engine.states import States
 from sim.figures.figure_records import RECORD_FILE, require_unchanged
 from sim.parameters import canonical_values, point_id
 from sim.report.claims import read_claims, require_table
+from sim.study.file import QUESTIONS
 from sim.study.load import (
     ExtraAmounts,
     extra_amounts_file,
@@ -76,11 +77,28 @@ def surrogate_values(path: Path) -> Any:
     return plain({str(number): values for number, values in enumerate(numbers)})
 
 
+def table_values(path: Path) -> Any:
+    return plain(storage.load_table(path).to_dict("list"))
+
+
+def posterior_values(path: Path) -> Any:
+    return {name: group.attrs for name, group in storage.load_posterior(path).items()}
+
+
+#: What reads an answer, by the folder of its question.
+READERS = {
+    "surrogates": surrogate_values,
+    "sensitivity": table_values,
+    "propagation": table_values,
+    "calibration": posterior_values,
+}
+
+
 def refusal_of(path: Path) -> Any:
     """Return a refusal, as pictures see it; without one they read an answer."""
     if text := answers.refusal_in(path):
         return text
-    return storage.load_surrogate(path) if path.suffix == ".nc" else storage.load_table(path)
+    return READERS[path.parent.name](path)
 
 
 Read = Callable[[], Any]
@@ -99,14 +117,17 @@ def stored(tmp_path) -> dict[Path, Read]:
     assert run_point(POINT, run, quiet=True) == 0
     storage.save_surrogate(made_surrogate(), made / "surrogates" / "speed.nc")
     row = {"parameter": "friction", "index": "total", "value": 0.25, "doubt": ""}
-    indices = pd.DataFrame([row])
-    answers.save_table(indices, made / "sensitivity" / "matters.csv")
-    refused = [made / name for name in ("surrogates/none.nc", "sensitivity/none.csv")]
+    for name in ("sensitivity/matters.csv", "propagation/spread.csv"):
+        answers.save_table(pd.DataFrame([row]), made / name)
+    refused = [made / f"{one.folder}/none{one.ending}" for one in QUESTIONS.values()]
     for path in refused:
         answers.save_refusal(answers.Refusal("no answer, as 0 of 8 points count"), path)
     about = {"outcome": "no fit", "probability": 0.001, "uncounted": 0.0}
     groups = {"observed_data": xr.Dataset(attrs=about)}
     storage.save_posterior("beads", groups, [], made / "calibration" / "beads.nc")
+    kinds = {one.folder: READERS[one.folder] for one in QUESTIONS.values()}
+    answered = {path: partial(kinds[path.parent.name], path) for path in storage.answer_files(made)}
+    assert {path.parent.name for path in answered.keys() - set(refused)} == set(kinds)
     (made / "rounds").mkdir()
     points = {point_id(POINT): canonical_values(POINT)}
     (made / "rounds" / "1.json").write_text(to_sealed_json(points))
@@ -118,16 +139,7 @@ def stored(tmp_path) -> dict[Path, Read]:
         made / "claims.json": lambda: read_claims(made / "claims.json"),
         made / "claims.csv": lambda: require_table(made),
         extra_amounts_file(made): lambda: read_extra_amounts(made),
-        made / "surrogates" / "speed.nc": lambda: surrogate_values(
-            made / "surrogates" / "speed.nc"
-        ),
-        made / "sensitivity" / "matters.csv": lambda: plain(
-            storage.load_table(made / "sensitivity" / "matters.csv").to_dict("list")
-        ),
-        made / "calibration" / "beads.nc": lambda: {
-            name: group.attrs
-            for name, group in storage.load_posterior(made / "calibration" / "beads.nc").items()
-        },
+        **answered,
         **{path: partial(refusal_of, path) for path in refused},
         made / "rounds" / "1.json": lambda: {
             key: canonical_values(point)

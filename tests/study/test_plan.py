@@ -27,7 +27,6 @@ from sim.study.points import (
     MAX_BATCH_POINTS,
     MAX_BATCH_SECONDS,
     MIN_BATCH_SECONDS,
-    PROCESS_TIME,
     estimate,
     plan_batches,
 )
@@ -325,7 +324,7 @@ def points_by_id(points):
 
 
 def seconds(point):
-    return estimate(point).core_seconds - PROCESS_TIME
+    return estimate(point).core_seconds
 
 
 @pytest.mark.parametrize("cores", [1, 2, 1000])

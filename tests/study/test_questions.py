@@ -1,10 +1,17 @@
-"""Surrogates, sensitivities and calibrations of a study: what is asked before anything runs."""
+"""Surrogates, sensitivities, propagations and calibrations of a study: what is asked before anything runs."""
+
+from pathlib import Path
 
 import pytest
 
+import sim
 from sim.base.errors import InputError
+from sim.figures import kinds as kinds_module
 from sim.report.points import as_json, as_table
+from sim.study.feed import LEADS, TITLES
+from sim.study.file import QUESTIONS
 from sim.study.load import Study, load_study, parse_study
+from sim.study.reference import reference_text
 from sim.study.surrogate import COUNTED, MOST_ROUNDS
 
 RANGES = {"friction": [0.2, 0.8], "restitution": [0.6, 0.98], "angle": [14, 20]}
@@ -97,6 +104,36 @@ def test_a_sensitivity_is_of_a_surrogate_or_of_the_runs_of_a_design(parse):
     assert study.questions[0].file == "surrogates/speed.nc"
     assert screening.is_screening and screening.of.mean_regimes == COUNTED
     assert screening.series == "many" and "screen-indices" not in study.plots
+
+
+def test_a_propagation_is_spread_as_a_design_or_as_it_says(parse):
+    by_runs = {"name": "runs", "series": "wide", "exceeds": [0.5]}
+    model = {"name": "model", "surrogate": "speed"}
+    narrow = {"mean": 16, "deviation": 1, "between": [14, 18]}
+    other = model | {"name": "other", "over": {"angle": narrow, "friction": [0.3, 0.4]}}
+    runs, same, changed = parse(propagate=[by_runs, model, other]).questions[1:]
+    assert runs.file == "propagation/runs.csv" and runs.design.size == 16
+    assert runs.quantiles == [0.05, 0.25, 0.5, 0.75, 0.95] and same.axes == same.of.axes
+    friction, _, angle = changed.axes
+    assert (friction.low, friction.high, angle.normal) == (0.3, 0.4, (16, 1))
+    assert len({one.settings for one in (runs, same, changed)}) == 3
+    conditions = with_design(where=["friction < restitution"])
+    assert parse(series=conditions, propagate=[model]).questions[1].where == (
+        "friction < restitution",
+    )
+    assert parse(propagate=[model]).plots["model-spread"].kind == "spread"
+
+
+def test_a_question_stands_in_every_place():
+    """The places that a new question touches: docs/architecture.md names them."""
+    assert list(QUESTIONS) == ["surrogate", "sensitivity", "propagate", "calibrate"]
+    root = Path(sim.__file__).parent
+    for kind in QUESTIONS.values():
+        for place in ("study/feed.py", "surrogates/inquiries.py"):
+            assert f"case {kind.__name__}()" in (root / place).read_text(), (kind, place)
+        assert f"### Keys of a {kind.noun()}\n" in reference_text()
+    pictures = [name for names in kinds_module._ANSWERS.values() for name in names]
+    assert set(pictures) == set(TITLES) == set(LEADS)
 
 
 def test_measurements_come_in_the_units_of_talus(parse, tmp_path):

@@ -17,7 +17,13 @@ from sim.engine.boundary.drive import Gravity, constant_gravity, tilt_after, til
 from sim.engine.boundary.plane import make_plane, stored_in_plane
 from sim.engine.compile import address_of, call_directly, kind_of
 from sim.engine.contact import Partners, law_of
-from sim.engine.contact.friction import enlarge_memory, make_memory, memory_after, turning_numbers
+from sim.engine.contact.friction import (
+    enlarge_memory,
+    make_memory,
+    memory_after,
+    restart_memory,
+    turning_numbers,
+)
 from sim.engine.dynamics.cells import BlowUp, make_box
 from sim.engine.dynamics.neighbors import Bond, empty_pair_list
 from sim.engine.dynamics.spheres import SOLID, make_scratch, make_spheres, stored_in_spheres
