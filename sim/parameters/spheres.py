@@ -195,6 +195,7 @@ class SphereParameters(Parameters):
         """True where nothing of the initial state is random, bumps included."""
         return super().is_alike and not (self.bumps and self.bump_arrangement == "random")
 
+    @property
     def heaviest_mass(self) -> float:
         """Mass of the heaviest particles, kg."""
         if self.initial_state:

@@ -1,4 +1,4 @@
-"""Surrogates, sensitivities, propagations and calibrations of a study: what is asked before anything runs."""
+"""Questions of a study: what is asked before anything runs."""
 
 from pathlib import Path
 
