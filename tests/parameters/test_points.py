@@ -60,6 +60,8 @@ def test_every_parameter_is_in_the_id_but_how_much_is_wanted(system):
     if system != "belt":
         names = "attraction", "tangential_unloading", "engine"
         others |= {"shear_damping": {"law": "drag"}} | {name: {"law": "hertz"} for name in names}
+        dampings = "normal_damping", "tangential_damping"
+        others |= {name: {"law": "spring_dashpot"} for name in dampings}
         others |= {"bump_arrangement": {"bumps": 1}, "ranks": {"law": "hertz", "engine": "lammps"}}
     default = SYSTEMS[system]()
     for name, row in field_info(default).items():
