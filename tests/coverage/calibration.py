@@ -233,14 +233,12 @@ def cells(case: Case, designs: int | None = None) -> tuple[str, ...]:
     count, answers, held, length = row_of(case, designs)
     return (
         *(case.name, str(case.measurements), f"{answers} of {count}"),
-        *(str(held.get(axis.name, "")) for axis in AXES[:2]),
         *(f"{100 * share_held(answers, held):.1f}", f"{length:.2f}"),
     )
 
 
 HEADINGS = (
-    *("case", "measurements", "answers", "friction held", "restitution held", "held (%)"),
-    "length over that of the range",
+    *("case", "measurements", "answers", "held (%)", "length over that of the range"),
 )
 
 if __name__ == "__main__":
