@@ -237,9 +237,7 @@ def cells(case: Case, designs: int | None = None) -> tuple[str, ...]:
     )
 
 
-HEADINGS = (
-    *("case", "measurements", "answers", "held (%)", "length over that of the range"),
-)
+HEADINGS = (*("case", "measurements", "answers", "held (%)", "length over that of the range"),)
 
 if __name__ == "__main__":
     print_table(__doc__, HEADINGS, CASES, cells)
