@@ -40,7 +40,7 @@ from sim.study.load import (
 )
 from sim.study.model import Need
 from sim.study.points import estimate
-from sim.surrogates.answers import summary_lines
+from sim.surrogates.storage import summary_lines
 
 STATES = ("done", "failed", "running", "interrupted", "waiting")
 

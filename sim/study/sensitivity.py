@@ -134,11 +134,10 @@ class PropagationFile(_OfSurrogateOrRuns):
     name: str = name_field("answer", "among propagations")
     series: str = optional(
         "in place of a surrogate: series whose design is of kind `sobol`, `latin_hypercube` or "
-        "`random`, whose distributions are those of the parameters"
+        "`random`"
     )
     over: dict[str, Any] = optional(
-        "of a surrogate: how parameters are spread, as under `over` of a design (omitted: as in "
-        "the design that it goes through)"
+        "of a surrogate: how parameters are spread, as in a design (omitted: as in its own)"
     )
     quantiles: list[Annotated[Real, Field(gt=0, lt=1)]] = Field(
         [0.05, 0.25, 0.5, 0.75, 0.95], description="quantiles asked for", min_length=1

@@ -1,4 +1,4 @@
-"""What answers say of themselves: what is doubtful, tables of indices, refusals, a line of each.
+"""What answers say of themselves: what is doubtful, tables of indices, refusals.
 
 What is doubtful is computed here, kept in the file of the answer, and read by every view of it: a
 line of the terminal, a picture with caption and data, the head of a report, the explorer,
@@ -17,7 +17,6 @@ import numpy as np
 from sim.base.errors import InputError, count_text, percent
 from sim.base.files import atomic_write, read_regular
 from sim.base.seals import append_summary, checked_read, is_damaged, read_summary, seal
-from sim.study.model import Study
 from sim.study.surrogate import LARGE_ERROR, SLOWING
 
 if TYPE_CHECKING:
@@ -44,12 +43,6 @@ MANY_BLOCKS = 64
 
 #: Probability of the regimes of a mean below which another is likelier.
 EVEN = 0.5
-
-#: What lines tell of a spread.
-_SPREAD = {"mean": "mean", "deviation": "standard deviation", "exceedance": "probability above {}"}
-
-#: Most parameters that a line names.
-_MOST_NAMED = 3
 
 
 class Refusal(InputError):
@@ -226,27 +219,6 @@ def answer_name(path: Path) -> str:
     return f"{path.parent.name.removesuffix('s')} {path.stem}"
 
 
-def summary_lines(study: Study, folder: Path) -> list[str]:
-    """Return what the answers in the results of a study say of themselves, a line for each."""
-    paths = [path for question in study.questions if (path := folder / question.file).is_file()]
-    return list(filter(None, (refusal_in(path) or _summary_line(path) for path in paths)))
-
-
-def _summary_line(path: Path) -> str:
-    """Return what an answer says of itself, and what is doubtful about it."""
-    is_table = path.suffix == ".csv"
-    has_changed = read_table(path) is None if is_table else is_damaged(path)
-    if has_changed:
-        return f"{answer_name(path)}: its file is damaged; rerun the study"
-    if is_table:
-        line = table_line(path)
-        line = line and f"{answer_name(path)}: {line}"
-    else:
-        line = str((read_summary(path) or {}).get("line", ""))
-    caveats = caveats_in(path)
-    return f"{line.removesuffix('.')}. {sentence(caveats)}" if caveats else line
-
-
 def save_table(table: "pd.DataFrame", path: Path) -> None:
     """Write a table; the file appears complete or not at all.
 
@@ -281,35 +253,9 @@ def _checksum(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-def _table_text(path: Path) -> str:
+def table_text(path: Path) -> str:
     """Return the text of a table, empty where it is damaged."""
     return (read_table(path) or b"").decode("utf-8", "replace")
-
-
-def table_line(path: Path) -> str:
-    """Return what a table says first, with intervals; empty for a damaged file.
-
-    It is the parameters that matter most, or mean, deviation and probabilities.
-    """
-    rows = list(csv.DictReader(_table_text(path).splitlines()))
-    if spread := [row for row in rows if row.get("index") in _SPREAD]:
-        return ", ".join(map(_spread_text, spread))
-    shown = [row for row in rows if row.get("index") in ("total", "mu_star") and row.get("value")]
-    if not shown:
-        return ""
-    shown.sort(key=lambda row: -float(row["value"]))
-    texts = (
-        f"{row['parameter']} {float(row['value']):.2g}"
-        + (f" ({float(row['low']):.2g} to {float(row['high']):.2g})" if row["low"] else "")
-        for row in shown[:_MOST_NAMED]
-    )
-    index = "mean size of the effect" if shown[0]["index"] == "mu_star" else "total index"
-    return f"{index} of {', '.join(texts)}"
-
-
-def _spread_text(row: Mapping[str, str]) -> str:
-    name = _SPREAD[row["index"]].format(row["parameter"])
-    return f"{name} {float(row['value']):.3g} ({float(row['low']):.3g} to {float(row['high']):.3g})"
 
 
 def save_refusal(refusal: Refusal, path: Path) -> None:
@@ -360,7 +306,7 @@ def refusal_in(path: Path) -> str:
     if path.suffix != ".csv":
         text = (read_summary(path) or {}).get(_REFUSAL, "")
         return "" if text and is_damaged(path) else text
-    rows = list(csv.reader(_table_text(path).splitlines()))
+    rows = list(csv.reader(table_text(path).splitlines()))
     return rows[1][0] if rows[:1] == [[_REFUSAL]] else ""
 
 

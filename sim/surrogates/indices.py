@@ -129,8 +129,7 @@ def indices_of_surrogate(surrogate: Surrogate, blocks: int = BLOCKS) -> pd.DataF
 def require_learned(surrogate: Surrogate, places: np.ndarray, lack: str) -> float:
     """Return the share of places (n, k) where a mean is of unlikely regimes, or no run is near.
 
-    Raises `Refusal`, which says what is lacking, where that is most of them, or where the mean is
-    rough.
+    Raises `Refusal`, with what is lacking, where that is most of them, or the mean is rough.
     """
     counted = counted_probability(surrogate, surrogate.probability(places))
     absent = float((surrogate.is_far(places) | (counted < EVEN)).mean())

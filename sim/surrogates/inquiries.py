@@ -39,7 +39,12 @@ from sim.surrogates.likelihood import Calibration
 from sim.surrogates.posterior import calibrate
 from sim.surrogates.propagation import spread_of_runs, spread_of_surrogate
 from sim.surrogates.sample import points_of_mean, sample_points, unscaled
-from sim.surrogates.storage import load_surrogate, save_posterior, save_surrogate
+from sim.surrogates.storage import (
+    load_surrogate,
+    save_posterior,
+    save_surrogate,
+    summary_lines,
+)
 from sim.surrogates.surrogate import Surrogate
 
 #: Most draws of a posterior that are compared with the places of runs.
@@ -71,7 +76,7 @@ def build(study_path: str | Path, results: str | Path = "results") -> list[str]:
             # A fit that fails takes no other answer with it.
             reason = f"{question.file}: no answer, as its values cannot be fitted: {error}"
             save_refusal(Refusal(reason), path)
-    return answers.summary_lines(study, folder)
+    return summary_lines(study, folder)
 
 
 def _answer(spec: Question, dataset: Results, folder: Path) -> None:

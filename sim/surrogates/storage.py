@@ -4,6 +4,7 @@ A surrogate is arrays and JSON in netCDF, from which the same predictions follow
 propagations are tables; a calibration has the groups that ArviZ reads.
 """
 
+import csv
 import io
 import json
 from collections.abc import Mapping, Sequence
@@ -17,23 +18,35 @@ import pandas as pd
 import xarray as xr
 
 from sim.base.errors import InputError, percent
+from sim.base.seals import is_damaged, read_summary
 from sim.parameters.forms import forms
 from sim.study.design import Axis
 from sim.study.file import QUESTIONS
+from sim.study.model import Study
 from sim.surrogates.answers import (
     KEY,
     Refusal,
+    answer_name,
+    caveats_in,
     caveats_of_posterior,
     read_table,
     refusal_in,
     sealed_file,
+    sentence,
     stored_answer,
+    table_text,
 )
 from sim.surrogates.fit import Regimes, has_known_regime
 from sim.surrogates.posterior import LEAST_PROBABILITY, MOST_UNCOUNTED, at_ends, ridges, summarize
 from sim.surrogates.process import Process
 from sim.surrogates.sample import Frame, points_of_mean, unit_cube
 from sim.surrogates.surrogate import Surrogate
+
+#: What lines tell of a spread.
+_SPREAD = {"mean": "mean", "deviation": "standard deviation", "exceedance": "probability above {}"}
+
+#: Most parameters that a line names.
+_MOST_NAMED = 3
 
 #: Value of the attribute ``format`` of such a file.
 FORMAT = "talus surrogate 1"
@@ -210,6 +223,53 @@ def _ridge_sentence(ridge: tuple[str, str, float]) -> str:
         f"A combination of {first} and {second} is known better than each: a larger {first} goes "
         f"with a {goes} {second} (correlation {correlation:.2f})."
     )
+
+
+def summary_lines(study: Study, folder: Path) -> list[str]:
+    """Return what the answers in the results of a study say of themselves, a line for each."""
+    paths = [path for question in study.questions if (path := folder / question.file).is_file()]
+    return list(filter(None, (refusal_in(path) or _summary_line(path) for path in paths)))
+
+
+def _summary_line(path: Path) -> str:
+    """Return what an answer says of itself, and what is doubtful about it."""
+    is_table = path.suffix == ".csv"
+    has_changed = read_table(path) is None if is_table else is_damaged(path)
+    if has_changed:
+        return f"{answer_name(path)}: its file is damaged; rerun the study"
+    if is_table:
+        line = table_line(path)
+        line = line and f"{answer_name(path)}: {line}"
+    else:
+        line = str((read_summary(path) or {}).get("line", ""))
+    caveats = caveats_in(path)
+    return f"{line.removesuffix('.')}. {sentence(caveats)}" if caveats else line
+
+
+def table_line(path: Path) -> str:
+    """Return what a table says first, with intervals; empty for a damaged file.
+
+    It is the parameters that matter most, or mean, deviation and probabilities.
+    """
+    rows = list(csv.DictReader(table_text(path).splitlines()))
+    if spread := [row for row in rows if row.get("index") in _SPREAD]:
+        return ", ".join(map(_spread_text, spread))
+    shown = [row for row in rows if row.get("index") in ("total", "mu_star") and row.get("value")]
+    if not shown:
+        return ""
+    shown.sort(key=lambda row: -float(row["value"]))
+    texts = (
+        f"{row['parameter']} {float(row['value']):.2g}"
+        + (f" ({float(row['low']):.2g} to {float(row['high']):.2g})" if row["low"] else "")
+        for row in shown[:_MOST_NAMED]
+    )
+    index = "mean size of the effect" if shown[0]["index"] == "mu_star" else "total index"
+    return f"{index} of {', '.join(texts)}"
+
+
+def _spread_text(row: Mapping[str, str]) -> str:
+    name = _SPREAD[row["index"]].format(row["parameter"])
+    return f"{name} {float(row['value']):.3g} ({float(row['low']):.3g} to {float(row['high']):.3g})"
 
 
 def answer_files(folder: Path) -> list[Path]:

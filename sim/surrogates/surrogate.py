@@ -110,7 +110,7 @@ class Surrogate:
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Names of the parameters that are numbers, in order."""
+        """Their names, in order."""
         return tuple(axis.name for axis in self.numeric)
 
     @property
@@ -168,7 +168,7 @@ class Surrogate:
         extrapolate : bool
             Predict outside the ranges, too; the attribute ``caveats`` says how far outside.
         points : bool
-            Take lists as the coordinates of points, over ``point``, not of a grid.
+            Lists are coordinates of points, over ``point``, not of a grid.
         **values
             A number, a list of numbers, or an `xarray.DataArray` for each parameter, in the units
             of study files. A list becomes a dimension of its name. Fixed ones may be left out.
@@ -182,8 +182,7 @@ class Surrogate:
         Raises
         ------
         InputError
-            For a parameter that is missing or unknown, and for a value that is outside the range of
-            the points.
+            For a parameter that is missing or unknown, and a value outside the range of the points.
         """
         chosen = [name for name in values if name in self.choices]
         surrogate = self.at(**{name: values.pop(name) for name in chosen})
@@ -309,8 +308,8 @@ class Surrogate:
     def error(self) -> float:
         """Error of the mean, relative to the mean size of the observable.
 
-        It is the larger of two: how far the points are from what the others predict (rms), less
-        their own errors; and the error that the process gives itself there.
+        The larger of how far points are from what others predict (rms), less their own errors, and
+        the error that the process gives itself there.
         """
         own, size = np.mean(self.process.left_out.error**2), np.abs(self.process.y).mean() or 1.0
         return float(np.sqrt(max(self.process.unexplained, own)) / size)

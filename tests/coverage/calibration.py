@@ -233,15 +233,11 @@ def cells(case: Case, designs: int | None = None) -> tuple[str, ...]:
     count, answers, held, length = row_of(case, designs)
     return (
         *(case.name, str(case.measurements), f"{answers} of {count}"),
-        *(str(held.get(axis.name, "")) for axis in AXES[:2]),
         *(f"{100 * share_held(answers, held):.1f}", f"{length:.2f}"),
     )
 
 
-HEADINGS = (
-    *("case", "measurements", "answers", "friction held", "restitution held", "held (%)"),
-    "length over that of the range",
-)
+HEADINGS = (*("case", "measurements", "answers", "held (%)", "length over that of the range"),)
 
 if __name__ == "__main__":
     print_table(__doc__, HEADINGS, CASES, cells)

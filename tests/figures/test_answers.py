@@ -18,9 +18,11 @@ from sim.study.figure_spec import Answer, FigureSpec
 from sim.study.load import load_study
 from sim.study.surrogate import COUNTED
 from sim.surrogates import inquiries
+from sim.surrogates.propagation import spread_of_runs
 from tests.figures.drawing import notes, picture, table
 from tests.figures.test_plot_texts import shown_texts
 from tests.made.answers import picture_data, write_calibration, write_effects, write_indices
+from tests.made.indices import made_runs
 from tests.made.results import made_point, made_results
 from tests.made.runs import write_run
 from tests.surrogates.predictors import ANGLES, RANGES
@@ -61,6 +63,18 @@ def test_interactions_are_bars_of_pairs_and_a_screening_shows_lost_trajectories(
     figure, rows, caption = drawn(folder, "screening", "effects.csv")
     assert {"friction μ", "restitution e", "angle θ", "σ = μ*"} <= shown_texts(figure)
     assert "value [m s-1]" in rows and "Left out: 2 of 12 trajectories" in caption
+
+
+def test_a_spread_has_quantiles_and_probabilities_that_exist(folder):
+    runs = made_runs(lambda x: 1 + x[:, 0], "morris", 25)[0]
+    spread_of_runs(runs, (0.5, 0.999), (1.5,)).to_csv(folder / "spread.csv", index=False)
+    figure, rows, caption = drawn(folder, "spread", "spread.csv")
+    assert list(rows["unit"]) == ["m s-1"] * 4 + ["1"] and rows["value"].isna().sum() == 1
+    points = [line.get_xydata() for line in figure.axes[0].lines if line.get_marker() in "os"]
+    (quantiles, (chance,)) = points
+    assert quantiles[0] == pytest.approx([rows["value"][2], 0.5])
+    assert chance == pytest.approx([1.5, 1 - rows["value"][4]])
+    assert "probability above 1.5: 0." in caption and "the 100 runs for independent" in caption
 
 
 def test_a_posterior_has_a_histogram_for_each_parameter_and_regions_of_the_pair(folder):

@@ -10,7 +10,7 @@ from scipy.stats import qmc
 
 from sim.study.design import Axis
 from sim.study.surrogate import SurrogateFile
-from sim.surrogates import indices, posterior
+from sim.surrogates import indices, posterior, propagation
 from sim.surrogates.surrogate import Surrogate
 
 #: Parameters of a made-up chute.
@@ -23,7 +23,8 @@ def rough_answers() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(posterior, "_STEPS", 200)
         patch.setattr(posterior, "LONG_ENOUGH", 4)
-        patch.setattr(indices, "_REALISATIONS", 2)
+        for module in (indices, propagation):
+            patch.setattr(module, "_REALISATIONS", 2)
         yield
 
 

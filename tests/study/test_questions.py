@@ -1,4 +1,4 @@
-"""Questions of a study: what is asked before anything runs."""
+"""Surrogates, sensitivities, propagations, calibrations: what is asked before anything runs."""
 
 from pathlib import Path
 
@@ -116,7 +116,7 @@ def test_a_propagation_is_spread_as_a_design_or_as_it_says(parse):
     assert runs.quantiles == [0.05, 0.25, 0.5, 0.75, 0.95] and same.axes == same.of.axes
     friction, _, angle = changed.axes
     assert (friction.low, friction.high, angle.normal) == (0.3, 0.4, (16, 1))
-    assert len({one.settings for one in (runs, same, changed)}) == 3
+    assert len({repr(one.settings) for one in (runs, same, changed)}) == 3
     conditions = with_design(where=["friction < restitution"])
     assert parse(series=conditions, propagate=[model]).questions[1].where == (
         "friction < restitution",

@@ -23,6 +23,7 @@ from sim.report.explorer import explorer_data
 from sim.report.predict import predict
 from sim.report.runs import run_rows, varied_parameters
 from sim.report.status import as_text, survey
+from sim.study.file import QUESTIONS
 from sim.study.load import load_study
 from sim.surrogates import answers, inquiries, storage
 from sim.surrogates.answers import (
@@ -30,10 +31,9 @@ from sim.surrogates.answers import (
     caveats_in,
     refusal_in,
     save_refusal,
-    summary_lines,
 )
 from sim.surrogates.posterior import summarize
-from sim.surrogates.storage import answer_files, load_surrogate
+from sim.surrogates.storage import answer_files, load_surrogate, summary_lines
 from tests.made.runs import write_run
 from tests.made.surrogates import rough_answers
 
@@ -56,6 +56,10 @@ sensitivity:
   - {{name: direct, series: blocks}}
   - {{name: none, surrogate: gone}}
   - {{name: lost, series: blocks, regimes: [accelerating]}}
+propagate:
+  - {{name: spread, surrogate: speed, exceeds: [1.5]}}
+  - {{name: apart, series: wide}}
+  - {{name: vague, surrogate: gone}}
 calibrate:
   - {{name: beads, data: exp.csv, surrogate: speed, parameters: {{friction: [0.3, 0.8]}}}}
   - {{name: dust, data: exp.csv, surrogate: gone, parameters: {{friction: [0.3, 0.8]}}}}
@@ -82,6 +86,9 @@ LINES = (
     "sensitivity direct: total index of angle ",
     f"sensitivity none: no indices without its surrogate; {NO_MEAN}",
     "sensitivity lost: no indices, as 0 of 8 blocks of 5 points have",
+    "propagation spread: mean 1.0",
+    "propagation apart: mean 1.0",
+    f"propagation vague: no spread without its surrogate; {NO_MEAN}",
     "calibration beads: friction = 0.5",
     f"calibration dust: no posterior without its surrogate; {NO_MEAN}",
 )
@@ -236,7 +243,7 @@ def test_pictures_show_an_answer_or_say_why_there_is_none(folder):
             assert all(word in drawn for word in line.split()[:3])
         else:
             assert text.startswith(spec.lead)
-    assert counts == {True: 10, False: 15}
+    assert counts == {True: 11, False: 17}
 
 
 def _answered(texts: list[str]) -> list[str]:
@@ -246,7 +253,8 @@ def _answered(texts: list[str]) -> list[str]:
 def _report(folder: Path) -> list[str]:
     text = (folder / "report.html").read_text(encoding="utf-8")
     head = text[text.index('id="summary"') : text.index("</section>")]
-    names = ("Surrogate speed", "Sensitivity matters", "Sensitivity direct", "Calibration beads")
+    names = ["Surrogate speed", "Sensitivity matters", "Sensitivity direct", "Calibration beads"]
+    names += ["Propagation spread", "Propagation apart"]
     return [head[head.index(name) :][:300] for name in names]
 
 
@@ -268,7 +276,7 @@ def _pictures(folder: Path, suffix: str) -> list[str]:
 def _in_python(folder: Path) -> list[str]:
     called = sim.load(folder).surrogate("speed")(friction=0.5, restitution=0.8, angle=16)
     lines = repr(sim.load(folder)).splitlines()
-    kinds = ("surrogate", "sensitivity", "calibration")
+    kinds = [one.noun() for one in QUESTIONS.values()]
     return [called.attrs["caveats"], *(line for line in lines if line.split()[0] in kinds)]
 
 

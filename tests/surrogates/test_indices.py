@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from sim.study.load import parse_study
-from sim.surrogates import answers
+from sim.surrogates import answers, storage
 from sim.surrogates.answers import Refusal, caveats_of_indices
 from sim.surrogates.indices import (
     COLUMNS,
@@ -206,7 +206,7 @@ def test_equal_effects_have_no_interval(tmp_path):
     assert (found["doubt"].str.contains("no interval") == has_none).all()
     named = found.replace({"x": "friction", "y": "restitution", "z": "angle"})
     answers.save_table(named, tmp_path / "sensitivity" / "screened.csv")
-    line = answers.table_line(tmp_path / "sensitivity" / "screened.csv")
+    line = storage.table_line(tmp_path / "sensitivity" / "screened.csv")
     assert line == "mean size of the effect of friction 3, restitution 2, angle 0 (0 to 0)"
     data = picture_data(tmp_path, "screening", "sensitivity/screened.csv")
     assert len(table(data)) == 9 and picture(data).axes[0].get_xlim()[1] > 3
