@@ -41,14 +41,16 @@ def folder(tmp_path) -> Iterator[Path]:
         yield tmp_path
 
 
-def load_paper(folder: Path, values: dict, name: str = "mine", **keys: str) -> None:
-    """Write and load a paper with values of its own."""
-    words = {"name": name, "author": "Own", "quote": "Own (2000)", "system": "chute"}
+def load_paper(
+    folder: Path, values: dict, name: str = "mine", files: dict | None = None, **keys: str
+):
+    """Write and load a paper with values of its own, and with further files."""
+    words = {"name": name, "author": "Own", "quote": "Own (2000)", "system": "chute"} | keys
+    texts = {"paper.yaml": json.dumps(words | {"defaults": {"chute": values}})}
+    texts["__init__.py"] = "import talus\n\ntalus.paper(__name__)\n"
     (folder / name).mkdir()
-    (folder / name / "__init__.py").write_text("import talus\n\ntalus.paper(__name__)\n")
-    (folder / name / "paper.yaml").write_text(
-        json.dumps(words | keys | {"defaults": {"chute": values}})
-    )
+    for file, text in (texts | (files or {})).items():
+        (folder / name / file).write_text(text)
     load_plugins(folder / name)
 
 
@@ -211,3 +213,26 @@ def test_natural_units_are_a_particle_of_one_and_are_shown_but_where_a_plot_name
 def test_natural_units_with_another_particle_are_refused(name):
     with pytest.raises(InputError, match=rf"s\.yaml: units: got 'natural with {name} = 2'"):
         natural({"units": "natural"}, {name: 2})
+
+
+def test_a_papers_own_points_stand_in_its_own_figure(folder):
+    words = {
+        "about": "Fig. 1",
+        "title": "V",
+        "lead": "V.",
+        "named": ["depth"],
+        "says": "The paper.",
+    }
+    beside = [
+        {"label": "Fig. 1", "points": [[20, 0.1], [22, 0.2]]},
+        {"label": "table", "file": "v.csv", "x": "angle", "y": "v"},
+    ]
+    figure = words | {"name": "theirs", "x": "angle", "curves": "depth", "beside": beside}
+    table = "angle [degree],v [m/s]\n21,0.3\n"
+    figures = {"figures.yaml": json.dumps({"figures": [figure]}), "v.csv": table}
+    load_paper(folder, {"friction": 0.5}, "seen", files=figures)
+    grid = {"angle": [20, 22]}
+    series = [{"name": "a", "system": "chute", "grid": grid, "figures": ["theirs"]}]
+    study = parse_study({"study": "s", "series": series}, "s.yaml", None)
+    found = {label: points for label, points, _ in study.entries["theirs"].foreign}
+    assert found == {"Fig. 1": ((20, 0.1), (22, 0.2)), "table": ((21, 0.3),)}
