@@ -11,7 +11,7 @@ import pytest
 
 from sim.base.errors import InputError
 from sim.base.plugins import load_plugins
-from sim.claims.evidence import Evidence, combined_readings
+from sim.claims.evidence import Evidence, combined_readings, paper_of
 from sim.claims.place import Points
 from sim.claims.verdict import Untestable
 from sim.figures.plot import parameter_label, units_of_parameters
@@ -105,6 +105,13 @@ def test_evidence_that_names_nothing_is_at_the_values_of_the_claims_paper():
     assert place.velocity.nominal_value == pytest.approx(3)
     with pytest.raises(Untestable, match=r"at depth 3, friction 0\.4, all else as in"):
         own.at("chute", depth=3, friction=0.4)
+    for name, system, found in (
+        ("mine", "chute", "mine"),
+        ("mine", "belt", "gallas"),
+        ("", "chute", "walton"),
+        ("", "conveyor", ""),
+    ):
+        assert getattr(paper_of(system, name), "name", "") == found
     # Runs at its values are of no other reading.
     assert combined_readings(results, "chute", papers()["mine"])[0] == {}
     laws = [one.get("law") for one in combined_readings(results, "chute", papers()["mine"])]
