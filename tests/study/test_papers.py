@@ -87,6 +87,11 @@ def test_a_study_that_names_a_paper_has_its_values_where_it_gives_none(keys, bas
     assert point_id(point) == point_id(parse_point({"system": "chute"} | expected, "p"))
 
 
+def test_what_a_study_gives_for_another_law_is_refused_though_the_paper_has_it():
+    with pytest.raises(InputError, match=r"base\.attraction: got 'clipped'; allowed: kept unless"):
+        only_point({"law": "walton_braun", "attraction": "clipped"}, paper="mine")
+
+
 def test_evidence_that_names_nothing_is_at_the_values_of_the_claims_paper():
     points = [
         made_point("chute", {"velocity": 1.0}, depth=3),
