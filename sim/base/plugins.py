@@ -227,7 +227,9 @@ def _run(source_code: _SourceCode, error_of: Callable[[str], InputError]) -> Non
 
 
 def _execute(source_code: _SourceCode) -> None:
-    sys.modules.pop(source_code.module, None)
+    # With the modules of a folder, which add to Talus as they are imported.
+    for name in [one for one in sys.modules if f"{one}.".startswith(f"{source_code.module}.")]:
+        del sys.modules[name]
     if source_code.text is None:
         import_module(source_code.module)
         return

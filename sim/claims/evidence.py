@@ -242,10 +242,15 @@ GRID = "profile_grid"
 
 
 def paper_of(system: str, paper: str = "") -> Paper | None:
-    """Return a paper by name; for claims of no paper the first paper of their system, if any."""
+    """Return a paper by name, for other claims the first one of their system, if any.
+
+    That has no values of its own: these hold where the paper is named.
+    """
     every = papers()
-    of_system = (one for one in every.values() if one.system == system)
-    return every.get(paper) or next(of_system, None)
+    if paper in every and system in (every[paper].system, *every[paper].defaults):
+        return every[paper]
+    of_system = (one for one in every.values() if one.system == system and not one.defaults)
+    return next(of_system, None)
 
 
 def readings_of(system: str, paper: str = "") -> Readings:

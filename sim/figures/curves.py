@@ -312,7 +312,8 @@ def _set_axes(data: FigureData, axes: Axes, drawable: dict[str, Quantity]) -> No
 def table(data: FigureData) -> pd.DataFrame:
     """Return the plotted data, one row per point, units in the headings."""
     spec, shown = data.spec, quantities_by_axis(data)
-    if spec.paper and [*shown.values()][-1].name == "velocity" and not spec.fit:
+    is_plain = not spec.fit and not spec.foreign
+    if spec.paper and [*shown.values()][-1].name == "velocity" and is_plain:
         return velocity_table(data)
     relative = {"acceleration of the belt [g]": data.rows[_ACCELERATION]} if spec.relative else None
     rows = quantity_table(data, list(shown.values()), relative)

@@ -32,8 +32,8 @@ with attribute_additions_to(TALUS):
         second="x",
         log=("x", "y"),
         others=("curves", "panels", "beside", "fit"),
-        of_papers="x y curves panels log units fit labels levels level quantities styles entry "
-        "relative alike widest",
+        of_papers="x y curves panels log units fit beside labels levels level quantities styles "
+        "entry relative alike widest",
         systems=("chute", "belt"),
     )
     _declare(
@@ -55,7 +55,8 @@ with attribute_additions_to(TALUS):
         second="y",
         log=("x",),
         others=("curves", "panels", "between", "beside"),
-        of_papers="x y curves panels between log units vary labels quantities styles entry flat",
+        of_papers="x y curves panels between beside log units vary labels quantities styles entry "
+        "flat",
         over="over the height",
     )
     _declare(

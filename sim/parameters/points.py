@@ -94,7 +94,7 @@ on_change(_update_systems)
 RUN_FILE = ".nc"
 
 #: Longest readable part of an id; file systems allow 255 bytes for the whole file name.
-_ID_LENGTH = 160
+ID_LENGTH = 160
 
 #: Parameters of all systems that set how a flow is computed, not which flow it is; and that set how
 #: much of a point is run.
@@ -216,7 +216,7 @@ def point_id(parameters: Parameters) -> str:
             readable.append(f"{name}-{value}" if isinstance(value, str) else f"{name}{value:g}")
     name = "-".join([parameters.system, *readable]).replace("+", "")
     # A schedule has spaces and colons.
-    name = re.sub(r"[ :;]+", "-", name)[:_ID_LENGTH]
+    name = re.sub(r"[ :;]+", "-", name)[:ID_LENGTH]
     wanted = amount_parameters(model)
     usual = {one: type(values[one])(default_of(model, one, values)) for one in wanted}
     return f"{name}-{hashlib.sha256(_json(values | usual).encode()).hexdigest()[:8]}"

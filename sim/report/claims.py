@@ -84,8 +84,8 @@ def count_verdicts(claims: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, i
 def papers_of(claims: Iterable[Mapping[str, Any]], study: Study) -> set[str]:
     """Return the papers that count for a study.
 
-    That is the one it names, those whose figures it feeds, and those with a claim that its runs
-    can decide, other than on the contact law alone.
+    That is the one it names, those whose figures it feeds, and, if it names none, those with a
+    claim that its runs can decide, other than on the contact law alone.
     """
     fed = [spec.paper for spec in study.entries.values() if spec.paper]
     named = {
@@ -94,7 +94,7 @@ def papers_of(claims: Iterable[Mapping[str, Any]], study: Study) -> set[str]:
         if any(text.startswith(f"{paper.quote}, ") for text in fed)
     }
     decided = {claim["paper"] for claim in claims if has_tested_claims([claim])}
-    return {study.paper} | named | decided
+    return named | ({study.paper} if study.paper else decided)
 
 
 def protocols_of(claims: Iterable[Mapping[str, Any]]) -> list[str]:

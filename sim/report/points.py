@@ -13,13 +13,16 @@ import psutil
 from sim.base.errors import InputError, align_table, count_text, duration
 from sim.base.files import require_writable
 from sim.base.program import program
+from sim.base.yaml import read_yaml
 from sim.dataset.rounds import require_start_files
 from sim.engine.shared_runs import SharedRun, describe, find_runs
-from sim.parameters import complete_values, field_info
+from sim.parameters import Parameters, complete_values, field_info
 from sim.parameters.density import doubts_of
-from sim.study.load import Study, load_study
+from sim.parameters.points import ID_LENGTH
+from sim.study.figure_spec import written
+from sim.study.load import Study, as_study, parse_study
 from sim.study.papers import paper_value_lines
-from sim.study.plot_contents import SCATTER_HINT
+from sim.study.plot_contents import SCATTER_HINT, varying_parameters
 from sim.study.points import PARTS, Estimate, divide_range, estimate
 
 CORES = 2
@@ -43,14 +46,15 @@ _NOTHING: Mapping[str, Any] = {}
 def show(path: Path, format: str, as_point: bool = False, results: Path = Path("results")) -> str:
     """Return the points of a study as ``table`` or ``json``, after warnings on standard error.
 
-    Of a run file it is what the file holds, or with ``as_point`` the point file that makes it.
+    A point file is a study of one point. Of a run file it is what the file holds, or with
+    ``as_point`` the point file that makes it.
     """
     if path.suffix == ".nc":
         # It needs the libraries of run files.
         from sim.report.runs import describe_run
 
         return describe_run(path, as_point)
-    study = load_study(path, None)
+    study = parse_study(as_study(read_yaml(path), path), path, None)
     require_start_files(study)
     if study.plugins:
         # It needs the libraries of judges.
@@ -63,20 +67,21 @@ def show(path: Path, format: str, as_point: bool = False, results: Path = Path("
     shared = find_runs(results / study.name / "runs", points, study.need)
     if format == "json":
         return as_json(study, shared)
-    lines = [*_run_lines(study, results), *earlier_lines(study, results)]
-    return "\n".join((as_table(study, shared), *lines))
+    table = as_table(study, shared, _run_line(study, results))
+    return "\n".join((table, *earlier_lines(study, results)))
 
 
-def as_table(study: Study, shared: Mapping[str, SharedRun] = _NOTHING) -> str:
+def as_table(study: Study, shared: Mapping[str, SharedRun] = _NOTHING, run: str = "") -> str:
     """Return an aligned line per point, then what is known of the study, and totals.
 
     That is designs, plots, points that figures omit, and caveats. ``shared`` are the runs that
-    other studies have. ``steps`` and ``core time`` are sums over all replicates of a point.
+    other studies have; ``run`` is a line on those of this study, with the time that is left.
+    ``steps`` and ``core time`` are sums over all replicates of a point.
     """
-    costs = _costs(study)
+    costs, shown = _costs(study), _shown_ids(study)
     rows = [
         (
-            point.id,
+            shown[point.id],
             point.parameters.system,
             f"{costs[point.id].particles:,}",
             f"{costs[point.id].steps:,}",
@@ -99,9 +104,27 @@ def as_table(study: Study, shared: Mapping[str, SharedRun] = _NOTHING) -> str:
         _caveat_lines(study),
         paper_value_lines([one.parameters for one in study.points.values()], study.paper),
         _restitution_lines(study),
-        [*_cost_lines(costs, shared), *_further_lines(study)],
+        [*_cost_lines(costs, shared, run), *_further_lines(study)],
     ]
     return "\n\n".join("\n".join(lines) for lines in sections if lines)
+
+
+def _shown_ids(study: Study) -> dict[str, str]:
+    """Return what the table shows of ids: of one that is cut, what varies, and its hash.
+
+    A study names it so in ``start_from``, too.
+    """
+    by_system: dict[str, list[Parameters]] = {}
+    for point in study.points.values():
+        by_system.setdefault(point.parameters.system, []).append(point.parameters)
+    varied = {system: varying_parameters(members) for system, members in by_system.items()}
+    shown = {}
+    for key, point in study.points.items():
+        system, is_cut = point.parameters.system, len(key) > ID_LENGTH
+        values = ((name, getattr(point.parameters, name)) for name in varied[system])
+        texts = [f"{name}{written(value)}" for name, value in values if name != "start_from"]
+        shown[key] = "-".join([system, *texts, key.rpartition("-")[2]]) if is_cut else key
+    return shown
 
 
 def as_json(study: Study, shared: Mapping[str, SharedRun] = _NOTHING) -> str:
@@ -216,19 +239,25 @@ def _restitution_lines(study: Study) -> list[str]:
     ]
 
 
-def _cost_lines(costs: Mapping[str, Estimate], shared: Mapping[str, SharedRun]) -> list[str]:
-    """Return lines on core time, on what other studies have, and on the size of trajectories."""
+def _cost_lines(
+    costs: Mapping[str, Estimate], shared: Mapping[str, SharedRun], run: str
+) -> list[str]:
+    """Return lines on core time, on what other studies have, and on the size of trajectories.
+
+    Where points have been run, the time of the others is known from these.
+    """
     seconds = {key: cost.core_seconds for key, cost in costs.items()}
     total, steps = sum(seconds.values()), sum(cost.steps for cost in costs.values())
-    lines = [
-        f"{count_text(len(costs), 'point')}, {steps:,} steps, estimated core time "
-        f"{duration(total)}, on {CORES} cores "
+    estimated = (
+        f"estimated core time {duration(total)}, on {CORES} cores "
         f"{duration(max(total / CORES, *seconds.values()))}; "
         "computing alone, without compilation, Snakemake and figures"
-    ]
+    )
+    lines = [f"{count_text(len(costs), 'point')}, {steps:,} steps, {run or estimated}"]
     if line := describe(shared.values()):
         enough = sum(seconds[key] for key, run in shared.items() if run.is_enough)
-        lines.append(f"{line}; core time of the others {duration(total - enough)}")
+        left = f"; core time of the others {duration(total - enough)}" * (not run)
+        lines.append(f"{line}{left}")
     if sizes := [cost.trajectory for cost in costs.values() if cost.trajectory]:
         frames = sum(cost.frames for cost in costs.values())
         lines.append(
@@ -269,19 +298,17 @@ def _further_lines(study: Study) -> Iterator[str]:
         yield f"decisions ({program()} decide) may add up to {budget:g} core hours"
 
 
-def _run_lines(study: Study, results: Path) -> list[str]:
+def _run_line(study: Study, results: Path) -> str:
     folder = results / study.name
     if not (folder / "runs").is_dir():
-        return []
+        return ""
     # It needs the libraries of run files.
     from sim.report.status import survey
 
     status = survey(study, results)
     ended = sum(status.points[point].state in ("done", "failed") for point in study.points)
-    return [
-        f"{ended:,} of {count_text(len(study.points), 'point')} have been run in {folder}; core "
-        f"time of the others {duration(status.core_seconds_left)}"
-    ] * (ended > 0)
+    left = f"of which {ended:,} have been run in {folder}; core time of the others, at the pace of "
+    return f"{left}these, {duration(status.core_seconds_left)}" * (ended > 0)
 
 
 def earlier_lines(study: Study, results: Path) -> list[str]:

@@ -1,6 +1,6 @@
 """Third step of a study: expand its validated files to points, series and boundaries."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -30,6 +30,9 @@ from sim.study.file import MAX_POINTS, BoundaryFile, SeriesFile, StudyFile
 from sim.study.model import Boundary, Point, Study
 from sim.study.papers import papers
 from sim.study.points import divide_range
+
+#: Number of last letters of an id that tell it apart, from the hyphen before its hash on.
+_HASH = 9
 
 
 def expand(files: Sequence[tuple[Path, StudyFile]]) -> Study:
@@ -83,6 +86,14 @@ class _Draft:
         left = self.of_paper - values.keys()
         return replace(self, values=earlier | values, paths=self.paths | paths, of_paper=left)
 
+    def with_whole_start(self, points: Collection[str]) -> "_Draft":
+        """Return a copy that starts from the one point whose id ends as that given, its hash."""
+        start = str(self.values.get("start_from", ""))
+        ends = [one for one in points if one.endswith(start[-_HASH:])]
+        if not start or start in points or len(ends) != 1:
+            return self
+        return replace(self, values=self.values | {"start_from": ends[0]})
+
     def point(self, source: str) -> Parameters:
         """Return the parameters of the point, without values of the paper for another law."""
         model = SYSTEMS[self.values["system"]]
@@ -124,7 +135,7 @@ class _Family:
     def add_to(self, points: dict[str, Point], boundaries: Iterable[Boundary]) -> tuple[str, ...]:
         """Add the points to others, or those of the first round of boundaries; return their ids."""
         ids = {}
-        for parameters, figures in self._members(boundaries):
+        for parameters, figures in self._members(boundaries, points):
             profiles = isinstance(self.entry, BoundaryFile) or self.entry.profiles
             self._require_units(parameters)
             point = point_with_membership(points, parameters, self.entry.name, figures, profiles)
@@ -155,9 +166,12 @@ class _Family:
             yield Boundary(**named, figures=figures, parameters_at=at)
 
     def _members(
-        self, boundaries: Iterable[Boundary]
+        self, boundaries: Iterable[Boundary], points: Collection[str]
     ) -> Iterator[tuple[Parameters, Iterable[str]]]:
-        """Yield each point and its figures; under another reading those with a curve for that."""
+        """Yield each point and its figures; under another reading those with a curve for that.
+
+        Of the ids of ``points``, those of earlier entries and points, a start names any by its end.
+        """
         for boundary in boundaries:
             for value in divide_range(boundary.low, boundary.high):
                 yield boundary.parameters_at(value), boundary.figures
@@ -165,7 +179,7 @@ class _Family:
         for draft in self._drafts() if isinstance(self.entry, SeriesFile) else ():
             others = draft.other_readings
             figures = [one for one in self.entry.figures if others <= set(FIGURES[one].groups)]
-            parameters = self._parameters(draft.after(previous))
+            parameters = self._parameters(draft.after(previous).with_whole_start(points))
             previous = point_id(parameters)
             yield parameters, figures
 

@@ -79,6 +79,9 @@ def _figures(study: Study, files: Sequence[tuple[Path, StudyFile]]) -> dict[str,
         points = [point for point in study.points.values() if name in point.figures]
         _require_points_vary(spec, points, *feeds[name])
         _require_own_places(spec, points, *feeds[name])
+        if spec.beside:
+            contents = PlotContents(spec, points, str(FIGURES.sources[name]), f"figures.{name}")
+            figures[name] = spec.model_copy(update={"foreign": contents.beside})
     return figures
 
 

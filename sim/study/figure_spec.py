@@ -3,6 +3,7 @@
 from collections import UserDict
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
+from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import AfterValidator, Field
@@ -306,7 +307,10 @@ def _fill(texts: dict[str, str], words: Mapping[str, Any], source: str, key: str
 
 
 class Catalogue(UserDict[str, FigureSpec]):
-    """The figures of all papers by name, read when the first of them is asked for."""
+    """The figures of all papers by name, read when the first of them is asked for.
+
+    ``sources`` are their files, by the names of the figures.
+    """
 
     def __init__(self) -> None:
         """Read nothing yet: many commands need no figure."""
@@ -315,12 +319,14 @@ class Catalogue(UserDict[str, FigureSpec]):
     def data(self) -> dict[str, FigureSpec]:  # type: ignore[override]
         """The figures; animations come last."""
         figures: dict[str, FigureSpec] = {}
+        self.sources: dict[str, Path] = {}
         for paper in papers().values():
             for spec in read_figures(paper):
                 if spec.name in figures:
                     path, allowed = paper.folder / "figures.yaml", "a name that no other figure has"
                     raise InputError.of_value(path, "name", spec.name, allowed)
                 figures[spec.name] = spec
+                self.sources[spec.name] = paper.folder / "figures.yaml"
         return dict(sorted(figures.items(), key=lambda item: item[1].animated))
 
 

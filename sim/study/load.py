@@ -15,7 +15,7 @@ from sim.base.plugins import PATTERN as PLUGIN_NAME
 from sim.base.plugins import load
 from sim.base.seals import checked_read, parse_sealed_json, to_sealed_json
 from sim.base.yaml import read_yaml
-from sim.parameters import Parameters, complete_values, with_larger_amounts
+from sim.parameters import Parameters, complete_values, parse_point, with_larger_amounts
 from sim.parameters.density import doubts_of
 from sim.parameters.laws import ENGINE
 from sim.study.expand import expand
@@ -151,6 +151,17 @@ def parse_study(mapping: Any, path: str | Path, results: str | Path | None = "re
             extra, judged = read_extra_amounts(folder), study.decide.claims is not None
             study = replace(study, points=with_extra_amounts(study.points, extra, judged))
     return replace(study, plugins=tuple(dict.fromkeys(loaded)))
+
+
+def as_study(contents: Any, path: Path) -> Any:
+    """Return the contents of a study file; those of a point file become a study of one point."""
+    if not isinstance(contents, dict) or "system" not in contents or "series" in contents:
+        return contents
+    # Its mistakes are told as those of a point.
+    point = parse_point(contents, path)
+    base = {name: value for name, value in contents.items() if name != "system"}
+    series = {"name": "point", "system": point.system, "base": base}
+    return {"study": "point", "series": [series]}
 
 
 def _parts(contents: Any, path: Path) -> Iterator[tuple[Path, Any]]:

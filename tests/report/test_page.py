@@ -7,6 +7,7 @@ import re
 import tempfile
 from html.parser import HTMLParser
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from sim.dataset.build import build as build_dataset
 from sim.figures.render import draw_figures
 from sim.parameters import ChuteParameters, amounts
 from sim.report.page import (
+    _page_order,
     build,
     data_uri,
     figure_entry,
@@ -269,6 +271,18 @@ def test_a_study_of_ones_own_names_its_plots_and_is_published_with_them(tmp_path
     files = {path.name for path in (folder / "figures").iterdir()}
     ends = (".svg", ".csv", ".caption.txt")
     assert files == {f"{name}{end}" for name in ("velocity", "map") for end in ends}
+
+
+@pytest.mark.parametrize(
+    ("paper", "plots", "fed", "is_own"),
+    [("", 1, 1, True), ("", 0, 1, False), ("gallas", 1, 1, False), ("gallas", 1, 0, True)],
+)
+def test_the_report_of_a_study_that_names_its_paper_begins_as_one_of_it(paper, plots, fed, is_own):
+    """Its figures then come before the study's plots."""
+    figures, own = dict.fromkeys("f" * fed), dict.fromkeys("p" * plots)
+    study = SimpleNamespace(paper=paper, plots=own, figures=figures | own, entries=figures | own)
+    order = _page_order(study, [{"own": True}, {"own": False}], [])
+    assert order["own"] is is_own and len(order["gallery"]) == (1 if is_own else 2)
 
 
 @pytest.mark.parametrize(

@@ -8,9 +8,10 @@ import xarray as xr
 import yaml
 
 from sim.__main__ import main
+from sim.base.errors import InputError
 from sim.base.seals import seal
-from sim.parameters import BeltParameters, ChuteParameters, load_point
-from sim.report.points import earlier_lines, show
+from sim.parameters import BeltParameters, ChuteParameters, load_point, point_id
+from sim.report.points import as_table, earlier_lines, show
 from sim.report.runs import describe_run
 from sim.study.load import parse_study
 from tests.made.figures import make_built_study
@@ -32,6 +33,47 @@ def test_points_that_another_study_has_are_named(tmp_path):
         point.id: "" for point in others
     } | {first.id: str(folder.results / "other" / "runs" / f"{first.id}.nc")}
     assert not folder.runs.exists()
+
+
+def test_one_time_is_told_of_what_is_left(tmp_path):
+    folder = Folder(tmp_path)
+    before = show(folder.file, "table", results=folder.results)
+    assert "estimated core time" in before and "of the others" not in before
+    write_run(folder.runs, next(iter(folder.study.points.values())).parameters)
+    after = show(folder.file, "table", results=folder.results)
+    assert "of which 1 have been run in" in after and "estimated core time" not in after
+    assert after.count("core time of the others") == 1
+
+
+def test_a_point_file_is_a_study_of_one_point(tmp_path, capsys):
+    path = tmp_path / "point.yaml"
+    path.write_text("system: chute\ndepth: 2.5\n")
+    assert point_id(load_point(path)) in show(path, "table", results=tmp_path)
+    path.write_text("system: chute\ndepht: 2.5\n")
+    line = refusal(capsys, "points", path)
+    assert line.startswith(f"error: {path}: depht: unknown key, got 2.5; did you mean depth?")
+
+
+#: Parameters whose names fill an id.
+MANY = {"law": "hertz", "attraction": "clipped", "tangential_unloading": "rescaled", "bumps": 1}
+MANY |= {"diameter": 0.002, "mass": 1e-5, "gravity": 9.81, "friction_plane": 0.3}
+
+
+def test_an_id_that_is_cut_is_shown_by_what_varies_and_named_so_as_a_start(tmp_path):
+    series = [{"name": "a", "system": "chute", "base": MANY, "grid": {"angle": [20, 22.5]}}]
+    study = parse_study({"study": "s", "series": series}, "s.yaml", None)
+    whole = list(study.points)[1]
+    assert "angle" not in whole
+    shown = [line.split()[0] for line in as_table(study).splitlines() if line[:6] == "chute-"]
+    assert shown[1] == f"chute-angle22.5-{whole[-8:]}"
+    base = MANY | {"start_from": shown[1], "angle": 21}
+    series.append({"name": "b", "system": "chute", "base": base})
+    later = parse_study({"study": "s", "series": series}, "s.yaml", None)
+    *before, last = later.points.values()
+    assert last.parameters.start_from == whole and [one.id for one in before] == list(study.points)
+    base["start_from"] = "chute-angle22.5-00000000"
+    with pytest.raises(InputError, match=r"start_from: got 'chute-angle22\.5-0{8}'; allowed"):
+        parse_study({"study": "s", "series": series}, "s.yaml", None)
 
 
 def test_a_series_with_a_question_is_told_how_runs_of_its_length_ended(tmp_path):

@@ -11,7 +11,7 @@ import pytest
 
 from sim.base.errors import InputError
 from sim.base.plugins import load_plugins
-from sim.claims.evidence import Evidence, combined_readings
+from sim.claims.evidence import Evidence, combined_readings, paper_of
 from sim.claims.place import Points
 from sim.claims.verdict import Untestable
 from sim.figures.plot import parameter_label, units_of_parameters
@@ -41,14 +41,16 @@ def folder(tmp_path) -> Iterator[Path]:
         yield tmp_path
 
 
-def load_paper(folder: Path, values: dict, name: str = "mine", **keys: str) -> None:
-    """Write and load a paper with values of its own."""
-    words = {"name": name, "author": "Own", "quote": "Own (2000)", "system": "chute"}
+def load_paper(
+    folder: Path, values: dict, name: str = "mine", files: dict | None = None, **keys: str
+):
+    """Write and load a paper with values of its own, and with further files."""
+    words = {"name": name, "author": "Own", "quote": "Own (2000)", "system": "chute"} | keys
+    texts = {"paper.yaml": json.dumps(words | {"defaults": {"chute": values}})}
+    texts["__init__.py"] = "import talus\n\ntalus.paper(__name__)\n"
     (folder / name).mkdir()
-    (folder / name / "__init__.py").write_text("import talus\n\ntalus.paper(__name__)\n")
-    (folder / name / "paper.yaml").write_text(
-        json.dumps(words | keys | {"defaults": {"chute": values}})
-    )
+    for file, text in (texts | (files or {})).items():
+        (folder / name / file).write_text(text)
     load_plugins(folder / name)
 
 
@@ -85,6 +87,11 @@ def test_a_study_that_names_a_paper_has_its_values_where_it_gives_none(keys, bas
     assert point_id(point) == point_id(parse_point({"system": "chute"} | expected, "p"))
 
 
+def test_what_a_study_gives_for_another_law_is_refused_though_the_paper_has_it():
+    with pytest.raises(InputError, match=r"base\.attraction: got 'clipped'; allowed: kept unless"):
+        only_point({"law": "walton_braun", "attraction": "clipped"}, paper="mine")
+
+
 def test_evidence_that_names_nothing_is_at_the_values_of_the_claims_paper():
     points = [
         made_point("chute", {"velocity": 1.0}, depth=3),
@@ -103,6 +110,13 @@ def test_evidence_that_names_nothing_is_at_the_values_of_the_claims_paper():
     assert place.velocity.nominal_value == pytest.approx(3)
     with pytest.raises(Untestable, match=r"at depth 3, friction 0\.4, all else as in"):
         own.at("chute", depth=3, friction=0.4)
+    for name, system, found in (
+        ("mine", "chute", "mine"),
+        ("mine", "belt", "gallas"),
+        ("", "chute", "walton"),
+        ("", "conveyor", ""),
+    ):
+        assert getattr(paper_of(system, name), "name", "") == found
     # Runs at its values are of no other reading.
     assert combined_readings(results, "chute", papers()["mine"])[0] == {}
     laws = [one.get("law") for one in combined_readings(results, "chute", papers()["mine"])]
@@ -211,3 +225,26 @@ def test_natural_units_are_a_particle_of_one_and_are_shown_but_where_a_plot_name
 def test_natural_units_with_another_particle_are_refused(name):
     with pytest.raises(InputError, match=rf"s\.yaml: units: got 'natural with {name} = 2'"):
         natural({"units": "natural"}, {name: 2})
+
+
+def test_a_papers_own_points_stand_in_its_own_figure(folder):
+    words = {
+        "about": "Fig. 1",
+        "title": "V",
+        "lead": "V.",
+        "named": ["depth"],
+        "says": "The paper.",
+    }
+    beside = [
+        {"label": "Fig. 1", "points": [[20, 0.1], [22, 0.2]]},
+        {"label": "table", "file": "v.csv", "x": "angle", "y": "v"},
+    ]
+    figure = words | {"name": "theirs", "x": "angle", "curves": "depth", "beside": beside}
+    table = "angle [degree],v [m/s]\n21,0.3\n"
+    figures = {"figures.yaml": json.dumps({"figures": [figure]}), "v.csv": table}
+    load_paper(folder, {"friction": 0.5}, "seen", files=figures)
+    grid = {"angle": [20, 22]}
+    series = [{"name": "a", "system": "chute", "grid": grid, "figures": ["theirs"]}]
+    study = parse_study({"study": "s", "series": series}, "s.yaml", None)
+    found = {label: points for label, points, _ in study.entries["theirs"].foreign}
+    assert found == {"Fig. 1": ((20, 0.1), (22, 0.2)), "table": ((21, 0.3),)}

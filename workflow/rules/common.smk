@@ -29,7 +29,7 @@ try:
     settings = workflow.config_settings
     STUDY = load_study(study_path(settings.configfiles, settings.config_args))
     require_start_files(STUDY)
-    if STUDY.plugins:
+    if STUDY.plugins and workflow.is_main_process:
         # Their files are read before anything runs.
         from sim.claims.sources import require_plugins
 
