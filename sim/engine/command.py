@@ -23,6 +23,7 @@ from sim.engine.identity import cache_directory, library_versions
 from sim.parameters import Parameters, canonical_values, parse_point, point_id
 from sim.parameters.functions import NAME as FUNCTION
 from sim.parameters.given import STATES, read_states
+from sim.parameters.laws import LAW
 from sim.parameters.roles import compiled_parameters
 from sim.parameters.schedule import shortest
 
@@ -183,6 +184,8 @@ def variants(points: Iterable[Parameters]) -> list[Parameters]:
         choices = {name: getattr(point, name) for name in compiled_parameters(model)}
         if choices.get("schedule"):
             choices["schedule"] = shortest(choices["schedule"])
+        if hasattr(point, LAW.name):
+            choices |= point.option(LAW.name).selects(point)
         small[(model, *choices.values())] = model(**model.smallest_values, **choices)
     return list(small.values())
 

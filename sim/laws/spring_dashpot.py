@@ -31,12 +31,17 @@ class AnyMasses(NamedTuple):
     clips: float
 
 
+def is_general(p: SphereParameters) -> bool:
+    """Return whether the law of a point is that of several masses or drags along the surfaces."""
+    return not p.has_one_mass or p.tangential_damping > 0
+
+
 def make(p: SphereParameters, partners: Any) -> NamedTuple:
     """Return the law of a point for one kind of partners."""
     from sim.engine.contact.spring_dashpot import spring_dashpot
 
     step = partners.time_step
-    if p.has_one_mass and not p.tangential_damping:
+    if not is_general(p):
         return spring_dashpot(
             p.stiffness,
             p.restitution,
@@ -105,8 +110,7 @@ def energy(law, overlap, tangential, memory, radius, mass):
 
 law(
     "spring_dashpot",
-    description="a linear spring and dashpot with a linear tangential spring, as in most DEM "
-    "codes; Cundall and Strack, 1979",
+    description="linear springs and a dashpot, as in most DEM codes; Cundall and Strack, 1979",
     make=make,
     force=None,
     energy=energy,
@@ -115,5 +119,6 @@ law(
     max_overlap=SMALL_OVERLAP,
     owns=("attraction", "normal_damping", "tangential_damping"),
     replaces={"normal_damping": ("restitution",)},
+    selects=lambda p: {"tangential_damping": 1.0} if is_general(p) else {},
     variants={AnyMasses: (force, 4, 1)},
 )

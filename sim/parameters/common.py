@@ -178,7 +178,7 @@ class Parameters(BaseModel):
 
     @classmethod
     def without_effect(cls, values: Mapping[str, Any]) -> set[str]:
-        """Return what laws and motions of others have, and what others stand in the place of."""
+        """Return what laws and motions of others have, what is replaced, what the law ignores."""
         used, others = set[str](), set[str]()
         for choice in CHOICES:
             field = cls.model_fields.get(choice)
@@ -186,7 +186,10 @@ class Parameters(BaseModel):
                 chosen = values.get(choice, field.default if field else name)
                 is_chosen = plain_name(name) == plain_name(chosen)
                 (used if is_chosen else others).update((*option.owns, *option.parameters))
-                pairs = getattr(option, "replaces", {}).items() if is_chosen else ()
+                if not is_chosen:
+                    continue
+                others.update(getattr(option, "ignores", ()))
+                pairs = getattr(option, "replaces", {}).items()
                 others.update(*(names for key, names in pairs if values.get(key)))
         return others - used
 

@@ -22,7 +22,7 @@ SIZE, SPEED = ChuteParameters().diameter, ChuteParameters().velocity_unit
 
 def made(plot: Mapping, points: Sequence[MadePoint]) -> tuple[FigureSpec, Results]:
     """Return a plot of points, and these as results."""
-    own = () if points[0].parameters.law in LAW.usual else ("youngs_modulus",)
+    own = () if points[0].parameters.law in LAW.usual else ("grain_modulus",)
     names = (*GRID, "start_from", *own)
     cases = [{name: getattr(one.parameters, name) for name in names} for one in points]
     base = {"law": points[0].parameters.law}
