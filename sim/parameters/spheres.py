@@ -121,6 +121,15 @@ class SphereParameters(Parameters):
         return time
 
     @property
+    def law_reach(self) -> float:
+        """How far beyond contact the law of the point acts, m."""
+        with attribute_errors_to("law", plain_name(self.law)):
+            reach = float(self.option("law").reach(self))
+            if not 0 <= reach < math.inf:
+                raise ValueError(f"it reaches {reach} m beyond contact")
+        return reach
+
+    @property
     def lightest_mass(self) -> float:
         """Mass of the lightest particles, kg."""
         spread = self.diameter_spread
@@ -241,7 +250,8 @@ class SphereParameters(Parameters):
             allowed = "random, unless there are bumps"
             raise broken_rule("bump_arrangement", self.bump_arrangement, allowed)
         largest = largest_diameter(self.diameter_spread, self.is_flat)
-        if allowed := wider_cell(self.cell, largest, self.bumps):
+        reach = self.law_reach / self.diameter
+        if allowed := wider_cell(self.cell, largest, self.bumps, reach):
             raise broken_rule("cell", self.cell, allowed)
         if not self.depth * self._area <= MAX_PARTICLES:
             allowed = f"a value that gives at most {MAX_PARTICLES:.0e} particles in the cell"

@@ -109,6 +109,7 @@ class PlaneFlow(Replica):
         p, length = parameters, parameters.cell * parameters.diameter
         if p.is_flat:
             breadth = BREADTH * max(p.diameter * (1 + p.diameter_spread), p.bumps * p.diameter)
+            breadth += p.law_reach
             self.inertia, self._profile_weight, area = DISC, AREA, length
         else:
             breadth = length
@@ -117,11 +118,11 @@ class PlaneFlow(Replica):
         layer = initial_layer(p, self.box, replicate)
         number = len(layer.radius)
         self.spheres = make_spheres(*layer[:4], p.threads, p.orientations)
-        self.pairs = empty_pair_list(layer.radius, self.box, SKIN * p.diameter)
+        self.pairs = empty_pair_list(layer.radius, self.box, SKIN * p.diameter, reach=p.law_reach)
         self.laws = (self._law(p.friction, 0.5 * p.mass), self._law(p.friction_plane, p.mass))
         self.plane = make_plane(self.laws[1], number, p.threads)
         self.memory = make_memory(self.laws[0], len(self.pairs.touching))
-        self.bond = Bond(turning_numbers(self.laws[0]))
+        self.bond = Bond(turning_numbers(self.laws[0]), p.law_reach)
         self.team = Team(p.threads)
         self.scratch = [make_scratch() for _ in range(p.threads)]
         self.flow = leap_frog.make_flow(number, p.threads, fixed=p.glued_particles > 0)
@@ -160,6 +161,10 @@ class PlaneFlow(Replica):
         """Continue with the particles of another flow and the memory of their contacts."""
         super().take_over(other)
         self.flow.sums[:] = 0.0
+        if other.bond != self.bond:
+            largest = 2.0 * float(self.spheres.radius.max()) + self.bond.reach
+            self.pairs = self.pairs._replace(largest=largest)
+            self.pairs.valid[0] = False
 
     def _advance(self, steps: int) -> int:
         return self.team.run(partial(self._advance_thread, steps))

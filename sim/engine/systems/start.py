@@ -162,7 +162,8 @@ def initial_layer(p: SphereParameters, box: Box, replicate: int) -> Layer:
         size = rng.uniform(1.0 - spread, 1.0 + spread, p.particles)
     # The flow weighs as much as one of equal particles.
     size /= root((size**dimension).mean())
-    if allowed := wider_cell(p.cell, float(size.max()), p.bumps):
+    reach = p.law_reach / p.diameter
+    if allowed := wider_cell(p.cell, float(size.max()), p.bumps, reach):
         raise InputError.of_value(point_id(p), "cell", p.cell, allowed)
     radius = 0.5 * p.diameter * size
     position = random_packing(cell, height, radius, rng)

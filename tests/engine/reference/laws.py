@@ -11,6 +11,7 @@ force on i is ``-F_N k_hat + T``, the force on j the opposite. ``slip`` is the d
 the last step of the surface of j relative to that of i, so T on i points along a fresh slip.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -56,7 +57,7 @@ class ContactLaw:
         return self.tangential_ratio * self.stiffness
 
     def update(
-        self, contact: "Contact", overlap: float, k_hat: np.ndarray, slip: np.ndarray
+        self, contact: "Contact", overlap: float, k_hat: np.ndarray, slip: np.ndarray, *_
     ) -> tuple[float, np.ndarray, "Contact"]:
         """Advance a contact by one step, as `update`."""
         return update(contact, overlap, k_hat, slip, self)
@@ -75,6 +76,11 @@ class Contact:
     sense: int = 1
     largest_overlap: float = 0.0
     normal_force: float = 0.0
+
+    #: Of laws that are plain functions: own numbers, rolling and twisting torque, their sum (N m).
+    numbers: tuple[float, ...] = ()
+    resistance: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
+    torque: np.ndarray = field(default_factory=lambda: np.zeros(3))
 
 
 def update(
@@ -223,7 +229,7 @@ class SpringDashpotLaw:
         return critical * np.cos(brentq(lambda angle: 2 * angle / np.tan(angle) - rate, 1e-6, 1.57))
 
     def update(
-        self, contact: Contact, overlap: float, k_hat: np.ndarray, slip: np.ndarray
+        self, contact: Contact, overlap: float, k_hat: np.ndarray, slip: np.ndarray, *_
     ) -> tuple[float, np.ndarray, Contact]:
         """Advance a contact by one step: normal force (N), T on particle i (3, N), new state."""
         closing = -float(slip @ k_hat) / self.time_step
@@ -244,3 +250,57 @@ class SpringDashpotLaw:
             tangent,
             Contact(tangential_force=tangent, normal_force=normal_force),
         )
+
+
+@dataclass(frozen=True)
+class FunctionLaw:
+    """A law that is a plain function, `sim.parameters.laws.law`: its numbers, how many vectors are
+    among the numbers it remembers, whether it rolls, how far (m) beyond contact it reaches."""
+
+    law: tuple
+    force: Callable
+    vectors: int
+    remembers: int
+    rolls: bool
+    reach: float
+
+    def update(
+        self,
+        contact: Contact,
+        overlap: float,
+        k_hat: np.ndarray,
+        slip: np.ndarray,
+        turn: np.ndarray,
+        radius: float,
+        mass: float,
+    ) -> tuple[float, np.ndarray, Contact]:
+        """Advance a contact by one step: normal force (N), T on particle i (3, N), new state.
+
+        turn is by what j has turned relative to i in the step (3, rad); radius (m) and mass (kg)
+        are the reduced ones.
+        """
+        numbers = contact.numbers or (0.0,) * self.remembers
+        ends = range(0, 3 * self.vectors, 3)
+        vectors = [number for k in ends for number in turned(numbers[k : k + 3], k_hat)]
+        rolling = (*across(turn, k_hat), turn @ k_hat)
+        held = (*turned(contact.resistance[:3], k_hat), contact.resistance[3])
+        normal_force, shear, numbers, _, *torque = self.force(
+            self.law,
+            overlap,
+            -float(slip @ k_hat),
+            tuple(across(slip, k_hat)),
+            tuple(turned(contact.tangential_force, k_hat)),
+            (*vectors, *numbers[3 * self.vectors :]),
+            radius,
+            mass,
+            *((rolling, held) if self.rolls else ()),
+        )
+        resistance = torque[0] if torque else contact.resistance
+        total = np.array(resistance[:3]) + resistance[3] * k_hat
+        new = Contact(np.array(shear), normal_force=normal_force, numbers=numbers, torque=total)
+        return normal_force, np.array(shear), replace(new, resistance=resistance)
+
+
+def turned(vector: Sequence[float], k_hat: np.ndarray) -> np.ndarray:
+    """A vector turned into the plane across k_hat, with its length."""
+    return unit(across(np.array(vector), k_hat)) * length(np.array(vector))
