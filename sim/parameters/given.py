@@ -194,6 +194,11 @@ class Particles(NamedTuple):
     mass: "np.ndarray"
 
 
+def _sides(p: Parameters) -> tuple[float, float]:
+    """Return the sides (m) of the periodic cell along and across the flow."""
+    return p.period, getattr(p, "breadth", 0.0) * p.diameter
+
+
 def _is_flat(p: Parameters) -> bool:
     return p.axes == 2 or getattr(p, "is_flat", False)
 
@@ -222,7 +227,7 @@ def given_particles(p: Parameters) -> Particles:
     flat, radius = _is_flat(p), column("radius", 0.5 * p.diameter)
     position = vectors("xyz")
     if "y" not in state.columns and not flat:
-        position[:, 1] = 0.5 * p.period
+        position[:, 1] = 0.5 * _sides(p)[1]
     mass = p.mass * (2.0 * radius / p.diameter) ** (2 if flat else 3)
     if "density" in state.columns:
         mass = column("density") * sphere_volume(1.0) * (2.0 * radius) ** 3
@@ -250,7 +255,9 @@ def require_possible(p: Parameters) -> str:
             raise _error(state, wrong, _SIZES[::-1], allowed)
     bumps = getattr(p, "bumps", 0.0)
     largest = x.radius.max()
-    if wider := wider_cell(p.period / p.diameter, float(2.0 * largest / p.diameter), bumps):
+    narrow = min(side for side in _sides(p) if side > 0.0) / p.diameter
+    reach = getattr(p, "law_reach", 0.0) / p.diameter
+    if wider := wider_cell(narrow, float(2.0 * largest / p.diameter), bumps, reach):
         raise _error(state, x.radius == largest, _SIZES, f"smaller ones, or a cell that is {wider}")
     if pair := overlapping_pair(x.position, x.radius, p):
         row, other = max(pair), min(pair)
@@ -286,9 +293,10 @@ def _require_columns(p: Parameters, state: GivenState) -> None:
 def _require_places(p: Parameters, state: GivenState, x: Particles) -> None:
     """Refuse particles outside the periodic cell, and below the ground by too large an overlap."""
     for axis, name in enumerate("x" if _is_flat(p) else "xy"):
-        outside = ~((x.position[:, axis] >= 0.0) & (x.position[:, axis] < p.period))
+        side = _sides(p)[axis]
+        outside = ~((x.position[:, axis] >= 0.0) & (x.position[:, axis] < side))
         if outside.any():
-            allowed = f"a place in the periodic cell, in [0, {p.period:g}) m"
+            allowed = f"a place in the periodic cell, in [0, {side:g}) m"
             raise _error(state, outside, (name,), allowed)
     overlap = 0.5 * (x.radius - (x.position[:, 2] - p.ground)) / x.radius
     below = ~(overlap < p.overlap_limit)
@@ -309,13 +317,13 @@ def overlapping_pair(
     import numpy as np
     from scipy.spatial import cKDTree
 
-    box = np.array([p.period, p.period, 0.0])
+    box = np.array([p.period, p.period if _is_flat(p) else _sides(p)[1], 0.0])
     place = position % np.where(box > 0.0, box, np.inf)
     tree = cKDTree(np.where(place < np.where(box > 0.0, box, np.inf), place, 0.0), boxsize=box)
     pairs = tree.query_pairs(2.0 * radius.max(), output_type="ndarray")
     pairs = pairs[pairs.min(axis=1) < movable]
     gap = position[pairs[:, 0]] - position[pairs[:, 1]]
-    gap[:, :2] -= p.period * np.round(gap[:, :2] / p.period)
+    gap[:, :2] -= box[:2] * np.round(gap[:, :2] / box[:2])
     overlap = 1.0 - np.sqrt((gap**2).sum(axis=1)) / radius[pairs].sum(axis=1)
     found = pairs[~(overlap < p.overlap_limit)]
     return (int(found[0, 0]), int(found[0, 1])) if len(found) else None

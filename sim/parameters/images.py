@@ -12,13 +12,13 @@ LEAST_CELL = 3.0
 SIDES = "a number, or [along the flow, across it] without cell_across"
 
 
-def least_period(largest: float, fixed: float = 0.0) -> float:
+def least_period(largest: float, fixed: float = 0.0, reach: float = 0.0) -> float:
     """Return the least period in which no particle can touch two images of another one.
 
     ``largest`` is the largest diameter of those that move, ``fixed`` that of fixed ones, which need
-    not keep away from each other.
+    not keep away from each other; the law acts up to a ``reach`` beyond contact.
     """
-    return largest + max(largest, fixed)
+    return largest + max(largest, fixed) + 2 * reach
 
 
 def largest_diameter(spread: float, is_flat: bool) -> float:
@@ -31,12 +31,12 @@ def largest_diameter(spread: float, is_flat: bool) -> float:
     return (1 + spread) / scale
 
 
-def wider_cell(cell: float, largest: float, bumps: float) -> str:
+def wider_cell(cell: float, largest: float, bumps: float, reach: float = 0.0) -> str:
     """Return what a cell may be that is too narrow, in words; an empty text for a wide one.
 
-    ``cell``, the ``largest`` diameter and that of ``bumps`` (0: none) in σ.
+    ``cell``, the ``largest`` diameter, that of ``bumps`` (0: none) and the law's ``reach`` in σ.
     """
-    least = least_period(largest, bumps)
+    least = least_period(largest, bumps, reach)
     if cell >= least:
         return ""
     sizes, other = (
@@ -44,6 +44,7 @@ def wider_cell(cell: float, largest: float, bumps: float) -> str:
         if bumps > largest
         else ("twice the largest diameter", "another one")
     )
+    sizes += " + twice the reach of the law" if reach else ""
     return (
         f"at least {sizes} = {least:.12g}: in a narrower cell a particle can touch {other} and its "
         "periodic image at once"

@@ -34,6 +34,8 @@ class Law(Option):
     force: Annotated[Callable[..., Any], takes(8)] | None
     energy: Annotated[Callable[..., Any], takes(6)] | None
     collision_time: Annotated[Callable[[Any], float], takes(1)]
+    reach: Annotated[Callable[[Any], float], takes(1)] = lambda p: 0.0
+    rolls: bool = False
     remembers: int = Field(USUALLY_REMEMBERED, ge=0, le=MOST_REMEMBERED)
     one_mass: bool = False
     replaces: dict[str, Names] = {}
@@ -64,6 +66,13 @@ class Law(Option):
     def has_functions(self, kind: type) -> bool:
         """Return whether a type that ``make`` gives has a ``force``, or a body compiled by hand."""
         return self.of(kind)[0] is not None
+
+
+class RollingLaw(Law):
+    """A contact law whose functions know of rolling: see `law`."""
+
+    force: Annotated[Callable[..., Any], takes(10)] | None
+    energy: Annotated[Callable[..., Any], takes(7)] | None
 
 
 def law(name: str, **fields: Any) -> None:
@@ -103,6 +112,16 @@ def law(name: str, **fields: Any) -> None:
     turns : int
         How many vectors of 3 numbers come first among them: they turn with the contact as the
         tangential force does, and change sign with the order of the partners.
+    rolls : bool
+        Whether partners resist rolling and twisting. ``force`` gets ``rolling`` and ``torque``,
+        too, and returns the torque on the first partner as a fifth value; ``energy`` gets
+        ``torque``. Each has 4 numbers: 3 across the normal, and one about it, from the first
+        partner to the second. ``rolling`` is the angle (rad) by which the second has turned
+        relative to the first in the step; ``torque`` (N m) that of the last step, turned with the
+        contact. Its work counts as that against friction.
+    reach : callable
+        ``reach(p)`` returns how far (m) beyond contact ``force`` is called, whose ``overlap`` is
+        negative there.
     one_mass : bool
         Whether the law needs particles of one mass: ``force`` makes no use of ``mass``.
     max_overlap : float
@@ -123,7 +142,7 @@ def law(name: str, **fields: Any) -> None:
         Types of what ``make`` returns that have another ``force``, with it, how many numbers
         that gives to remember and, where it differs, how many vectors turn. It may call ``force``.
     """
-    LAW.add(name, Law, **fields)
+    LAW.add(name, RollingLaw if fields.get("rolls") is True else Law, **fields)
 
 
 #: The choice of an engine.

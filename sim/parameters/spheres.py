@@ -178,6 +178,15 @@ class SphereParameters(Parameters):
         return time
 
     @property
+    def law_reach(self) -> float:
+        """How far beyond contact the law of the point acts, m."""
+        with attribute_errors_to("law", plain_name(self.law)):
+            reach = float(self.option("law").reach(self))
+            if not 0 <= reach < math.inf:
+                raise ValueError(f"it reaches {reach} m beyond contact")
+        return reach
+
+    @property
     def lightest_mass(self) -> float:
         """Mass of the lightest particles, kg."""
         if self.initial_state:
@@ -378,9 +387,10 @@ class SphereParameters(Parameters):
         largest = largest_diameter(self.diameter_spread, self.is_flat)
         if 0 < self.cell_across < LEAST_CELL:
             raise broken_rule("cell_across", self.cell_across, f"0, or a number >= {LEAST_CELL:g}")
+        reach = self.law_reach / self.diameter
         for name in ("cell", "cell_across"):
             side = getattr(self, name) or self.cell
-            if allowed := wider_cell(side, largest, self.bumps):
+            if allowed := wider_cell(side, largest, self.bumps, reach):
                 raise broken_rule(name, side, allowed)
         if not self.depth * self._area <= MAX_PARTICLES:
             allowed = f"a value that gives at most {MAX_PARTICLES:.0e} particles in the cell"

@@ -230,7 +230,8 @@ def test_flows_have_the_same_bits_twice_and_after_a_pause(case):
     point = point_of(case, **FLOW, steps_per_collision=40)
     replicate = Replicate(point, 0)
     system = replicate.system
-    numbers = 3 + system.parameters.option("law").of(type(system.laws[0]))[1]
+    option = system.parameters.option("law")
+    numbers = 3 + 7 * option.rolls + option.of(type(system.laws[0]))[1]
     assert system.memory.shape[:2] == system.plane.memory.shape[:2] == (2, numbers)
     assert {memory_size(type(law)) for law in system.laws} == {numbers}
     for number in range(6):

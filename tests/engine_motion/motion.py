@@ -61,6 +61,7 @@ class SphereMotion:
         overlap_limit: float = 0.5,
         threads: int = 1,
         inertia: float = SOLID,
+        reach: float = 0.0,
     ):
         law = law or sphere_law()
         self.laws = (law, plane_law or law)
@@ -70,10 +71,10 @@ class SphereMotion:
         number = len(self.spheres.mass)
         self.length = (*(box or UNBOUNDED), 0.0)
         self.box, self.unbounded = make_box(*self.length[:2]), box is None
-        self.pairs = empty_pair_list(self.spheres.radius, self.box, skin, room)
+        self.pairs = empty_pair_list(self.spheres.radius, self.box, skin, room, reach)
         self.plane = make_plane(self.laws[1], number, threads)
         self.memory = make_memory(self.laws[0], len(self.pairs.touching))
-        self.bond = Bond(turning_numbers(self.laws[0]))
+        self.bond = Bond(turning_numbers(self.laws[0]), reach)
         self.team, self.scratch = Team(threads), [make_scratch() for _ in range(threads)]
         self.flow = leap_frog.make_flow(number, threads)
         self.gravity, self.overlap_limit, self._inertia = gravity, overlap_limit, inertia

@@ -20,14 +20,16 @@ def touched_images(across, up, period: float, reach: float):
     return (np.hypot(across[:, None] + shifts, up[:, None]) < reach).sum(axis=1)
 
 
-@given(SIZES, SIZES, st.floats(0.9, 1.1), st.integers(0, 10**6))
-def test_two_images_can_be_touched_below_the_least_period_alone(largest, fixed, share, seed):
-    least = least_period(largest, fixed)
+@given(SIZES, SIZES, st.floats(0, 0.5), st.floats(0.9, 1.1), st.integers(0, 10**6))
+def test_two_images_can_be_reached_below_the_least_period_alone(
+    largest, fixed, beyond, share, seed
+):
+    least = least_period(largest, fixed, beyond)
     period, rng = share * least, np.random.default_rng(seed)
     across = np.append(rng.uniform(-period, period, 500), 0.5 * period)
     up = np.append(rng.uniform(-least, least, 500), 0.0)
     for other in (fixed, largest, *rng.uniform(0, largest, 3)):
-        most = touched_images(across, up, period, 0.5 * (largest + other)).max()
+        most = touched_images(across, up, period, 0.5 * (largest + other) + beyond).max()
         assert most <= 1 or share < 1
     if share < 1:
         assert touched_images(across, up, period, 0.5 * least).max() == 2

@@ -12,9 +12,10 @@ from sim.engine.contact.friction import (
     recall_in_loop,
     stored_energy,
 )
-from sim.engine.contact.functions import law_on_plane
+from sim.engine.contact.functions import add_torque, gap_to_plane, law_on_plane, touching_number
 from sim.engine.dynamics.neighbors import BLOCK
 from sim.engine.dynamics.spheres import (
+    DEPTH,
     FX,
     LOSS,
     MX,
@@ -41,11 +42,11 @@ def make_plane(law: NamedTuple, particles: int, threads: int = 1) -> Plane:
 
 
 @inlined
-def _find_touching(spheres, start, size, search):
+def _find_touching(spheres, contacts, start, size, search):
     """List the touching ones of ``size`` particles from ``start`` on; return their number."""
     for k in range(size):
         i = np.uint64(start + k)
-        search.gap[k] = spheres.position[2, i] - spheres.radius[i]
+        search.gap[k] = gap_to_plane(contacts.law, spheres, i, contacts.reach)
     return np.int64(append_negative(search.gap, size, start, search.touching, np.uint64(0)))
 
 
@@ -62,7 +63,7 @@ def _evaluate(spheres, contacts, scratch, number, base, time_step):
         write_approach(rows, k, Meeting(separation, velocity, rim, spheres.radius[i]), time_step)
     for k in range(number):
         i = np.uint64(touching[k])
-        law = law_on_plane(contacts.law, spheres, i)
+        law = law_on_plane(contacts.law, spheres, i, time_step)
         memory = recall_in_loop(contacts.law, new, contacts.before, slot[0, i])
         memory = apply_law(law, rows, k, memory)
         for m in range(len(new)):
@@ -80,11 +81,12 @@ def plane_forces(spheres, contacts, scratch, time_step, share):
     assume_no_alias()
     rank, begin, end = share
     slot, touching, rows = contacts.partners, scratch.search.touching, scratch.rows
-    contact_count, largest, along, upward, loss, work = 0, 0.0, 0.0, 0.0, 0.0, 0.0
+    contact_count, found, largest, along, upward = 0, 0, 0.0, 0.0, 0.0
+    loss, work = 0.0, 0.0
     for start in range(begin, end, BLOCK):
         size = min(BLOCK, end - start)
-        number = _find_touching(spheres, start, size, scratch.search)
-        base = begin + rank * LANES + contact_count
+        number = _find_touching(spheres, contacts, start, size, scratch.search)
+        base = begin + rank * LANES + found
         if number > 0:
             padded_number = fill_vectors(touching, 0, number)
             _evaluate(spheres, contacts, scratch, padded_number, base, time_step)
@@ -96,6 +98,7 @@ def plane_forces(spheres, contacts, scratch, time_step, share):
             for d in range(3):
                 spheres.force[rank, d, i] += rows[(FX + d) * STRIDE + k]
                 spheres.moment[rank, d, i] += rows[(MX + d) * STRIDE + k]
+            add_torque(contacts.law, spheres, contacts.after, base + k, i, 1.0, rank)
             along += rows[FX * STRIDE + k]
             upward += rows[(FX + 2) * STRIDE + k]
             loss += rows[LOSS * STRIDE + k]
@@ -105,7 +108,8 @@ def plane_forces(spheres, contacts, scratch, time_step, share):
             diameter = 2.0 * spheres.radius[i]
             if overlap > largest * diameter:
                 largest = overlap / diameter
-        contact_count += number
+        found += number
+        contact_count += touching_number(contacts.law, rows, DEPTH * STRIDE, number)
     return contact_count, largest, loss, work, along, upward
 
 
@@ -121,7 +125,7 @@ def stored_in_plane(law, spheres, plane, memory, time_step):
             continue
         height = spheres.position[2, i] - spheres.velocity[2, i] * time_step
         overlap = spheres.radius[i] - abs(height)
-        plane_law = law_on_plane(law, spheres, i)
+        plane_law = law_on_plane(law, spheres, i, time_step)
         normal_energy, tangential_energy = stored_energy(
             plane_law, overlap, recall(new, memory, plane.slot[0, i])
         )

@@ -46,11 +46,6 @@ def memory_size(kind: type) -> int:
     return VECTOR + _own_numbers[kind]
 
 
-def own_vectors(kind: type) -> int:
-    """Return how many of a law's own numbers are vectors."""
-    return _own_vectors[kind]
-
-
 def turning_numbers(law: NamedTuple) -> int:
     """Return how many numbers of a memory, its first, change sign where partners change places."""
     return VECTOR * (1 + _own_vectors[type(law)])
@@ -138,7 +133,7 @@ def contact_force(law, overlap, approach, normal, slip, memory):
     law : NamedTuple
         The parameters of the law; its type selects the body.
     overlap, approach : float
-        Overlap of the two surfaces (m), positive in contact, and how far (m) the partners have
+        Overlap of the two surfaces (m), negative beyond contact, and how far (m) the partners have
         approached each other during the step.
     normal : tuple of 3 floats
         Unit vector from sphere i to its partner j.

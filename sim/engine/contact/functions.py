@@ -1,11 +1,14 @@
 """Contact laws that are plain functions of two partners.
 
-For each contact such a law is bundled with radius and mass of its partners (`PartnerLaw`). Laws
-that need neither are used as they are, at no extra cost.
+For each contact such a law is bundled with radius, mass and rotation of its partners
+(`PartnerLaw`). Laws that need none of these are used as they are, and what a law does not do is
+not compiled for it.
 """
 
+from collections.abc import Callable
 from functools import cache
-from typing import NamedTuple
+from inspect import isfunction
+from typing import Any, NamedTuple
 
 from numba.core.types import BaseTuple, Float
 
@@ -19,18 +22,38 @@ from sim.engine.compile import (
 )
 from sim.engine.contact.friction import (
     SMALLEST,
+    VECTOR,
     blank_memory,
     contact_force,
     declare_memory,
     friction_direction,
     inverse_square_root,
-    own_vectors,
     stored_energy,
     work_against,
 )
 
-#: Types of the laws that are plain functions.
-_functional: set[type] = set()
+
+class Functions(NamedTuple):
+    """A law's functions ``force`` and ``energy``, and what it does.
+
+    It remembers ``numbers`` of its own, the first of which are ``vectors`` that turn with the
+    contact; it ``rolls``, which is to resist rotation; it ``reaches`` beyond contact.
+    """
+
+    force: Callable[..., Any]
+    energy: Callable[..., Any]
+    numbers: int
+    vectors: int
+    rolls: bool
+    reaches: bool
+
+
+#: The laws that are plain functions, by the types of their parameters.
+_laws: dict[type, Functions] = {}
+
+#: Numbers remembered of the torque of a law that rolls: all of it, its part across the normal, and,
+#: behind all other numbers, its size about the normal.
+_TORQUE = 2 * VECTOR + 1
 
 
 class PartnerLaw(NamedTuple):
@@ -41,13 +64,38 @@ class PartnerLaw(NamedTuple):
     mass: float
 
 
-@by_type
-def law_between(law, spheres, pairs, p):
-    """Return a law for the two spheres of pair p of a list."""
-    if law.instance_class not in _functional:
-        return lambda law, spheres, pairs, p: law
+class RollingLaw(NamedTuple):
+    """The same with the ``turn`` (3,) (rad) of the second partner relative to the first in the
+    step."""
 
-    def body(law, spheres, pairs, p):
+    law: NamedTuple
+    radius: float
+    mass: float
+    turn: tuple[float, float, float]
+
+
+def _rolls(law):
+    return law.instance_class in _laws and _laws[law.instance_class].rolls
+
+
+def _reaches(law):
+    return law.instance_class in _laws and _laws[law.instance_class].reaches
+
+
+@inlined
+def turn_of(spheres, i, time_step):
+    """Return by which angle (3,) (rad) a sphere has turned in the step."""
+    w, per_rim = spheres.rim, time_step / spheres.radius[i]
+    return w[0, i] * per_rim, w[1, i] * per_rim, w[2, i] * per_rim
+
+
+@by_type
+def law_between(law, spheres, pairs, p, time_step):
+    """Return a law for the two spheres of pair p of a list."""
+    if law.instance_class not in _laws:
+        return lambda law, spheres, pairs, p, time_step: law
+
+    def body(law, spheres, pairs, p, time_step):
         i, j = pairs.first[p], pairs.second[p]
         reduced_radius = (
             spheres.radius[i] * spheres.radius[j] / (spheres.radius[i] + spheres.radius[j])
@@ -56,20 +104,85 @@ def law_between(law, spheres, pairs, p):
         inverse = spheres.inverse_mass[i] + spheres.inverse_mass[j]
         return PartnerLaw(law, reduced_radius, 1.0 / inverse if inverse > 0.0 else 0.0)
 
+    inlined_body = inlined(body)
+
+    def rolling_body(law, spheres, pairs, p, time_step):
+        law, radius, mass = inlined_body(law, spheres, pairs, p, time_step)
+        ax, ay, az = turn_of(spheres, pairs.first[p], time_step)
+        bx, by, bz = turn_of(spheres, pairs.second[p], time_step)
+        return RollingLaw(law, radius, mass, (bx - ax, by - ay, bz - az))
+
+    return rolling_body if _rolls(law) else body
+
+
+@by_type
+def law_on_plane(law, spheres, i, time_step):
+    """Return a law for sphere i and the plane."""
+    if law.instance_class not in _laws:
+        return lambda law, spheres, i, time_step: law
+    if not _rolls(law):
+        return lambda law, spheres, i, time_step: PartnerLaw(
+            law, spheres.radius[i], spheres.mass[i]
+        )
+
+    def body(law, spheres, i, time_step):
+        x, y, z = turn_of(spheres, i, time_step)
+        return RollingLaw(law, spheres.radius[i], spheres.mass[i], (-x, -y, -z))
+
     return body
 
 
 @by_type
-def law_on_plane(law, spheres, i):
-    """Return a law for sphere i and the plane."""
-    if law.instance_class not in _functional:
-        return lambda law, spheres, i: law
-    return lambda law, spheres, i: PartnerLaw(law, spheres.radius[i], spheres.mass[i])
+def reach_of(law, reach):
+    """Return how far (m) beyond contact a law is called."""
+    return (lambda law, reach: reach) if _reaches(law) else (lambda law, reach: 0.0)
+
+
+@by_type
+def gap_to_plane(law, spheres, i, reach):
+    """Return how far (m) sphere i is from where the plane's law is called, negative within.
+
+    A fixed sphere and the plane are no partners of a law that reaches.
+    """
+    if not _reaches(law):
+        return lambda law, spheres, i, reach: spheres.position[2, i] - spheres.radius[i]
+    return lambda law, spheres, i, reach: (
+        spheres.position[2, i] - spheres.radius[i] - reach if spheres.mass[i] > 0.0 else reach
+    )
+
+
+@by_type
+def touching_number(law, rows, first, number):
+    """Return how many of ``number`` overlaps (m), from index ``first`` on, are of contacts."""
+    if not _reaches(law):
+        return lambda law, rows, first, number: number
+
+    def body(law, rows, first, number):
+        count = 0
+        for k in range(first, first + number):
+            count += 1 if rows[k] > 0.0 else 0
+        return count
+
+    return body
+
+
+@by_type
+def add_torque(law, spheres, memory, c, i, sign, rank):
+    """Add to sphere i the torque of contact c, if its law gives one, see ``Spheres.moment``."""
+    if not _rolls(law):
+        return lambda law, spheres, memory, c, i, sign, rank: None
+
+    def body(law, spheres, memory, c, i, sign, rank):
+        for d in range(VECTOR):
+            spheres.moment[rank, d, i] += sign * memory[VECTOR + d, c] / spheres.radius[i]
+
+    return body
 
 
 @implements(blank_memory)
 def _blank_memory(law):
-    return (lambda law: blank_memory(law.law)) if law.instance_class is PartnerLaw else None
+    is_bundle = law.instance_class in (PartnerLaw, RollingLaw)
+    return (lambda law: blank_memory(law.law)) if is_bundle else None
 
 
 @inlined
@@ -81,132 +194,122 @@ def turn_into_plane(normal, tangential):
     return magnitude * ux, magnitude * uy, magnitude * uz
 
 
-@by_type
-def turn_vectors(law, normal, numbers):
-    """Return a law's own numbers with its vectors turned as the tangential force is."""
-    return _turning(own_vectors(law.instance_class))
-
-
 def _turning(vectors):
+    """Return a function that turns so many vectors, the first of some numbers."""
     if vectors == 0:
-        return lambda law, normal, numbers: numbers
+        return lambda normal, numbers: numbers
     turn_others = inlined(_turning(vectors - 1))
+    return lambda normal, numbers: (
+        *turn_into_plane(normal, numbers[:3]),
+        *turn_others(normal, numbers[3:]),
+    )
 
-    def body(law, normal, numbers):
-        return (*turn_into_plane(normal, numbers[:3]), *turn_others(law, normal, numbers[3:]))
 
-    return body
-
-
-def force_of(law, overlap, approach, slip, tangential, memory, radius, mass):
+@by_type
+def force_of(law, given):
     """Return the result of a law's function ``force``, see `sim.parameters.laws.law`."""
-    raise NotImplementedError
+    force = _inline(_laws[law.instance_class].force)
+    return lambda law, given: checked_force(law, force(law, *given))
 
 
+@by_type
 def checked_force(law, returned):
     """Return the result of a law's ``force``; refuse other types or numbers when compiled."""
-    raise NotImplementedError
+    force, _, own_numbers, _, rolls, _ = _laws[law.instance_class]
+    parts = ["normal force", "tangential force", "numbers to remember", "energy", "torque"]
+    parts = parts if rolls else parts[:-1]
+    if not (isinstance(returned, BaseTuple) and len(returned) == len(parts)):
+        wanted = f"{', '.join(parts[:-1])} and {parts[-1]}"
+        raise typing_error(force, f"what force returns is no tuple of {wanted}: got {returned}")
+    normal, tangential, numbers, loss, *torque = returned
+    require_numbers(force, "normal force and energy that force returns", (normal, loss), 2)
+    require_numbers(force, "the tangential force that force returns", tangential, 3, Float)
+    subject = f"what force gives to remember, {own_numbers} as remembers says,"
+    require_numbers(force, subject, numbers, own_numbers, Float)
+    for one in torque:
+        require_numbers(force, "the torque that force returns", one, 4, Float)
+    return lambda law, returned: returned
 
 
+@by_type
+def energy_of(law, given):
+    """Return the result of a law's function ``energy``, see `sim.parameters.laws.law`."""
+    energy = _inline(_laws[law.instance_class].energy)
+    return lambda law, given: checked_energy(law, energy(law, *given))
+
+
+@by_type
 def checked_energy(law, returned):
     """Return the result of a law's ``energy``; refuse other types when compiled."""
-    raise NotImplementedError
-
-
-def energy_of(law, overlap, tangential, memory, radius, mass):
-    """Return the result of a law's function ``energy``, see `sim.parameters.laws.law`."""
-    raise NotImplementedError
+    require_numbers(_laws[law.instance_class].energy, "what energy returns", returned, 2)
+    return lambda law, returned: returned
 
 
 @implements(contact_force)
 def _contact_force(law, overlap, approach, normal, slip, memory):
-    if law.instance_class is not PartnerLaw:
+    if law.instance_class not in (PartnerLaw, RollingLaw):
         return None
+    functions = _laws[law.types[0].instance_class]
+    turn_vectors = inlined(_turning(functions.vectors))
+    has_turn = law.instance_class is RollingLaw
+    turn_in = inlined((lambda law: law.turn) if has_turn else (lambda law: (0.0, 0.0, 0.0)))
 
     def body(law, overlap, approach, normal, slip, memory):
-        before, numbers = memory[:3], turn_vectors(law.law, normal, memory[3:])
-        force, tangential, numbers, loss = force_of(
-            law.law,
-            overlap,
-            approach,
-            slip,
-            turn_into_plane(normal, before),
-            numbers,
-            law.radius,
-            law.mass,
-        )
+        before, numbers = memory[:3], turn_vectors(normal, memory[3:])
+        held = turn_into_plane(normal, before)
+        given = overlap, approach, slip, held, numbers, law.radius, law.mass
+        force, tangential, numbers, loss = force_of(law.law, given)
         work = work_against(before, tangential, slip)
         return force, tangential, (*tangential, *numbers), (loss, work)
 
-    return body
+    def rolling_body(law, overlap, approach, normal, slip, memory):
+        before, torque_before, numbers = memory[:3], memory[3:6], memory[9:-1]
+        held, numbers = turn_into_plane(normal, before), turn_vectors(normal, numbers)
+        (nx, ny, nz), (tx, ty, tz) = normal, turn_in(law)
+        twist = tx * nx + ty * ny + tz * nz
+        rolling = (tx - twist * nx, ty - twist * ny, tz - twist * nz, twist)
+        resisting = (*turn_into_plane(normal, memory[6:9]), memory[-1])
+        given = overlap, approach, slip, held, numbers, law.radius, law.mass, rolling, resisting
+        force, tangential, numbers, loss, (x, y, z, about) = force_of(law.law, given)
+        torque = (x + about * nx, y + about * ny, z + about * nz)
+        work = work_against(before, tangential, slip)
+        work += work_against(torque_before, torque, (tx, ty, tz))
+        remembered = (*tangential, *torque, x, y, z, *numbers, about)
+        return force, tangential, remembered, (loss, work)
+
+    return rolling_body if functions.rolls else body
 
 
 @implements(stored_energy)
 def _stored_energy(law, overlap, memory):
-    if law.instance_class is not PartnerLaw:
+    if law.instance_class not in (PartnerLaw, RollingLaw):
         return None
-    return lambda law, overlap, memory: energy_of(
-        law.law, overlap, memory[:3], memory[3:], law.radius, law.mass
-    )
+
+    def body(law, overlap, memory):
+        given = overlap, memory[:3], memory[3:], law.radius, law.mass
+        return energy_of(law.law, given)
+
+    def rolling_body(law, overlap, memory):
+        torque = (*memory[6:9], memory[-1])
+        given = overlap, memory[:3], memory[9:-1], law.radius, law.mass, torque
+        return energy_of(law.law, given)
+
+    return rolling_body if _laws[law.types[0].instance_class].rolls else body
 
 
 def add_law(kind, law, has_plugin):
     """Register a type of parameters as a law, with its functions, of a plug-in or of Talus."""
     if adopt_type(kind, has_plugin):
-        if law.force:
-            _inline(law.force)
-        _add_functions(kind, *law.of(kind), law.energy)
+        force, numbers, vectors = law.of(kind)
+        reaches, torque = "reach" in law.model_fields_set, _TORQUE if law.rolls else 0
+        _laws[kind] = Functions(force, law.energy, numbers, vectors, law.rolls, reaches)
+        declare_memory(kind, torque + numbers, vectors=torque // VECTOR + vectors)
 
 
-#: A function that several types have is registered once.
-_inline = cache(inlined)
-
-
-def _add_functions(kind, force, own_numbers, vectors, energy):
-    """Register functions for a type; it remembers ``own_numbers`` besides the tangential force."""
-    own_force, own_energy = _inline(force), _inline(energy)
-    _functional.add(kind)
-    declare_memory(kind, own_numbers, vectors=vectors)
-
-    @implements(force_of)
-    def _force(law, overlap, approach, slip, tangential, memory, radius, mass):
-        if law.instance_class is not kind:
-            return None
-
-        def body(law, overlap, approach, slip, tangential, memory, radius, mass):
-            return checked_force(
-                law, own_force(law, overlap, approach, slip, tangential, memory, radius, mass)
-            )
-
-        return body
-
-    @implements(checked_force)
-    def _checked_force(law, returned):
-        if law.instance_class is not kind:
-            return None
-        if not (isinstance(returned, BaseTuple) and len(returned) == 4):
-            message = (
-                "what force returns is no tuple of normal force, tangential force, numbers to "
-            )
-            raise typing_error(force, f"{message}remember and energy: got {returned}")
-        normal, tangential, numbers, loss = returned
-        require_numbers(force, "normal force and energy that force returns", (normal, loss), 2)
-        require_numbers(force, "the tangential force that force returns", tangential, 3, Float)
-        subject = f"what force gives to remember, {own_numbers} as remembers says,"
-        require_numbers(force, subject, numbers, own_numbers, Float)
-        return lambda law, returned: returned
-
-    @implements(checked_energy)
-    def _checked_energy(law, returned):
-        if law.instance_class is not kind:
-            return None
-        require_numbers(energy, "what energy returns", returned, 2)
-        return lambda law, returned: returned
-
-    @implements(energy_of)
-    def _energy(law, overlap, tangential, memory, radius, mass):
-        if law.instance_class is not kind:
-            return None
-        return lambda law, overlap, tangential, memory, radius, mass: checked_energy(
-            law, own_energy(law, overlap, tangential, memory, radius, mass)
-        )
+@cache
+def _inline(function):
+    """Register a function to be compiled, once, with the plain functions that it calls by name."""
+    for other in map(function.__globals__.get, function.__code__.co_names):
+        if isfunction(other) and other is not function:
+            _inline(other)
+    return inlined(function)

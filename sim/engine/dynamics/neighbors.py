@@ -58,7 +58,7 @@ class PairList(NamedTuple):
     the last build: ``anchor`` (D, N) positions at that time, ``drift`` (D,) mean displacement (m),
     ``stream`` (N,) velocity of the mean flow at each particle relative to the mean of all (m/s),
     ``clock`` (2,) see ``mean_flow``, ``valid`` (1,). ``skin`` and the ``largest`` sum of two radii
-    in m; ``box`` is the periodic cell.
+    and the law's reach in m; ``box`` is the periodic cell.
     """
 
     first: np.ndarray
@@ -80,9 +80,10 @@ class PairList(NamedTuple):
 
 class Bond(NamedTuple):
     """What the law of the contacts asks of their list: how many ``turning`` numbers of a memory,
-    its first, change sign where the partners change places."""
+    its first, change sign where the partners change places; ``reach`` (m) beyond contact."""
 
     turning: int
+    reach: float
 
 
 class Search(NamedTuple):
@@ -98,10 +99,12 @@ def make_search(particles: int = BLOCK) -> Search:
     return Search(np.zeros(room), np.zeros(room + LANES, np.uint32))
 
 
-def empty_pair_list(radius: np.ndarray, box: Box, skin: float, per_particle: int = 8) -> PairList:
+def empty_pair_list(
+    radius: np.ndarray, box: Box, skin: float, per_particle: int = 8, reach: float = 0.0
+) -> PairList:
     """Return a list without pairs, with room for ``per_particle`` pairs per particle.
 
-    ``radius`` (N,) and ``skin`` in m.
+    ``radius`` (N,), ``skin`` and the law's ``reach`` beyond contact in m.
     """
     dimension = len(box.length)
     particles = len(radius)
@@ -126,7 +129,7 @@ def empty_pair_list(radius: np.ndarray, box: Box, skin: float, per_particle: int
             np.zeros(MOST_THREADS, np.int64),
         ),
         skin=skin,
-        largest=2.0 * float(np.max(radius)),
+        largest=2.0 * float(np.max(radius)) + reach,
         box=box,
     )
 
@@ -142,10 +145,11 @@ def double_room(pairs: PairList) -> PairList:
 
 
 @inlined
-def find_touching(position, pairs, begin, end, base, gap):
+def find_touching(position, pairs, begin, end, base, gap, reach=0.0):
     """Put the touching pairs among ``begin``..``end`` into ``pairs.touching`` from ``base`` on.
 
-    Returns their number. The list is examined in blocks of the size of ``gap``, which is scratch.
+    These are all that are closer than the law's ``reach`` (m) beyond contact. Returns their number.
+    The list is examined in blocks of the size of ``gap``, which is scratch.
     """
     box, touching = pairs.box, np.uint64(base)
     for start in range(begin, end, gap.size):
@@ -156,13 +160,14 @@ def find_touching(position, pairs, begin, end, base, gap):
             square = 0.0
             for d in range(len(box.length)):
                 square += nearest_image(position[d, j] - position[d, i], box, d) ** 2
-            gap[k] = square - pairs.reach[p] * pairs.reach[p]
+            most = pairs.reach[p] + reach
+            gap[k] = square - most * most
         touching += append_negative(gap, size, start, pairs.touching, touching)
     return np.int64(touching) - base
 
 
 @inlined
-def find_next(pairs, position, radius, rank, threads):
+def find_next(pairs, position, radius, bond, rank, threads):
     """Find one thread's part of the next list; return all sorted particles and the thread's share.
 
     All threads sort, which is cheap, and search in their own cells. The share is the range of
@@ -188,7 +193,7 @@ def find_next(pairs, position, radius, rank, threads):
     part = Part(first, last, rank * room, room)
     ordered = SortedParticles(order, place, size)
     next_list.count[rank] = find_pairs(
-        ordered, Grid(box, cells, begin), pairs.skin, part, next_list
+        ordered, Grid(box, cells, begin), pairs.skin + bond.reach, part, next_list
     )
     for p in range(part.base, part.base + room):
         next_list.slot[np.uint64(p)] = -1
@@ -294,10 +299,11 @@ def refresh(pairs, position, radius, memory):
     status = wrap_particles(pairs, position)
     if status != OK:
         return status, np.empty(0, np.int64)
-    ordered, share = find_next(pairs, position, radius, 0, 1)
+    no_bond = Bond(0, 0.0)
+    ordered, share = find_next(pairs, position, radius, no_bond, 0, 1)
     if not has_room(pairs, 1):
         return LIST_FULL, ordered.order
-    carry_slots(pairs, ordered.order, memory, Bond(0), 0, pairs.start[ordered.order.size])
+    carry_slots(pairs, ordered.order, memory, no_bond, 0, pairs.start[ordered.order.size])
     adopt_part(pairs, position, ordered, share, 1)
     pairs.valid[0] = True
     return OK, ordered.order

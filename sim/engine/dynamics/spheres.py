@@ -20,7 +20,7 @@ from sim.engine.contact.friction import (
     recall_in_loop,
     stored_energy,
 )
-from sim.engine.contact.functions import law_between
+from sim.engine.contact.functions import add_torque, law_between, reach_of, touching_number
 from sim.engine.dynamics.cells import nearest_image, round_up
 from sim.engine.dynamics.neighbors import BLOCK, Search, find_touching, make_search
 
@@ -66,13 +66,14 @@ class Contacts(NamedTuple):
     """The contacts of spheres with each other or with a boundary in one step.
 
     ``law``; ``partners``: a pair list or the slots of a plane; memory ``before`` and ``after`` the
-    step (M, C).
+    step (M, C); ``reach`` (m) of the law beyond contact.
     """
 
     law: NamedTuple
     partners: NamedTuple
     before: np.ndarray
     after: np.ndarray
+    reach: float
 
 
 class Scratch(NamedTuple):
@@ -201,7 +202,7 @@ def _evaluate(spheres, contacts, block, time_step):
         c = np.uint64(block.base + k)
         slot = pairs.slot[pairs.touching[c]]
         memory = recall_in_loop(contacts.law, new, contacts.before, slot)
-        law = law_between(contacts.law, spheres, pairs, pairs.touching[c])
+        law = law_between(contacts.law, spheres, pairs, pairs.touching[c], time_step)
         memory = apply_law(law, rows, k, memory)
         for m in range(len(new)):
             contacts.after[m, c] = memory[m]
@@ -218,7 +219,7 @@ def nearest_separation(x, box, i, j):
 
 
 @inlined
-def _scatter(spheres, pairs, block, rank):
+def _scatter(spheres, contacts, block, rank):
     """Add forces and moments to both partners.
 
     Returns the largest relative overlap, the energy dissipated by normal forces and the work done
@@ -226,14 +227,18 @@ def _scatter(spheres, pairs, block, rank):
     """
     largest, loss, work = 0.0, 0.0, 0.0
     force, moment, rows = spheres.force, spheres.moment, block.rows
+    law, pairs = contacts.law, contacts.partners
     for k in range(block.number):
-        p = np.uint64(pairs.touching[np.uint64(block.base + k)])
+        c = np.uint64(block.base + k)
+        p = np.uint64(pairs.touching[c])
         i, j = np.uint64(pairs.first[p]), np.uint64(pairs.second[p])
         for d in range(3):
             force[rank, d, i] += rows[(FX + d) * STRIDE + k]
             force[rank, d, j] -= rows[(FX + d) * STRIDE + k]
             moment[rank, d, i] += rows[(MX + d) * STRIDE + k]
             moment[rank, d, j] += rows[(MX + d) * STRIDE + k]
+        add_torque(law, spheres, contacts.after, c, i, 1.0, rank)
+        add_torque(law, spheres, contacts.after, c, j, -1.0, rank)
         if rows[DEPTH * STRIDE + k] > largest * rows[REACH * STRIDE + k]:
             largest = rows[DEPTH * STRIDE + k] / rows[REACH * STRIDE + k]
         loss += rows[LOSS * STRIDE + k]
@@ -264,13 +269,15 @@ def sphere_forces(spheres, contacts, scratch, time_step, share):
     pairs, gap = contacts.partners, scratch.search.gap
     first, last = pairs.start[share.begin], pairs.start[share.end]
     base = first + share.rank * LANES
-    touching = find_touching(spheres.position, pairs, first, last, base, gap)
+    reach = reach_of(contacts.law, contacts.reach)
+    touching = find_touching(spheres.position, pairs, first, last, base, gap, reach)
     fill_vectors(pairs.touching, base, touching)
-    largest, loss, work = 0.0, 0.0, 0.0
+    number, largest, loss, work = 0, 0.0, 0.0, 0.0
     for start in range(base, base + touching, BLOCK):
         block = Block(scratch.rows, start, min(BLOCK, base + touching - start))
         _evaluate(spheres, contacts, block, time_step)
-        block_largest, block_loss, block_work = _scatter(spheres, pairs, block, share.rank)
+        block_largest, block_loss, block_work = _scatter(spheres, contacts, block, share.rank)
+        number += touching_number(contacts.law, block.rows, DEPTH * STRIDE, block.number)
         largest = max(largest, block_largest)
         loss += block_loss
         work += block_work
@@ -278,7 +285,7 @@ def sphere_forces(spheres, contacts, scratch, time_step, share):
         pairs.slot[np.uint64(p)] = -1
     for c in range(base, base + touching):
         pairs.slot[pairs.touching[np.uint64(c)]] = c
-    return touching, largest, loss, work
+    return number, largest, loss, work
 
 
 @kernel
@@ -299,7 +306,7 @@ def stored_in_spheres(law, spheres, pairs, memory, time_step):
         dy -= (v[1, j] - v[1, i]) * time_step
         dz -= (v[2, j] - v[2, i]) * time_step
         overlap = pairs.reach[p] - (dx * dx + dy * dy + dz * dz) ** 0.5
-        pair_law = law_between(law, spheres, pairs, p)
+        pair_law = law_between(law, spheres, pairs, p, time_step)
         normal_energy, tangential_energy = stored_energy(
             pair_law, overlap, recall(new, memory, pairs.slot[p])
         )

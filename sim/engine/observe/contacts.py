@@ -20,7 +20,7 @@ import numpy as np
 
 from sim.engine.compile import by_type, inlined, kernel
 from sim.engine.contact.friction import blank_memory, recall
-from sim.engine.contact.functions import law_between, law_on_plane
+from sim.engine.contact.functions import gap_to_plane, law_between, law_on_plane, reach_of
 from sim.engine.dynamics.spheres import (
     DEPTH,
     FX,
@@ -171,7 +171,8 @@ def record_contact(collector, sampling, rows, contact):
 
 def _list_contact(collector, sampling, rows, contact):
     fx, fy, fz = rows[FX * STRIDE], rows[(FX + 1) * STRIDE], rows[(FX + 2) * STRIDE]
-    append_contact(collector, contact[0], (fx, fy, fz))
+    if rows[DEPTH * STRIDE] > 0.0 or fx != 0.0 or fy != 0.0 or fz != 0.0:
+        append_contact(collector, contact[0], (fx, fy, fz))
 
 
 def _add_contact(collector, sampling, rows, contact):
@@ -259,24 +260,26 @@ def _visit_contacts(collector, spheres, contacts, sampling):
     pairs, slot = contacts.pairs, contacts.plane.slot
     memory = contacts.memory[sampling.step % 2]
     plane_memory = contacts.plane.memory[sampling.step % 2]
-    rows, new = np.zeros(ROWS * STRIDE), blank_memory(law)
+    rows, new, reach = np.zeros(ROWS * STRIDE), blank_memory(law), contacts.bond.reach
     for p in range(pairs.start[-1]):
         i, j = pairs.first[p], pairs.second[p]
         dx, dy, dz = nearest_separation(x, pairs.box, i, j)
         fixed = spheres.mass[i] + spheres.mass[j] == 0.0
-        if fixed or dx * dx + dy * dy + dz * dz >= pairs.reach[p] * pairs.reach[p]:
+        most = pairs.reach[p] + reach_of(law, reach)
+        if fixed or dx * dx + dy * dy + dz * dz >= most * most:
             continue
         velocity = (v[0, j] - v[0, i], v[1, j] - v[1, i], v[2, j] - v[2, i])
         rim = (w[0, j] + w[0, i], w[1, j] + w[1, i], w[2, j] + w[2, i])
         write_approach(rows, 0, Meeting((dx, dy, dz), velocity, rim, pairs.reach[p]), step)
         normal, speed = _normal_and_slip(rows, step)
-        apply_law(law_between(law, spheres, pairs, p), rows, 0, recall(new, memory, pairs.slot[p]))
+        pair_law = law_between(law, spheres, pairs, p, step)
+        apply_law(pair_law, rows, 0, recall(new, memory, pairs.slot[p]))
         at = x[2, i] + (spheres.radius[i] - 0.5 * rows[DEPTH * STRIDE]) * normal[2]
         geometry = (-dx, -dy, -dz), x[2, i], at
         contact = (spheres.label[0, i], spheres.label[0, j]), geometry, normal, (speed, friction)
         record_contact(collector, sampling, rows, contact)
     for i in range(spheres.mass.size):
-        if spheres.mass[i] == 0.0 or x[2, i] >= spheres.radius[i]:
+        if spheres.mass[i] == 0.0 or gap_to_plane(plane_law, spheres, i, reach) >= 0.0:
             continue
         velocity, rim = (-v[0, i], -v[1, i], -v[2, i]), (w[0, i], w[1, i], w[2, i])
         write_approach(
@@ -284,7 +287,10 @@ def _visit_contacts(collector, spheres, contacts, sampling):
         )
         normal, speed = _normal_and_slip(rows, step)
         apply_law(
-            law_on_plane(plane_law, spheres, i), rows, 0, recall(new, plane_memory, slot[0, i])
+            law_on_plane(plane_law, spheres, i, step),
+            rows,
+            0,
+            recall(new, plane_memory, slot[0, i]),
         )
         geometry = (0.0, 0.0, x[2, i]), x[2, i], 0.0
         contact = (spheres.label[0, i], np.int64(-1)), geometry, normal, (speed, plane_friction)

@@ -115,7 +115,7 @@ class PlaneFlow(Replica):
             largest = p.diameter * (1 + p.diameter_spread)
             if p.initial_state:
                 largest = 2.0 * float(given_particles(p).radius.max())
-            breadth = BREADTH * max(largest, p.bumps * p.diameter)
+            breadth = BREADTH * max(largest, p.bumps * p.diameter) + p.law_reach
             self.inertia, self._profile_weight, area = DISC, AREA, length
         else:
             breadth = p.breadth * p.diameter
@@ -126,11 +126,11 @@ class PlaneFlow(Replica):
         self.spheres = make_spheres(*layer[:4], p.threads, p.orientations)
         if layer.spin is not None:
             self.spheres.rim[:] = layer.spin.T * layer.radius
-        self.pairs = empty_pair_list(layer.radius, self.box, SKIN * p.diameter)
+        self.pairs = empty_pair_list(layer.radius, self.box, SKIN * p.diameter, reach=p.law_reach)
         self.laws = (self._law(p.friction, 0.5 * p.mass), self._law(p.friction_plane, p.mass))
         self.plane = make_plane(self.laws[1], number, p.threads)
         self.memory = make_memory(self.laws[0], len(self.pairs.touching))
-        self.bond = Bond(turning_numbers(self.laws[0]))
+        self.bond = Bond(turning_numbers(self.laws[0]), p.law_reach)
         self.team = Team(p.threads)
         self.scratch = [make_scratch() for _ in range(p.threads)]
         self.flow = leap_frog.make_flow(number, p.threads, fixed=p.glued_particles > 0)
@@ -206,6 +206,10 @@ class PlaneFlow(Replica):
         self.plane = self.plane._replace(memory=restart_memory(self.plane.memory, step))
         self.flow.step[0] = 0
         self.centre = self._centre()
+        if other.bond != self.bond:
+            largest = 2.0 * float(self.spheres.radius.max()) + self.bond.reach
+            self.pairs = self.pairs._replace(largest=largest)
+            self.pairs.valid[0] = False
 
     def _advance(self, steps: int) -> int:
         return self.team.run(partial(self._advance_thread, steps))

@@ -166,7 +166,7 @@ def _add_pair_forces(spheres, contacts, flow, motion, thread, step):
         part[column] = 0.0
     clear_forces(spheres, flow.sharing, share)
     before, after = contacts.memory[(step + 1) % 2], contacts.memory[step % 2]
-    pair_contacts = Contacts(contacts.laws[0], contacts.pairs, before, after)
+    pair_contacts = Contacts(contacts.laws[0], contacts.pairs, before, after, contacts.bond.reach)
     for start in range(share.begin, share.end, STRIP):
         strip = Share(share.rank, start, min(start + STRIP, share.end))
         touching, overlap, loss, work = sphere_forces(
@@ -185,7 +185,7 @@ def _finish_forces_and_move(spheres, contacts, flow, motion, thread, step):
     share, part = own_share(flow.sharing, thread.rank), flow.sharing.parts[step % 2, thread.rank]
     plane, time_step = contacts.plane, motion.time_step
     before, after = plane.memory[(step + 1) % 2], plane.memory[step % 2]
-    plane_contacts = Contacts(contacts.laws[1], plane.slot, before, after)
+    plane_contacts = Contacts(contacts.laws[1], plane.slot, before, after, contacts.bond.reach)
     allowed = allowed_stray(contacts.pairs, time_step)
     gravity = acceleration(motion.drive, step, time_step)
     for start in range(share.begin, share.end, STRIP):

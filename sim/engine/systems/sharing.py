@@ -109,7 +109,7 @@ def refresh_together(spheres, pairs, plane, sharing, thread, memory, bond):
     barrier(gate)
     if sharing.status[0] != OK:
         return sharing.status[0]
-    ordered, share = find_next(pairs, spheres.position, spheres.radius, rank, threads)
+    ordered, share = find_next(pairs, spheres.position, spheres.radius, bond, rank, threads)
     barrier(gate)
     if not has_room(pairs, threads):
         return LIST_FULL

@@ -168,7 +168,8 @@ def initial_layer(p: SphereParameters, box: Box, replicate: int) -> Layer:
     # The flow weighs as much as one of equal particles.
     size /= root((size**dimension).mean())
     narrow = p.cell if p.is_flat else min(p.cell, p.breadth)
-    if allowed := wider_cell(narrow, float(size.max()), p.bumps):
+    reach = p.law_reach / p.diameter
+    if allowed := wider_cell(narrow, float(size.max()), p.bumps, reach):
         raise InputError.of_value(point_id(p), "cell", narrow, allowed)
     radius = 0.5 * p.diameter * size
     position = random_packing(cell, height, radius, rng)

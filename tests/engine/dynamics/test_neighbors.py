@@ -30,14 +30,14 @@ class Gas:
     start, follow the order of the list; of spheres ``memory`` (7, C) is that of contacts.
     """
 
-    def __init__(self, position, radius, length, skin: float, room: int = 80):
-        self.length, still = length, np.zeros_like(position)
+    def __init__(self, position, radius, length, skin: float, room: int = 80, beyond: float = 0.0):
+        self.length, self.beyond, still = length, beyond, np.zeros_like(position)
         options = {"radius": radius, "skin": skin, "room": room}
         if len(length) == 2:
             self.motion = DiskMotion(position, still, width=length[0], **options)
             particles, self.position = self.motion.disks, self.motion.disks.taylor[0]
         else:
-            self.motion = SphereMotion(position, still, box=length[:2], **options)
+            self.motion = SphereMotion(position, still, box=length[:2], reach=beyond, **options)
             particles, self.position = self.motion.spheres, self.motion.spheres.position
             self.memory = self.motion.memory[0]
         self.radius, self.label = particles.radius, particles.label
@@ -59,7 +59,7 @@ class Gas:
         """Every pair within reach plus skin, from all distances."""
         place = np.argsort(self.label[0])
         radius = self.radius[place]
-        reach = np.add.outer(radius, radius) + self.pairs.skin
+        reach = np.add.outer(radius, radius) + self.pairs.skin + self.beyond
         return all_pairs(self.position.T[place], reach, self.length)
 
 
@@ -80,16 +80,21 @@ def random_gas(rng, number: int, length, height: float, spread: float):
     height=st.floats(0.1, 30.0),
     spread=st.floats(0.0, 0.5),
     skin=st.floats(0.0, 0.4),
+    beyond=st.floats(0.0, 0.3),
     seed=st.integers(0, 2**32 - 1),
 )
 def test_list_holds_exactly_the_pairs_within_reach(
-    dimension, number, width, aspect, height, spread, skin, seed
+    dimension, number, width, aspect, height, spread, skin, beyond, seed
 ):
-    """Gases in boxes down to three diameters, thin layers and columns, across every boundary."""
-    width = max(width, 2 * (1 + spread + skin))
+    """Gases in boxes down to three diameters, thin layers and columns, across every boundary.
+
+    The law of spheres may reach beyond contact.
+    """
+    beyond *= dimension == 3
+    width = max(width, 2 * (1 + spread + skin + beyond))
     length = (width * UNIT, 0.0) if dimension == 2 else (width * UNIT, aspect * width * UNIT, 0.0)
     start = random_gas(np.random.default_rng(seed), number, length, height * UNIT, spread)
-    gas = Gas(*start, length, skin * UNIT, room=130)
+    gas = Gas(*start, length, skin * UNIT, room=130, beyond=beyond * UNIT)
     gas.pairs.drift[:], gas.pairs.clock[:] = 1.0, 7.0
     assert not gas.pairs.valid[0] and gas.motion.refresh() == OK and gas.pairs.valid[0]
     assert not gas.pairs.drift.any() and gas.pairs.clock[0] == 0.0
@@ -107,7 +112,7 @@ def test_memory_goes_with_the_pairs_that_touched_last_and_with_no_others(turning
     rng = np.random.default_rng(5)
     length = (6e-3, 6e-3, 0.0)
     gas = Gas(*random_gas(rng, 150, length, 5 * UNIT, 0.2), length, 0.3 * UNIT)
-    gas.motion.bond = Bond(turning)
+    gas.motion.bond = Bond(turning, 0.0)
     assert gas.motion.refresh() == OK
     names, slot = gas.names(), gas.pairs.slot
     is_touching = rng.random(len(names)) < 0.4

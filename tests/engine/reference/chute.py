@@ -8,7 +8,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .laws import Contact, ContactLaw, SpringDashpotLaw
+from .laws import Contact, ContactLaw, FunctionLaw, SpringDashpotLaw
+
+Law = ContactLaw | SpringDashpotLaw | FunctionLaw
 
 PLANE = -1
 """Stands for particle j in the key of a contact with the plane."""
@@ -39,8 +41,8 @@ class Chute:
     and y; gravity is a vector (m/s2).
     """
 
-    law: ContactLaw | SpringDashpotLaw
-    plane_law: ContactLaw | SpringDashpotLaw | None = None
+    law: Law
+    plane_law: Law | None = None
     box: tuple[float, float] | None = None
     gravity: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
@@ -80,14 +82,19 @@ def touching(spheres: Spheres, chute: Chute) -> list[tuple[int, int, float, np.n
         separation = nearest_image(others, chute.box)
         distance = np.sqrt(np.sum(separation**2, axis=1))
         overlap = spheres.radius[i] + spheres.radius[i + 1 :] - distance
-        for other in np.flatnonzero(overlap > 0.0):
+        for other in np.flatnonzero(overlap > -reach_of(chute.law)):
             k_hat = separation[other] / distance[other]
             found.append((i, i + 1 + int(other), float(overlap[other]), k_hat))
     if chute.plane_law is not None:
         for i, overlap in enumerate(spheres.radius - spheres.position[:, 2]):
-            if overlap > 0.0:
+            if overlap > -reach_of(chute.plane_law):
                 found.append((i, PLANE, float(overlap), np.array([0.0, 0.0, -1.0])))
     return found
+
+
+def reach_of(law: Law) -> float:
+    """How far (m) beyond contact a law acts."""
+    return getattr(law, "reach", 0.0)
 
 
 def surface_velocity(spheres: Spheres, i: int, j: int, k_hat: np.ndarray) -> np.ndarray:
@@ -116,13 +123,18 @@ def forces(spheres: Spheres, chute: Chute, time_step: float) -> tuple[np.ndarray
         law = law.between(mass[i] if j == PLANE else mass[i] * mass[j] / (mass[i] + mass[j]))
         slip = time_step * surface_velocity(spheres, i, j, k_hat)
         old = spheres.contacts.get((i, j), Contact())
-        normal_force, shear, contacts[i, j] = law.update(old, overlap, k_hat, slip)
+        partners = [i] if j == PLANE else [i, j]
+        spin = np.zeros(3) if j == PLANE else spheres.spin[j]
+        turn = time_step * (spin - spheres.spin[i])
+        radius, mass = (1 / np.sum(1 / one[partners]) for one in (spheres.radius, spheres.mass))
+        normal_force, shear, new = law.update(old, overlap, k_hat, slip, turn, radius, mass)
+        contacts[i, j] = new
         on_i = shear - normal_force * k_hat
         force[i] += on_i
-        torque[i] += spheres.radius[i] * cross(k_hat, shear)
+        torque[i] += spheres.radius[i] * cross(k_hat, shear) + new.torque
         if j != PLANE:
             force[j] -= on_i
-            torque[j] += spheres.radius[j] * cross(k_hat, shear)
+            torque[j] += spheres.radius[j] * cross(k_hat, shear) - new.torque
     return force, torque, contacts
 
 

@@ -11,6 +11,7 @@ force on i is ``-F_N k_hat + T``, the force on j the opposite. ``slip`` is the d
 the last step of the surface of j relative to that of i, so T on i points along a fresh slip.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -55,12 +56,8 @@ class ContactLaw:
         """K0 in N/m."""
         return self.tangential_ratio * self.stiffness
 
-    def between(self, mass: float) -> "ContactLaw":
-        """The law of partners of a reduced mass (kg), which is the same for all."""
-        return self
-
     def update(
-        self, contact: "Contact", overlap: float, k_hat: np.ndarray, slip: np.ndarray
+        self, contact: "Contact", overlap: float, k_hat: np.ndarray, slip: np.ndarray, *_
     ) -> tuple[float, np.ndarray, "Contact"]:
         """Advance a contact by one step, as `update`."""
         return update(contact, overlap, k_hat, slip, self)
@@ -81,6 +78,11 @@ class Contact:
     largest_overlap: float = 0.0
     normal_force: float = 0.0
     spring: np.ndarray = field(default_factory=lambda: np.zeros(3))
+
+    #: Of laws that are plain functions: own numbers, rolling and twisting torque, their sum (N m).
+    numbers: tuple[float, ...] = ()
+    resistance: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
+    torque: np.ndarray = field(default_factory=lambda: np.zeros(3))
 
 
 def update(
@@ -235,22 +237,76 @@ class SpringDashpotLaw:
             return critical * rate / np.sqrt(np.pi**2 + rate**2)
         return critical * np.cos(brentq(lambda angle: 2 * angle / np.tan(angle) - rate, 1e-6, 1.57))
 
-    def between(self, mass: float) -> "SpringDashpotLaw":
-        """The law of partners of a reduced mass (kg)."""
-        return self if self.mass else replace(self, mass=mass)
-
     def update(
-        self, contact: Contact, overlap: float, k_hat: np.ndarray, slip: np.ndarray
+        self, contact: Contact, overlap: float, k_hat: np.ndarray, slip: np.ndarray, *partners
     ) -> tuple[float, np.ndarray, Contact]:
-        """Advance a contact by one step: normal force (N), T on particle i (3, N), new state."""
+        """Advance a contact by one step: normal force (N), T on particle i (3, N), new state.
+
+        The last of partners is their reduced mass (kg).
+        """
+        if not self.mass:
+            return replace(self, mass=partners[-1]).update(contact, overlap, k_hat, slip)
         closing = -float(slip @ k_hat) / self.time_step
         normal_force = self.stiffness * overlap + self.damping * closing
         if self.attraction == "clipped":
             normal_force = max(normal_force, 0.0)
         slip = across(slip, k_hat)
-        spring = length(contact.spring) * unit(across(contact.spring, k_hat))
-        spring = spring + self.tangential_ratio * self.stiffness * slip
+        spring = turned(contact.spring, k_hat) + self.tangential_ratio * self.stiffness * slip
         drag = self.tangential_damping * self.mass * slip / self.time_step
         force = shortened(spring + drag, self.friction * abs(normal_force))
         # The sum is cut, and the spring is what is left of it beside the drag.
         return normal_force, force, Contact(force, normal_force=normal_force, spring=force - drag)
+
+
+@dataclass(frozen=True)
+class FunctionLaw:
+    """A law that is a plain function, `sim.parameters.laws.law`: its numbers, how many vectors are
+    among the numbers it remembers, whether it rolls, how far (m) beyond contact it reaches."""
+
+    law: tuple
+    force: Callable
+    vectors: int
+    remembers: int
+    rolls: bool
+    reach: float
+
+    def update(
+        self,
+        contact: Contact,
+        overlap: float,
+        k_hat: np.ndarray,
+        slip: np.ndarray,
+        turn: np.ndarray,
+        radius: float,
+        mass: float,
+    ) -> tuple[float, np.ndarray, Contact]:
+        """Advance a contact by one step: normal force (N), T on particle i (3, N), new state.
+
+        turn is by what j has turned relative to i in the step (3, rad); radius (m) and mass (kg)
+        are the reduced ones.
+        """
+        numbers = contact.numbers or (0.0,) * self.remembers
+        ends = range(0, 3 * self.vectors, 3)
+        vectors = [number for k in ends for number in turned(numbers[k : k + 3], k_hat)]
+        rolling = (*across(turn, k_hat), turn @ k_hat)
+        held = (*turned(contact.resistance[:3], k_hat), contact.resistance[3])
+        normal_force, shear, numbers, _, *torque = self.force(
+            self.law,
+            overlap,
+            -float(slip @ k_hat),
+            tuple(across(slip, k_hat)),
+            tuple(turned(contact.tangential_force, k_hat)),
+            (*vectors, *numbers[3 * self.vectors :]),
+            radius,
+            mass,
+            *((rolling, held) if self.rolls else ()),
+        )
+        resistance = torque[0] if torque else contact.resistance
+        total = np.array(resistance[:3]) + resistance[3] * k_hat
+        new = Contact(np.array(shear), normal_force=normal_force, numbers=numbers, torque=total)
+        return normal_force, np.array(shear), replace(new, resistance=resistance)
+
+
+def turned(vector: Sequence[float], k_hat: np.ndarray) -> np.ndarray:
+    """A vector turned into the plane across k_hat, with its length."""
+    return unit(across(np.array(vector), k_hat)) * length(np.array(vector))
