@@ -1,5 +1,6 @@
 """Turn a study's dataset into one row per point of a figure, and into the table of its data."""
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -126,18 +127,20 @@ def summarize(dataset: xr.Dataset, spec: FigureSpec) -> pd.DataFrame:
 
 
 def _sweeps(columns: dict[str, Any], along: str) -> np.ndarray:
-    """Return what points start from; of those in a sweep its series, and up or down ``along`` it.
+    """Return what points start from; of those in a sweep its series, and which way ``along`` it.
 
-    In a sweep each point of a series starts from another one.
+    In a sweep each point of a series starts from another one. The way is told of series with both.
     """
     number = {point: k for k, point in enumerate(columns["point"])}
     series = [names.split() for names in columns["series"]]
     starts = {k: number[start] for k, start in enumerate(columns["start_from"]) if start in number}
-    labels: dict[int, str] = {}
+    sweeps: dict[int, tuple[str, str]] = {}
     for k, before in starts.items():
         if common := [name for name in series[k] if name in series[before]]:
             is_down = columns[along][k] < columns[along][before]
-            labels[k] = f"{common[0]} {'down' if is_down else 'up'}"
+            sweeps[k] = common[0], "down" if is_down else "up"
+    both = Counter(name for name, _ in set(sweeps.values()))
+    labels = {k: " ".join(one) if both[one[0]] > 1 else one[0] for k, one in sweeps.items()}
     # The first of a sweep goes the way of the second.
     firsts = {starts[k]: label for k, label in labels.items() if starts[k] not in labels}
     every = enumerate(columns["start_from"])

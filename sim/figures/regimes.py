@@ -1,6 +1,7 @@
 """Regimes of points in a plane of two parameters, boundaries between them, and lines of theory."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import atan, degrees, radians, tan
 from typing import Any
 
@@ -52,6 +53,9 @@ _VERDICTS = {
 def draw_plane(axes: Axes, data: FigureData, rows: pd.DataFrame) -> None:
     """Draw regimes of points, the boundaries that feed the figure, and a line of theory."""
     spec, aside = data.spec, 0.0
+    if spec.panels and len(data.boundaries):
+        is_here = data.boundaries[spec.panels].isin(rows[spec.panels])
+        data = replace(data, boundaries=data.boundaries[is_here])
     if spec.point != "none":
         # Points at one place stand side by side.
         lanes = rows.groupby(list(spec.axes)).cumcount()
@@ -60,7 +64,8 @@ def draw_plane(axes: Axes, data: FigureData, rows: pd.DataFrame) -> None:
         aside = _MARKER * (lanes.max() / 2 + 2)
     _draw_boundaries(axes, data.boundaries, spec.axes, aside=aside)
     for fit in fit_boundaries(data):
-        axes.plot(fit.line.index, fit.line, label=f"{spec.fit} law", color="#009e73", zorder=2)
+        label = "" if fit.problem else f"{spec.fit} law"
+        axes.plot(fit.line.index, fit.line, label=label, color="#009e73", zorder=2)
     if spec.theory:
         _THEORIES[spec.theory](axes, rows)
     axes.margins(0.13)

@@ -255,7 +255,7 @@ def require_possible(p: Parameters) -> str:
             raise _error(state, wrong, _SIZES[::-1], allowed)
     bumps = getattr(p, "bumps", 0.0)
     largest = x.radius.max()
-    narrow = min(side for side in _sides(p) if side > 0.0) / p.diameter
+    narrow = min(_sides(p)[: 1 if _is_flat(p) else 2]) / p.diameter
     reach = getattr(p, "law_reach", 0.0) / p.diameter
     if wider := wider_cell(narrow, float(2.0 * largest / p.diameter), bumps, reach):
         raise _error(state, x.radius == largest, _SIZES, f"smaller ones, or a cell that is {wider}")

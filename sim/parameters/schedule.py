@@ -64,13 +64,9 @@ def _checked(rows: Any) -> Course:
         numbers = [canonical_number(number) for row in rows for number in row]
         if all(type(number) is float and isfinite(number) for number in numbers):
             times = numbers[::2]
-            if times[0] >= 0 and times == sorted(times) and _are_steps(times):
+            if times[0] >= 0 and times == sorted(times) and max(map(times.count, times)) < 3:
                 return list(zip(times, numbers[1::2], strict=True))
     raise broken_rule("", rows, _PAIRS)
-
-
-def _are_steps(times: list[float]) -> bool:
-    return all(first < third for first, third in zip(times, times[2:], strict=False))
 
 
 #: A schedule; its canonical form is a text.
@@ -114,9 +110,3 @@ def require_schedule(p: Parameters, text: str, driven: tuple[str, ...]) -> None:
         if p.transient < time:
             allowed = f"at least {time:g}, when the schedule ends"
             raise broken_rule("transient", p.transient, allowed)
-
-
-def shortest(text: str) -> str:
-    """Return a schedule of the same parameters at time 0 alone."""
-    ends = {name: [(0.0, rows[-1][1])] * 2 for name, rows in courses(text).items()}
-    return canonical_schedule(ends)

@@ -155,7 +155,11 @@ class BoundaryFile(_Family):
         description="`search`: flows start as in the paper; `stop`: that at the high end of the "
         "range does, the others from its end",
     )
-    of: str = Field("flow", description="what changes there")
+    of: str = Field(
+        "flow",
+        description="what changes there: flow (arrested or not; usual), acceleration (accelerating "
+        "or not), transport (belt: mean velocity beyond 10 % of the belt's or not)",
+    )
     along: str = Field(description="parameter along which it is looked for")
     range: list[Real] = Field(
         description="lowest and highest value of that parameter",

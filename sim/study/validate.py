@@ -37,12 +37,6 @@ from sim.study.entries import (
 from sim.study.figure_spec import FIGURES
 from sim.study.file import BoundaryFile, SeriesFile, StudyFile
 
-#: Description of the key ``of`` in the first system, whose models the reference shows.
-_OF_DESCRIPTION = (
-    "what changes there: flow (arrested or not; usual), acceleration (accelerating or not), "
-    "transport (belt: mean velocity beyond 10 % of the belt's or not)"
-)
-
 #: What models of a system say of themselves.
 _DOCS: dict[type[BaseModel], str] = {
     Override: "Parameters of the {} that change at the points where others have certain values.",
@@ -128,8 +122,6 @@ def _with_parameters(base: type[Some], system: str, names: Collection[str] | Non
 def _of_system(base: type[BaseModel], system: str, /, **types: Any) -> Any:
     """Return a model based on ``base`` whose fields have the types of a system."""
     fields: dict[str, Any] = {one: (kind, base.model_fields[one]) for one, kind in types.items()}
-    if "of" in fields and system == next(iter(SYSTEMS)):
-        fields["of"] = types["of"], Field("flow", description=_OF_DESCRIPTION)
     name = f"{system.capitalize()}{base.__name__.removesuffix('File')}"
     made: Any = create_model(name, __base__=base, __doc__=_DOCS[base].format(system), **fields)
     return made

@@ -94,6 +94,8 @@ def test_a_sweep_has_a_curve_up_and_one_down():
     assert list(data.rows["start_from"]) == ["flows up"] * 3 + ["flows down"] * 3
     legend = {text.get_text() for text in figure.legends[0].get_texts()}
     assert {"start from: flows up", "start from: flows down"} <= legend
+    _, _, data = drawn(plot, points[:3])
+    assert set(data.rows["start_from"]) == {"flows"}
     # Without that key they would lie on each other.
     with pytest.raises(InputError, match=r"two points at .* that differ in start_from"):
         drawn({"x": "angle"}, points)

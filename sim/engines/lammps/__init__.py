@@ -32,7 +32,7 @@ LEAST_CLIPPED = 0.136
 #: extremes within a sample, and how far spheres have turned.
 LACKS = (
     *("stored_energy", "normal_loss", "frictional_loss", "energy_residual"),
-    *("normal_power", "frictional_power", "plane_work", "plane_power"),
+    *("normal_power", "frictional_power", "plane_work", "plane_power", "tilt_power"),
     *("largest_overlap", "max_overlap", "orientation"),
 )
 
