@@ -11,6 +11,7 @@ from sim.base.additions import NAME as PLUGIN_NAME
 from sim.base.messages import one_of
 from sim.parameters.common import Real, broken_rule
 from sim.study.entries import Name, Strict, optional, require_printable
+from sim.study.fits import SHIPPED, fits
 from sim.study.measured import ALLOWED_FILE, FILE
 from sim.study.plottable import REGIME, Keys, every_name, find_kind, study_kinds
 
@@ -30,6 +31,13 @@ Kind = Annotated[
     WithJsonSchema(
         {"anyOf": [{"enum": study_kinds()}, {"type": "string", "pattern": PLUGIN_NAME}]}
     ),
+]
+
+#: Type of the name of a law, of Talus or of a plug-in.
+FitName = Annotated[
+    str,
+    AfterValidator(lambda name: require_kind(name, fits())),
+    WithJsonSchema({"anyOf": [{"enum": [*SHIPPED]}, {"type": "string", "pattern": PLUGIN_NAME}]}),
 ]
 
 #: Allowed values of ``between``, for messages.
@@ -197,8 +205,9 @@ class PlotFile(Strict):
         min_length=1,
         max_length=MAX_BESIDE,
     )
-    fit: Literal["linear", "quadratic", "power", "exponential"] = optional(
-        "of `curves`: law that is fitted to each curve and drawn in place of its line"
+    fit: FitName = optional(
+        "of `curves`: law that is fitted to each curve and drawn in place of its line: "
+        f"{', '.join(f'`{one}`' for one in SHIPPED)}, or one of a plug-in"
     )
     log: list[Literal["x", "y", "colour"]] = Field(
         [],
