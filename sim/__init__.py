@@ -2,8 +2,8 @@
 
 In Python: `simulate` runs one point, `Flow` runs one step by step, `points` lists the points of a
 study, and `load` reads the results of a study (docs/api.md). Plug-ins extend it by
-`law`, `motion`, `flow_engine`, `function`, `observable`, `form`, `plot_kind`, `judge`, `paper`
-(docs/extending.md).
+`law`, `motion`, `flow_engine`, `function`, `observable`, `form`, `plot_kind`, `fit`, `judge` and
+`paper` (docs/extending.md).
 """
 
 from pkgutil import resolve_name
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from sim.parameters.laws import flow_engine, law, motion
     from sim.parameters.observables import function, observable
     from sim.report.results import load
+    from sim.study.fits import fit
     from sim.study.load import points
     from sim.study.papers import paper
     from sim.study.plottable import plot_kind
@@ -31,6 +32,7 @@ __all__ = [
     "Flow",
     "InputError",
     "__version__",
+    "fit",
     "flow_engine",
     "form",
     "function",
@@ -51,6 +53,7 @@ __all__ = [
 _PLACES = {
     "BlowUp": "sim.engine.dynamics.cells:BlowUp",
     "Flow": "sim.engine.flow:Flow",
+    "fit": "sim.study.fits:fit",
     "flow_engine": "sim.parameters.laws:flow_engine",
     "judge": "sim.claims.claim:judge",
     "law": "sim.parameters.laws:law",

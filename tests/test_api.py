@@ -136,7 +136,7 @@ def test_numbers_of_numpy_are_numbers():
         ),
         (
             lambda: sim.simulate(μ=0.3),
-            "simulate: μ: unknown key, got 0.3; did you mean friction? allowed: 46 names",
+            "simulate: μ: unknown key, got 0.3; did you mean friction? allowed: ",
         ),
         (
             lambda: sim.simulate("belt", frequency="30 Hz"),

@@ -108,7 +108,7 @@ def plot_entry(contents: PlotContents, series: Sequence[str]) -> FigureSpec:
         "log": contents.log,
         "foreign": contents.beside,
         "scattered": contents.suits_scatter,
-        "plugin": plugin_code(contents.plot.kind),
+        "plugin": plugin_code(contents.plot.kind, contents.plot.fit),
     }
     spec = contents.spec.model_copy(update=follows)
     _require_own_places(spec, contents.points, contents.source, contents.place)

@@ -12,6 +12,7 @@ from sim.base.measured import ALLOWED_FILE, FILE
 from sim.base.messages import one_of
 from sim.parameters.common import Real, broken_rule
 from sim.study.entries import Name, Strict, optional, require_printable
+from sim.study.fits import SHIPPED, fits
 from sim.study.plottable import REGIME, Keys, every_name, find_kind, study_kinds
 
 
@@ -30,6 +31,13 @@ Kind = Annotated[
     WithJsonSchema(
         {"anyOf": [{"enum": study_kinds()}, {"type": "string", "pattern": PLUGIN_NAME}]}
     ),
+]
+
+#: Type of the name of a law, of Talus or of a plug-in.
+FitName = Annotated[
+    str,
+    AfterValidator(lambda name: require_kind(name, fits())),
+    WithJsonSchema({"anyOf": [{"enum": [*SHIPPED]}, {"type": "string", "pattern": PLUGIN_NAME}]}),
 ]
 
 #: Allowed values of ``between``, for messages.
@@ -197,9 +205,9 @@ class PlotFile(Strict):
         min_length=1,
         max_length=MAX_BESIDE,
     )
-    fit: Literal["linear", "quadratic", "power", "exponential"] = optional(
+    fit: FitName = optional(
         "law that is fitted to each of `curves`, and drawn in place of its line, or to boundaries "
-        "in a `map` of regimes"
+        f"in a `map` of regimes: {', '.join(f'`{one}`' for one in SHIPPED)}, or one of a plug-in"
     )
     log: list[Literal["x", "y", "colour"]] = Field(
         [],

@@ -16,6 +16,7 @@ from sim.base.messages import MOST_NAMES, did_you_mean, near, one_of
 from sim.base.plugins import require_function, require_one_of, with_declared_types
 from sim.parameters import SYSTEMS
 from sim.parameters.variables import Variable, observable_variables, plotted_name, variables_of
+from sim.study.fits import FIT
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -197,10 +198,10 @@ def study_kinds(*, own: bool = False) -> list[str]:
     return [name for name in every if every[name].keys.observable and (own or name in ours)]
 
 
-def plugin_code(kind: str) -> str:
-    """Return the code hash of a kind's plug-in; empty for the kinds of Talus."""
-    plots = additions(PLOT)
-    return plots[kind].plugin.code if kind in plots else ""
+def plugin_code(kind: str, fit: str | None) -> str:
+    """Return the hashes of the plug-ins of a kind and of a law that is fitted; empty for Talus."""
+    own = additions(PLOT).get(kind), additions(FIT).get(fit or "")
+    return " ".join(one.plugin.code for one in own if one)
 
 
 #: Greatest depth n whose pictures show a portion of the cell: the half near the viewer.
