@@ -83,7 +83,7 @@ def simulate(
     # Imported late: it takes half a second, which runs of the workflow do not need.
     import xarray as xr
 
-    given = parameters if state is None else parameters | _given("simulate", state, parameters)
+    given = parameters if state is None else _with_state("simulate", system, state, parameters)
     point = parse_python_point("simulate", system, given)
     with TemporaryDirectory(prefix="talus-") as folder:
         output = Path(folder) / "run.nc"
@@ -112,11 +112,16 @@ def _failure(point: Parameters, run: "xr.Dataset") -> str:
     return f"{point.system}: {count}: {reasons[0]}; at {values}{caveat}"
 
 
-def _given(source: str, state: Any, parameters: Mapping[str, Any]) -> dict[str, str]:
-    """Return the parameter that gives a state from Python."""
+def _with_state(
+    source: str, system: str, state: Any, parameters: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Return parameters with a state that is given from Python."""
     if "initial_state" in parameters:
-        raise InputError.of_value(source, "state", state, "state or initial_state, not both")
-    return {"initial_state": table_text(state, source)}
+        raise InputError.of_value(source, "state", type(state), "state or initial_state, not both")
+    if system == "conveyor" and hasattr(state, "data_vars"):
+        allowed = "a data frame of velocities in the laboratory; those of a run are the plane's"
+        raise InputError.of_value(source, "state", type(state), allowed)
+    return {**parameters, "initial_state": table_text(state, source)}
 
 
 def _is_number(kind: type, value: Any) -> bool:
@@ -165,7 +170,7 @@ class Flow:
     ):
         if system not in FLOWS:
             raise InputError.of_value("Flow", "system", system, one_of(str(system), FLOWS))
-        given = parameters if state is None else parameters | _given("Flow", state, parameters)
+        given = parameters if state is None else _with_state("Flow", system, state, parameters)
         self.parameters = parse_python_point("Flow", system, given)
         if not (_is_number(Integral, replicate) and replicate >= 0):
             raise InputError.of_value("Flow", "replicate", replicate, "an integer >= 0")

@@ -394,3 +394,19 @@ def test_the_next_start_removes_what_a_killed_run_has_left(monkeypatch, tmp_path
     system = build(point(**SMALL), 0)
     system.advance()
     assert not left.exists() and len(list(tmp_path.iterdir())) == 2
+
+
+@pytest.mark.parametrize("system", ["chute", "conveyor"])
+def test_a_given_state_is_the_same_in_both_engines(system):
+    text = "x (d), z (d), vx, vz, wy, wx\n1, 0.6, 0.1, -0.2, 50, 20\n3, 3, -0.1, 0, 0, 10\n"
+    p = point(system=system, cell=5, initial_state=text, steps_per_collision=200)
+    ours, theirs = both(p)
+    for one in (ours, theirs):
+        one.settle()
+    assert theirs.spheres.velocity == pytest.approx(ours.spheres.velocity, rel=1e-9)
+    for _ in range(2):
+        first, second = (one.advance() for one in (ours, theirs))
+    states = [one.snapshot() for one in (ours, theirs)]
+    for name in ("position", "particle_velocity", "particle_spin"):
+        assert states[1][name] == pytest.approx(states[0][name], rel=1e-7, abs=1e-9), name
+    assert second["mean_velocity"] == pytest.approx(first["mean_velocity"], rel=1e-7)

@@ -36,6 +36,7 @@ SMALL = {
 LEFT_OUT = {
     *("system", "seed", "replicates", "protocol", "target", "average", "limit", "transient"),
     *("trajectory", "trajectory_contacts", "start_from", "engine", "ranks", "threads"),
+    "initial_state",
     *("settle_velocity_squared", "prior_cycles", "slice_height", "overlap_limit"),
 }
 

@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 
 from sim import Flow, InputError, simulate
+from sim.engine.run import run_point
+from sim.engine.stored_run import read_parameters
+from sim.parameters import given, parse_point
 
 #: Glass of Chung and Ooi (2011), tests 1: radius (m), Young's modulus (Pa), Poisson's ratio.
 RADIUS, YOUNG, POISSON = 0.01, 48e9, 0.2
@@ -122,3 +125,25 @@ def test_lighter_and_smaller_particles_shorten_the_time_step():
     assert light.time_step == pytest.approx(usual.time_step * 0.5**1.5)
     with pytest.raises(InputError, match=r"line 3, column diameter.*kg each with"):
         Flow("chute", state=state, law="spring_dashpot", **ONE)
+
+
+def test_a_run_file_or_a_folder_brings_the_state_to_another_process(tmp_path, monkeypatch):
+    text = "x (d), z (d), wx\n1, 2, 3\n3, 2, 0\n"
+    point = parse_point({"system": "chute", "initial_state": text, "average": 1} | ONE, "p")
+    point = point.model_copy(update={"transient": 0.0})
+    particles = given.given_particles(point)
+    given.write_states(tmp_path, [point])
+    run_point(point, tmp_path / "run.nc", quiet=True)
+    for bring in (read_parameters, lambda path: given.read_states(path.parent, [point])):
+        monkeypatch.setattr(given, "_known", {})
+        with pytest.raises(InputError, match="the content of this one is not at hand"):
+            given.given_particles(point)
+        bring(tmp_path / "run.nc")
+        for before, after in zip(particles, given.given_particles(point), strict=True):
+            assert (before == after).all()
+
+
+def test_a_run_of_a_conveyor_is_no_state_as_its_velocities_are_those_to_the_plane():
+    flow = Flow("conveyor", depth=1, cell=4)
+    with pytest.raises(InputError, match="state: got .*; allowed: a data frame of velocities in"):
+        Flow("conveyor", state=flow.particles, cell=4)

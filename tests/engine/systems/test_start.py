@@ -158,7 +158,10 @@ SHAKING |= {"steps_per_cycle", "samples_per_cycle", "slice_height", "transient",
 SHAKING |= {"phase_0_profiles", "fluctuation_profiles", "belt_forces", "trajectory"}
 SHAKING |= {"protocol", "target", "replicates", "trajectory_contacts"}
 
-NAMES = BeltParameters.model_fields.keys() - {"system", "start_from"} - REDUCED.keys()
+#: Parameters that need no bed, or give another start.
+STARTS = {"system", "start_from", "initial_state"}
+
+NAMES = BeltParameters.model_fields.keys() - STARTS - REDUCED.keys()
 
 
 @pytest.fixture(autouse=True)
