@@ -289,7 +289,7 @@ def make_numbers(
         is_named = isinstance(numbers, tuple) and hasattr(numbers, "_fields")
         if has_plugin and not (is_named and all(isinstance(one, Real) for one in numbers)):
             raise TypeError(f"make returns a NamedTuple of numbers: got {in_short(numbers)}")
-        if not option.compiled_by_hand:
+        if option.has_functions(type(numbers)):
             register(type(numbers), option, has_plugin)
     return numbers
 

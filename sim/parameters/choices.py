@@ -94,6 +94,10 @@ class Option(Declared):
         """Functions that are missing because the type that ``make`` returns has compiled bodies."""
         return tuple(name for name, value in vars(self).items() if value is None)
 
+    def has_functions(self, kind: type) -> bool:
+        """Return whether functions, not compiled bodies, belong to a type that ``make`` returns."""
+        return not self.compiled_by_hand
+
 
 @dataclass(frozen=True)
 class Choice:

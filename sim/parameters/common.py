@@ -153,6 +153,11 @@ class Parameters(BaseModel):
         return self.options(choice)[getattr(self, choice, CHOICES[choice])]
 
     @property
+    def replaced(self) -> frozenset[str]:
+        """Names of the parameters without effect, as others stand in their place."""
+        return frozenset()
+
+    @property
     def glued_particles(self) -> int:
         """Number of particles fixed to the boundary, not included in `particles`."""
         return 0

@@ -1,4 +1,4 @@
-"""The damping that gives a restitution, of laws with a spring and a dashpot.
+"""The damping that gives a restitution, and the reverse, of laws with a spring and a dashpot.
 
 Relative to the critical one it is ζ, for a linear spring K α with a dashpot 2 ζ √(K m) dα/dt and
 for Hertz's spring with Tsuji's dashpot alike: with y = α^(5/4) the latter has the equation of the
@@ -9,7 +9,7 @@ it ends as the force does, at the time 2 f(ζ)/ω₀, and -ln e = 2 ζ f(ζ) wit
 """
 
 from functools import cache
-from math import acos, acosh, exp, hypot, log, pi, sqrt
+from math import acos, acosh, exp, hypot, inf, log, pi, sqrt
 
 #: Halvings after which an interval of doubles has no middle.
 _HALVINGS = 100
@@ -32,7 +32,24 @@ def contact_time(restitution: float, attraction: str) -> float:
     """Return how long a linear spring and dashpot push, over π/ω₀, the time of the spring alone."""
     if attraction == "kept":
         return hypot(1, log(restitution) / pi)
-    return 2.0 / pi * _half_time(damping_fraction(restitution, attraction)[0])
+    return time_of(damping_fraction(restitution, attraction)[0], attraction)
+
+
+def damping_ratio(rate: float, stiffness: float, mass: float) -> float:
+    """Return ζ of a dashpot γ m at the rate γ (1/s), for K (N/m) and the reduced mass (kg)."""
+    return 0.5 * rate * sqrt(mass / stiffness)
+
+
+def time_of(ratio: float, attraction: str) -> float:
+    """Return how long a damping ratio ζ lets a linear spring push, over the time without it."""
+    if attraction == "kept":
+        return 1.0 / sqrt((1.0 - ratio) * (1.0 + ratio)) if ratio < 1.0 else inf
+    return 2.0 / pi * _half_time(ratio)
+
+
+def restitution_of(ratio: float, attraction: str) -> float:
+    """Return the restitution that a damping ratio ζ gives."""
+    return exp(-pi * ratio * time_of(ratio, attraction)) if ratio else 1.0
 
 
 def _half_time(ratio: float) -> float:

@@ -38,6 +38,7 @@ class Law(Option):
     rolls: bool = False
     remembers: int = Field(USUALLY_REMEMBERED, ge=0, le=MOST_REMEMBERED)
     one_mass: bool = False
+    replaces: dict[str, Names] = {}
     max_overlap: float = Field(math.inf, gt=0)
     turns: int = Field(0, ge=0)
     variants: dict[type, tuple[Callable[..., Any], int] | tuple[Callable[..., Any], int, int]] = {}
@@ -53,6 +54,10 @@ class Law(Option):
         """Return the force of a type that ``make`` gives, what it remembers and how much turns."""
         force, remembers, *turns = self.variants.get(kind, (self.force, self.remembers))
         return force, remembers, turns[0] if turns else self.turns
+
+    def has_functions(self, kind: type) -> bool:
+        """Return whether a type that ``make`` gives has a ``force``, or a body compiled by hand."""
+        return self.of(kind)[0] is not None
 
 
 class RollingLaw(Law):
@@ -117,6 +122,9 @@ def law(name: str, **fields: Any) -> None:
     owns : tuple of str
         Parameters of Talus that have an effect with this law alone, or with others that own them,
         too: under all others they are refused.
+    replaces : mapping
+        Parameters other than 0 stand in place of others, which then have their defaults: the name
+        of each with the names of these.
     variants : mapping
         Types of what ``make`` returns that have another ``force``, with it, how many numbers
         that gives to remember and, where it differs, how many vectors turn. It may call ``force``.

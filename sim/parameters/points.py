@@ -197,7 +197,8 @@ def point_id(parameters: Parameters) -> str:
     """
     values, model = canonical_values(parameters), type(parameters)
     parts = id_parts(model)
-    readable = [f"{label}{values[name]:g}" for name, label in parts.items()]
+    shown = {name: label for name, label in parts.items() if name not in parameters.replaced}
+    readable = [f"{label}{values[name]:g}" for name, label in shown.items()]
     unnamed = numerical_parameters(model) | set(parts)
     for name, value in values.items():
         if name not in unnamed and value != default_of(model, name, values):

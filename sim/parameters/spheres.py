@@ -5,7 +5,15 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from sim.base.additions import attribute_errors_to, plain_name
 from sim.base.plugins import module_names
-from sim.parameters.common import CHOICES, MAX_PARTICLES, Parameters, Real, broken_rule
+from sim.parameters.common import (
+    CHOICES,
+    MAX_PARTICLES,
+    Parameters,
+    Real,
+    broken_rule,
+    require_default,
+)
+from sim.parameters.dashpot import damping_ratio, restitution_of
 from sim.parameters.images import largest_diameter, usual_cell, wider_cell
 from sim.parameters.roles import rows_of
 
@@ -34,6 +42,10 @@ _DEPTH_CAVEAT = (
     "whole particles in the cell have a depth that differs by more than "
     f"{100 * DEPTH_TOLERANCE:g} % from the one asked for; a wider cell cures it"
 )
+
+#: Largest share of a slip that a tangential damping may take in a time step, for one contact of a
+#: body that does not turn; 3.5 times that of a sphere.
+MOST_DAMPING = 0.2
 
 #: Skin of the neighbor list, in diameters, and the usual number of neighbors of a sphere in it.
 SKIN, USUAL_NEIGHBORS = 0.2, 8
@@ -74,6 +86,8 @@ class SphereParameters(Parameters):
     law: LawName = row("law")
     tangential_ratio: Real = row("tangential_ratio")
     shear_damping: Real = row("shear_damping")
+    normal_damping: Real = row("normal_damping")
+    tangential_damping: Real = row("tangential_damping")
     attraction: Literal["kept", "clipped"] = row("attraction")
     tangential_unloading: Literal["kept", "rescaled"] = row("tangential_unloading")
     tangential_exponent: Real = row("tangential_exponent")
@@ -134,6 +148,30 @@ class SphereParameters(Parameters):
         """Mass of the lightest particles, kg."""
         spread = self.diameter_spread
         return self.mass * (1 - spread) ** 3 / (1 + spread**2)
+
+    @property
+    def heaviest_mass(self) -> float:
+        """Mass of the heaviest particles, kg."""
+        spread = self.diameter_spread
+        return self.mass * (1 + spread) ** 3 / (1 + spread**2)
+
+    @property
+    def replaced(self) -> frozenset[str]:
+        """Names of the parameters without effect, as others stand in their place."""
+        pairs = self.option("law").replaces.items()
+        return frozenset(name for key, names in pairs if getattr(self, key) for name in names)
+
+    @property
+    def restitutions(self) -> dict[str, float]:
+        """Restitutions that a damping of the point gives spheres of the mean mass, by partner."""
+        if not self.normal_damping:
+            return {}
+        masses = {"another": 0.5 * self.mass, "what is fixed": self.mass}
+        ratios = (damping_ratio(self.normal_damping, self.stiffness, m) for m in masses.values())
+        return {
+            name: restitution_of(ratio, self.attraction)
+            for name, ratio in zip(masses, ratios, strict=True)
+        }
 
     @property
     def loading_time(self) -> float:
@@ -238,7 +276,13 @@ class SphereParameters(Parameters):
 
     def require_rules(self) -> None:
         """Raise for values that do not go together."""
+        # Before the rules on time steps, which an impact that never ends would not have.
+        self._require_damping()
         super().require_rules()
+        most = MOST_DAMPING / self.time_step
+        if not self.tangential_damping <= most:
+            allowed = f"at most {most:.4g}; more steps_per_collision allow more"
+            raise broken_rule("tangential_damping", self.tangential_damping, allowed)
         for name, allowed in self.refusals:
             allowed += f" with engine: {plain_name(self.engine)}"
             raise broken_rule(name, getattr(self, name), allowed)
@@ -264,3 +308,13 @@ class SphereParameters(Parameters):
                 "dense ones count more"
             )
             raise broken_rule("bumps", self.bumps, allowed)
+
+    def _require_damping(self) -> None:
+        """Raise for values beside those that stand in their place, and for impacts without end."""
+        for key, names in self.option("law").replaces.items():
+            for name in names if getattr(self, key) else ():
+                require_default(self, name, f"{key} is 0, which else stands in its place")
+        critical = 2 * math.sqrt(self.stiffness / self.heaviest_mass)
+        if self.attraction == "kept" and not self.normal_damping < critical:
+            allowed = f"below {critical:.4g}, from where on what meets the plane never leaves it"
+            raise broken_rule("normal_damping", self.normal_damping, allowed)

@@ -93,6 +93,7 @@ def as_table(study: Study, shared: Mapping[str, SharedRun] = _NOTHING) -> str:
         study.omission_notes,
         _caveat_lines(study),
         paper_value_lines(point.parameters for point in study.points.values()),
+        _restitution_lines(study),
         [*_cost_lines(costs, shared), *_further_lines(study)],
     ]
     return "\n\n".join("\n".join(lines) for lines in sections if lines)
@@ -194,6 +195,19 @@ def _caveat_lines(study: Study) -> list[str]:
             "is 12.7 standard errors to either side, of three 4.3; three or more are better"
         )
     return lines
+
+
+def _restitution_lines(study: Study) -> list[str]:
+    """Return the restitutions that are not given but follow from a damping, by partner."""
+    found: dict[str, list[float]] = {}
+    for point in study.points.values():
+        for partner, value in getattr(point.parameters, "restitutions", {}).items():
+            found.setdefault(partner, []).append(value)
+    return [
+        f"restitution of a sphere of the mean mass with {partner}, by its damping: "
+        + " to ".join(dict.fromkeys(f"{end:.3f}" for end in (min(values), max(values))))
+        for partner, values in found.items()
+    ]
 
 
 def _cost_lines(costs: Mapping[str, Estimate], shared: Mapping[str, SharedRun]) -> list[str]:

@@ -147,8 +147,8 @@ def paper_values(points: Iterable[Parameters]) -> dict[str, list[str]]:
 
 
 def _without_effect(point: Parameters) -> set[str]:
-    """Return the parameters of laws and motions that the point does not have."""
-    used, others = set[str](), set[str]()
+    """Return what laws and motions of others have, and what others stand in the place of."""
+    used, others = set[str](), set[str](point.replaced)
     for choice in CHOICES:
         for name, option in point.options(choice).items():
             is_chosen = name == getattr(point, choice, name)

@@ -23,8 +23,8 @@ class Convention(NamedTuple):
 
 TALUS = Convention(True, 0.0)
 
-#: LAMMPS, by the law: ``gran/hooke/history`` and ``granular``.
-LAMMPS = {"spring_dashpot": Convention(False, 0.0), "hertz": Convention(True, 0.5)}
+#: LAMMPS: ``gran/hooke/history``, and ``granular``, which is told the restitution.
+HOOKE, GRANULAR = Convention(False, 0.0), Convention(True, 0.5)
 
 
 class Springs(NamedTuple):
@@ -37,6 +37,8 @@ class Springs(NamedTuple):
 
 def damping_constant(p: ChuteParameters, stiffness: float, mass: float) -> float:
     """Return c (kg/s) of F = K α + c dα/dt for K (N/m) and reduced mass (kg)."""
+    if p.normal_damping:
+        return p.normal_damping * mass
     share, whole = damping_fraction(p.restitution, p.attraction)
     return 2.0 * share / whole * sqrt(stiffness * mass)
 
@@ -99,11 +101,13 @@ def impact(
                 history = history * law.tangential / before
             before = law.tangential
             slip = (surface + approach * normal) * p.time_step
+            drag = p.tangential_damping * mass * slip / p.time_step
             history = turned(history, normal, convention.rescaled) + law.tangential * slip
-            history *= min(1.0, friction * abs(pressure) / (np.linalg.norm(history) or inf))
-            force = history - pressure * normal
+            along = history + drag
+            along *= min(1.0, friction * abs(pressure) / (np.linalg.norm(along) or inf))
+            history, force = along - drag, along - pressure * normal
             arms = (1.0 - shortened * overlap / radii) / (0.4 * masses)
-            rims += arms[:, None] * np.cross(normal, history) * p.time_step
+            rims += arms[:, None] * np.cross(normal, along) * p.time_step
         else:
             history, before = np.zeros(3), 0.0
         v = v + (force / masses[0] + weight) * p.time_step

@@ -7,7 +7,7 @@ from scipy.special import beta
 from sim.laws.hertz import effective_modulus
 from sim.parameters import parse_point
 from tests.engine.reference.hertz_impact import Friction, rebound
-from tests.engines.impact import LAMMPS, TALUS, impact, turned
+from tests.engines.impact import GRANULAR, TALUS, impact, turned
 
 #: Spheres with Poisson's ratio 0.3.
 LAW = {"law": "hertz", "tangential_ratio": 14 / 17}
@@ -51,14 +51,14 @@ def test_plain_impact_with_hertz_is_that_of_the_differential_equations(partner):
 def test_lammps_takes_half_the_overlap_from_the_arms_of_pairs(partner):
     """Spins are smaller by the overlap's mean, weighted with the force: B(7/5, 1/2)/2 of it."""
     start, spins = np.array([0.02, 0.0, -0.02]), {}
-    for convention in (TALUS, LAMMPS["hertz"]):
+    for convention in (TALUS, GRANULAR):
         values = {"friction": 0.1, "restitution": 1, **LAW}
         radii, masses, _, spins[convention] = met(partner, start, 200, convention, **values)
     p = parameters(**LAW)
     mass, radius = (1 / (1 / both).sum() for both in (masses, radii))
     speed = 0.02 * masses[0] / mass
     deepest = (15 * mass * speed**2 / (16 * radius**0.5 * effective_modulus(p))) ** 0.4
-    smaller = 1 - spins[LAMMPS["hertz"]][:, 1] / spins[TALUS][:, 1]
+    smaller = 1 - spins[GRANULAR][:, 1] / spins[TALUS][:, 1]
     np.testing.assert_allclose(smaller, beta(1.4, 0.5) / 2 * deepest / 2 / radii, rtol=0.01)
 
 

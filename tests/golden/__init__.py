@@ -57,6 +57,7 @@ def machine() -> str:
 
 def computed(parameters: Parameters, folder: Path) -> Path:
     """Run a point into a folder, or run on what was interrupted there, and return its file."""
+    folder.mkdir(exist_ok=True)
     path = folder / "run.nc"
     path.unlink(missing_ok=True)
     run_point(parameters, path, quiet=True, record_failure=True)

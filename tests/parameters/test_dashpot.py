@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from sim.parameters.dashpot import contact_time, damping_fraction
+from sim.parameters.dashpot import contact_time, damping_fraction, restitution_of, time_of
 
 RESTITUTIONS = [0.99, 0.8, 0.5, 0.2, np.exp(-2.0), 0.1, 0.01]
 
@@ -37,8 +37,10 @@ def test_damping_gives_the_restitution_asked_for(restitution, power, attraction)
     share, whole = damping_fraction(restitution, attraction)
     found, time = rebound(share / whole, attraction, power)
     assert found == pytest.approx(restitution, rel=1e-5)
+    assert restitution_of(share / whole, attraction) == pytest.approx(restitution, rel=1e-12)
     if power == 1:
-        assert time == pytest.approx(np.pi * contact_time(restitution, attraction), rel=1e-5)
+        for said in (contact_time(restitution, attraction), time_of(share / whole, attraction)):
+            assert time == pytest.approx(np.pi * said, rel=1e-5)
 
 
 def test_without_loss_there_is_no_damping_and_clipping_takes_more():

@@ -99,5 +99,9 @@ def test_what_all_points_have_as_a_paper_is_listed():
     found = paper_values(point.parameters for point in study.points.values())
     texts = ["n = 5", "e = 0.85", "K1 = 100 N/m", "g = 9.8 m/s²"]
     assert found == {"Walton (1993), conveyor": texts}
+    base = {"law": "spring_dashpot", "normal_damping": 900}
+    study = parse_study(series(base=base, grid={"stiffness": [100, 200]}), "s.yaml", None)
+    (held,) = paper_values(point.parameters for point in study.points.values()).values()
+    assert "μ = 0.4" in held and "e = 0.85" not in held
     belt = paper_values([parse_point({"system": "belt", "frequency": 20}, "p")])
     assert list(belt) == ["Gallas et al. (1992), belt"] and "f = 20 Hz" in belt.popitem()[1]

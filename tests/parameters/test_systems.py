@@ -4,7 +4,8 @@ import math
 
 import pytest
 
-from sim.parameters import SYSTEMS, BeltParameters, ChuteParameters, in_si, parse_point
+from sim.base.errors import InputError
+from sim.parameters import SYSTEMS, BeltParameters, ChuteParameters, in_si, parse_point, point_id
 from sim.parameters.words import setting
 
 
@@ -48,6 +49,26 @@ def hertz_time(p: ChuteParameters) -> float:
 def test_the_shortest_collision_is_that_of_the_law(law, time):
     chute = ChuteParameters(law=law, restitution=0.6, stiffness=300)
     assert chute.collision_time == pytest.approx(time(chute), rel=1e-12)
+
+
+def test_a_damping_stands_in_the_place_of_the_restitution():
+    """With Silbert's numbers, in units of his spheres: e = 0.88 in the bulk, 0.84 on the base."""
+    given = {"law": "spring_dashpot", "diameter": 1, "mass": 1, "gravity": 1, "stiffness": 2e5}
+    point = parse_point({"system": "chute", **given, "normal_damping": 50}, "point")
+    assert point_id(point).startswith("chute-depth5-friction0.4-stiffness200000-law-spring_dashpot")
+    found = [f"{restitution:.3f}" for restitution in point.restitutions.values()]
+    assert found == ["0.883", "0.839"]
+    assert parse_point({"system": "chute", **given}, "point").restitutions == {}
+    clipped = given | {"attraction": "clipped", "normal_damping": 895}
+    assert 0 < min(parse_point({"system": "chute", **clipped}, "point").restitutions.values()) < 0.2
+    for wrong, message in (
+        ({"normal_damping": 50, "restitution": 0.9}, "restitution: got 0.9; allowed: 0.85 unless"),
+        ({"normal_damping": 895}, "normal_damping: got 895; allowed: below 894.4, from where"),
+        ({"tangential_damping": 2000}, "tangential_damping: got 2000; allowed: at most 1608; more"),
+        ({"law": "hertz", "normal_damping": 9}, "normal_damping: .*unless law is spring_dashpot"),
+    ):
+        with pytest.raises(InputError, match=message):
+            parse_point({"system": "chute", **given, **wrong}, "point")
 
 
 def test_lengths_of_runs():

@@ -1,8 +1,8 @@
 """Linear spring and dashpot with the friction of Cundall and Strack, the law of most DEM codes.
 
 Cundall and Strack, Géotechnique 29 (1979) 47. Normal force F_N = K α + c dα/dt, kept or clipped
-where it is attractive at the end of a contact, with the c that gives the restitution; tangential
-spring K_t s, cut to μ |F_N|.
+where it is attractive at the end of a contact; tangential spring K_t s, cut to μ |F_N|. For
+partners of any masses, and with a drag along the surfaces, the law is in `sim.laws`.
 """
 
 from math import sqrt
@@ -56,10 +56,16 @@ def spring_dashpot(
     time_step: float,
     tangential_ratio: float = 0.8,
     attraction: str = "kept",
+    normal_damping: float = 0.0,
 ) -> SpringDashpot | Clipped:
-    """Return the law for K (N/m), e, μ, reduced mass (kg), time step (s), K_t/K and attraction."""
+    """Return the law of one reduced mass.
+
+    For K (N/m), e, μ, that mass (kg), time step (s), K_t/K, attraction, and γ_n (1/s), which stands
+    in place of e unless it is 0.
+    """
     share, whole = damping_fraction(restitution, attraction)
     damping = 2.0 * (share / whole) * sqrt(stiffness * mass)
+    damping = normal_damping * mass if normal_damping else damping
     kind = SpringDashpot if attraction == "kept" else Clipped
     return kind(
         float(stiffness),

@@ -37,6 +37,15 @@ LACKS = (
 )
 
 
+def by_restitution(p: Any) -> bool:
+    """Return whether it is told the restitution of a point, not a rate: that of its law is its own.
+
+    Under a linear spring that is so where each pair has its own rate.
+    """
+    has_several = p.law == "spring_dashpot" and bool(p.bumps or p.diameter_spread)
+    return p.law == "hertz" or (has_several and not p.normal_damping)
+
+
 def refuses(p: Any) -> Iterator[tuple[str, str]]:
     """Yield the parameters of a point that it cannot follow, with the values that it can."""
     if p.law not in LAWS:
@@ -47,9 +56,13 @@ def refuses(p: Any) -> Iterator[tuple[str, str]]:
     for name in ONE_MASS if p.law == "drag" else ():
         if getattr(p, name):
             yield name, "0 with law: drag"
-    if p.law == "hertz" and p.attraction == "clipped" and p.restitution <= LEAST_CLIPPED:
+    if by_restitution(p) and p.attraction == "clipped" and p.restitution <= LEAST_CLIPPED:
         # It takes the damping as the restitution that it gives where it may pull.
-        yield "restitution", f"above {LEAST_CLIPPED:g} with attraction: clipped and law: hertz"
+        yield "restitution", f"above {LEAST_CLIPPED:g} with attraction: clipped and law: {p.law}"
+    if by_restitution(p) and p.tangential_damping:
+        yield "tangential_damping", "0 with several masses, unless normal_damping is given"
+    if p.tangential_damping and p.restitution == 1:
+        yield "restitution", "below 1 with tangential_damping"
     if p.law == "drag" and p.attraction != "kept":
         # Where the normal force is clipped it cuts the drag along surfaces to 0, too.
         yield "attraction", "kept with law: drag"

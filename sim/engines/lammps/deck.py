@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from sim.engines.lammps import by_restitution
 from sim.laws.hertz import effective_modulus
 from sim.parameters.dashpot import damping_fraction
 from sim.parameters.spheres import SKIN, SphereParameters
@@ -25,7 +26,9 @@ MOBILE, GLUED = 1, 2
 
 
 def damping_rate(p: SphereParameters, mass: float) -> float:
-    """Return γ (1/s) of F = K α + m γ dα/dt that gives the restitution."""
+    """Return γ (1/s) of F = K α + m γ dα/dt, given or that of the restitution."""
+    if p.normal_damping:
+        return p.normal_damping
     share, whole = damping_fraction(p.restitution, p.attraction)
     return 2.0 * sqrt(p.stiffness / mass) * share / whole
 
@@ -46,19 +49,22 @@ def contact_commands(p: SphereParameters) -> tuple[list[str], str]:
 
     The plane meets a particle with its whole mass, a partner with half of it: two rates.
     """
-    if p.law == "hertz":
-        pairs = ["pair_style granular", f"pair_coeff * * {_hertz(p, p.friction)}"]
-        return pairs, f"granular {_hertz(p, p.friction_plane)}"
+    if by_restitution(p):
+        law = _hertz if p.law == "hertz" else _hooke
+        pairs = ["pair_style granular", f"pair_coeff * * {law(p, p.friction)}"]
+        return pairs, f"granular {law(p, p.friction_plane)}"
     clip = _clip(p)
     pair_rate, rate = damping_rate(p, 0.5 * p.mass), damping_rate(p, p.mass)
     tangential, shear = p.tangential_ratio * p.stiffness, p.shear_damping * p.gravity
+    damping = p.tangential_damping
     if p.law == "drag":
         style = f"hooke {p.stiffness:.17g} 0 {pair_rate:.17g} {shear:.17g} {NO_LIMIT} 1"
         along = f"linear_nohistory {shear / rate:.17g} {NO_LIMIT}"
     else:
         springs = f"{p.stiffness:.17g} {tangential:.17g} {pair_rate:.17g}"
-        style = f"hooke/history {springs} 0 {p.friction:.17g} 1{clip}"
-        along = f"linear_history {tangential:.17g} 0 {p.friction_plane:.17g}"
+        style = f"hooke/history {springs} {damping:.17g} {p.friction:.17g} 1{clip}"
+        share = damping / rate if damping else 0.0
+        along = f"linear_history {tangential:.17g} {share:.17g} {p.friction_plane:.17g}"
     # The styles of these pairs have a plane, too, which does not move as it is told.
     plane = f"granular hooke {p.stiffness:.17g} {rate:.17g} damping mass_velocity tangential"
     return [f"pair_style gran/{style}", "pair_coeff * *"], f"{plane} {along}{clip}"
@@ -66,6 +72,15 @@ def contact_commands(p: SphereParameters) -> tuple[list[str], str]:
 
 def _clip(p: SphereParameters) -> str:
     return " limit_damping" if p.attraction == "clipped" else ""
+
+
+def _hooke(p: SphereParameters, friction: float) -> str:
+    """Return the linear law that finds the damping of each pair from the restitution."""
+    return (
+        f"hooke {p.stiffness:.17g} {unclipped_restitution(p):.17g} damping coeff_restitution "
+        f"tangential linear_history {p.tangential_ratio * p.stiffness:.17g} 0 {friction:.17g}"
+        f"{_clip(p)}"
+    )
 
 
 def _hertz(p: SphereParameters, friction: float) -> str:

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from sim.engine.contact import Partners, law_of
+from sim.engine.contact.friction import turning_numbers
 from sim.engine.contact.spring_dashpot import spring_dashpot
 from sim.engine.systems import leap_frog
 from tests.engine.reference import chute as slow
@@ -18,6 +20,7 @@ from tests.engine_motion.helpers import (
     wrapped,
 )
 from tests.engine_motion.motion import SphereMotion
+from tests.engine_motion.points import chute_point
 
 STEPS = 80
 SPEED, SPIN = 0.05, 100.0
@@ -76,8 +79,9 @@ def check(motion, start, expected) -> None:
     assert motion.velocity == pytest.approx(expected.velocity, abs=1e-10 * SPEED)
     assert motion.spin == pytest.approx(expected.spin, abs=1e-10 * SPIN)
     i, j, _, memory = motion.contacts()
+    back = np.where(np.arange(len(memory)) < (turning := turning_numbers(motion.laws[0])), -1, 1)
     memories = {
-        (min(a, b), max(a, b)): column if a < b else np.concatenate([-column[:3], column[3:]])
+        (min(a, b), max(a, b)): column if a < b else back * column
         for a, b, column in zip(i.tolist(), j.tolist(), memory.T, strict=True)
     }
     resting, memory = motion.plane_contacts()
@@ -88,6 +92,8 @@ def check(motion, start, expected) -> None:
     load = max(contact.normal_force for contact in expected.contacts.values())
     for key, contact in expected.contacts.items():
         assert memories[key][:3] == pytest.approx(contact.tangential_force, abs=1e-10 * load)
+        if turning > 3:
+            assert memories[key][3:6] == pytest.approx(contact.spring, abs=1e-10 * load)
         if contact.largest_overlap:
             assert memories[key][6] == pytest.approx(contact.largest_overlap, abs=1e-10 * RADIUS)
     assert motion.flow.sums[leap_frog.CONTACTS] > 1.5 * STEPS * len(start.radius)
@@ -113,6 +119,20 @@ def test_short_flow_of_springs_and_dashpots_equals_the_reference(base, attractio
     ]
     law_pairs = [spring_dashpot(*v) for v in values], [SpringDashpotLaw(*v) for v in values]
     check(*run_both(law_pairs, base, time_step=step))
+
+
+@pytest.mark.parametrize("attraction", ["kept", "clipped"])
+@pytest.mark.parametrize("damping", [{"restitution": 0.7}, {"normal_damping": 2000}])
+def test_short_flow_of_any_masses_and_drag_along_surfaces_equals_the_reference(attraction, damping):
+    step, values = 2e-6, {"attraction": attraction, "tangential_damping": 1500, **damping}
+    point = chute_point(law="spring_dashpot", stiffness=100.0, tangential_ratio=0.8, **values)
+    fast = [law_of(point, Partners(friction, 0.0, step)) for friction in (0.4, 0.25)]
+    values = {"restitution": 1.0, **values}
+    slow_laws = [
+        SpringDashpotLaw(100.0, friction=friction, mass=0.0, time_step=step, **values)
+        for friction in (0.4, 0.25)
+    ]
+    check(*run_both((fast, slow_laws), 0.0, time_step=step))
 
 
 @pytest.mark.parametrize("threads", [2, 7])

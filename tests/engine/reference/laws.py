@@ -68,7 +68,8 @@ class Contact:
     """What a contact remembers from one step to the next; the defaults are a new contact.
 
     tangential_force is the vector T on particle i (3, N), turning_point the scalar T* (N), sense
-    the sign of the last change of T, largest_overlap alpha_max (m), normal_force F_N (N).
+    the sign of the last change of T, largest_overlap alpha_max (m), normal_force F_N (N), spring
+    the part of T (3, N) that is no drag.
     """
 
     tangential_force: np.ndarray = field(default_factory=lambda: np.zeros(3))
@@ -76,6 +77,7 @@ class Contact:
     sense: int = 1
     largest_overlap: float = 0.0
     normal_force: float = 0.0
+    spring: np.ndarray = field(default_factory=lambda: np.zeros(3))
 
     #: Of laws that are plain functions: own numbers, rolling and twisting torque, their sum (N m).
     numbers: tuple[float, ...] = ()
@@ -209,7 +211,10 @@ def length(vector: np.ndarray) -> float:
 class SpringDashpotLaw:
     """Stiffness (N/m), restitution, friction, reduced mass (kg), time step (s), K_t/K.
 
-    A normal force that would pull is kept, or clipped at 0: see `sim.parameters.dashpot`.
+    The mass is that of all partners, or 0: each pair then has its own. A normal force that would
+    pull is kept, or clipped at 0: see `sim.parameters.dashpot`. The normal drag is gamma_n m v_n
+    (normal_damping, 1/s), or where that is 0 the one that gives the restitution; along the surfaces
+    it is gamma_t m v_t (tangential_damping, 1/s).
     """
 
     stiffness: float
@@ -219,37 +224,38 @@ class SpringDashpotLaw:
     time_step: float
     tangential_ratio: float = 0.8
     attraction: str = "kept"
+    normal_damping: float = 0.0
+    tangential_damping: float = 0.0
 
     @property
     def damping(self) -> float:
         """Coefficient c (kg/s) of the damped oscillator that gives the restitution."""
+        if self.normal_damping:
+            return self.normal_damping * self.mass
         rate, critical = -np.log(self.restitution), 2 * np.sqrt(self.stiffness * self.mass)
         if self.attraction == "kept":
             return critical * rate / np.sqrt(np.pi**2 + rate**2)
         return critical * np.cos(brentq(lambda angle: 2 * angle / np.tan(angle) - rate, 1e-6, 1.57))
 
     def update(
-        self, contact: Contact, overlap: float, k_hat: np.ndarray, slip: np.ndarray, *_
+        self, contact: Contact, overlap: float, k_hat: np.ndarray, slip: np.ndarray, *partners
     ) -> tuple[float, np.ndarray, Contact]:
-        """Advance a contact by one step: normal force (N), T on particle i (3, N), new state."""
+        """Advance a contact by one step: normal force (N), T on particle i (3, N), new state.
+
+        The last of partners is their reduced mass (kg).
+        """
+        if not self.mass:
+            return replace(self, mass=partners[-1]).update(contact, overlap, k_hat, slip)
         closing = -float(slip @ k_hat) / self.time_step
         normal_force = self.stiffness * overlap + self.damping * closing
         if self.attraction == "clipped":
             normal_force = max(normal_force, 0.0)
-        shear = contact.tangential_force
-        tangent = shear - (shear @ k_hat) * k_hat
-        if np.linalg.norm(tangent) > 0.0:
-            tangent = tangent * np.linalg.norm(shear) / np.linalg.norm(tangent)
-        tangent = tangent + self.tangential_ratio * self.stiffness * (slip - (slip @ k_hat) * k_hat)
-        limit = self.friction * abs(normal_force)
-        length = np.linalg.norm(tangent)
-        if length > limit:
-            tangent = tangent * limit / length
-        return (
-            normal_force,
-            tangent,
-            Contact(tangential_force=tangent, normal_force=normal_force),
-        )
+        slip = across(slip, k_hat)
+        spring = turned(contact.spring, k_hat) + self.tangential_ratio * self.stiffness * slip
+        drag = self.tangential_damping * self.mass * slip / self.time_step
+        force = shortened(spring + drag, self.friction * abs(normal_force))
+        # The sum is cut, and the spring is what is left of it beside the drag.
+        return normal_force, force, Contact(force, normal_force=normal_force, spring=force - drag)
 
 
 @dataclass(frozen=True)
