@@ -12,6 +12,7 @@ import pytest
 import xarray as xr
 
 import sim
+from sim.base.additions import shipped
 from sim.base.errors import InputError
 from sim.base.plugins import load_plugins, places
 from sim.claims import judge
@@ -24,10 +25,13 @@ from sim.engine.identity import cache_directory
 from sim.engine.systems.start import vibration
 from sim.figures.render import draw_figures
 from sim.parameters import ChuteParameters, Parameters, parse_point, point_id
+from sim.parameters.choices import extended, parameter
+from sim.parameters.laws import LAW
 from sim.report.compare import show
 from sim.report.page import build as build_report
 from sim.report.publish import publish
 from sim.study.load import Study, load_study, parse_study
+from sim.study.papers import paper_values
 from tests.made.plugins import plugin_claims, restore_plugins, without_plugins
 from tests.made.processes import ROOT, run_lines
 from tests.made.runs import write_run
@@ -225,9 +229,9 @@ def test_points_tell_the_law_and_its_code(folder):
     [
         ({"law": "herz"}, "law: got 'herz'; allowed: .*TALUS_PLUGINS name the plug-in"),
         ({"law": "hertz_mindlin.00000000"}, "law: got 'hertz_mindlin.00000000'; allowed: "),
-        ({"youngs_modulus": 2e6}, "youngs_modulus: got 2000000; .* unless law is hertz_mindlin"),
-        ({"law": "hertz_mindlin", "youngs_modulus": 0}, "got 0; allowed: a number > 0"),
-        ({"law": "hertz_mindlin", "poisson_ratio": 0.7}, r"allowed: a number in \[0, 0.5\]"),
+        ({"grain_modulus": 2e6}, "grain_modulus: got 2000000; .* unless law is hertz_mindlin"),
+        ({"law": "hertz_mindlin", "grain_modulus": 0}, "got 0; allowed: a number > 0"),
+        ({"law": "hertz_mindlin", "grain_poisson": 0.7}, r"allowed: a number in \[0, 0.5\]"),
         ({"law": "hertz_mindlin", "restitution": 1.5}, "restitution"),
     ],
 )
@@ -243,6 +247,34 @@ def test_a_law_whose_collision_takes_no_time_is_told_with_its_line(folder):
     load_plugins("hertz_mindlin.py")
     with pytest.raises(InputError, match=r"law hertz_mindlin: ValueError: a collision takes 0.0 s"):
         parse_point({"system": "chute", "law": "hertz_mindlin"}, "point")
+
+
+def test_what_a_law_ignores_is_not_left_as_in_a_paper_and_one_mass_is_one(folder):
+    path = folder / "hertz_mindlin.py"
+    more = "remembers=1,\n    ignores=('restitution',),\n    one_mass=True,"
+    path.write_text(path.read_text().replace("remembers=1,", more))
+    load_plugins("hertz_mindlin.py")
+    texts = [
+        paper_values([parse_point({"system": "chute", "law": law}, "p")])["Walton (1993), chute"]
+        for law in ("walton_braun", "hertz_mindlin", "drag")
+    ]
+    assert ["e = 0.85" in one for one in texts] == [True, False, True]
+    assert ["μ = 0.4" in one for one in texts] == [True, True, False]
+    for name in ("bumps", "diameter_spread"):
+        with pytest.raises(
+            InputError, match=rf"{name}: got 0.1; allowed: 0 with law: hertz_mindlin$"
+        ):
+            parse_point({"system": "chute", "law": "hertz_mindlin", name: 0.1}, "p")
+
+
+def test_a_law_that_ships_may_add_parameters(monkeypatch):
+    stick = parameter(0.5, unit="1", description="a share", ge=0)
+    law = shipped("law")["drag"].model_copy(update={"parameters": {"stick": stick}})
+    monkeypatch.setitem(shipped("law"), "drag", law)
+    chute = extended(ChuteParameters, LAW)
+    assert chute(law="drag", stick=0.7).stick == 0.7 and chute().stick == 0.5
+    with pytest.raises(ValueError, match="unless law is drag, whose it is"):
+        chute(stick=0.7)
 
 
 @pytest.mark.parametrize(
@@ -272,7 +304,7 @@ def test_two_plugins_have_no_parameter_in_common(folder):
     text = (folder / "hertz_mindlin.py").read_text()
     (folder / "other.py").write_text(text.replace('    "hertz_mindlin"', '    "other"'))
     load_plugins("hertz_mindlin.py")
-    with pytest.raises(InputError, match="parameter youngs_modulus: law hertz_mindlin has it"):
+    with pytest.raises(InputError, match="parameter grain_modulus: law hertz_mindlin has it"):
         load_plugins("other.py")
 
 
@@ -291,7 +323,7 @@ def test_an_engine_at_work_takes_no_new_law(folder):
 def test_results_of_a_law_that_is_not_there_are_read_but_not_compared(folder):
     with without_plugins():
         study = {"study": "s", "plugins": ["hertz_mindlin.py"]}
-        grid = {"youngs_modulus": [1e6, 2e6]}
+        grid = {"grain_modulus": [1e6, 2e6]}
         chute = {"name": "a", "system": "chute", "base": {"law": "hertz_mindlin"}, "grid": grid}
         Path("s.yaml").write_text(json.dumps(study | {"series": [chute]}))
         for point in load_study("s.yaml").points.values():
@@ -299,7 +331,7 @@ def test_results_of_a_law_that_is_not_there_are_read_but_not_compared(folder):
         build("s.yaml")
     found = sim.load("results/s")
     assert not places()
-    assert found.dataset["youngs_modulus"].values.tolist() == [1e6, 2e6]
+    assert found.dataset["grain_modulus"].values.tolist() == [1e6, 2e6]
     with pytest.raises(InputError, match=r"law: got 'hertz_mindlin.*TALUS_PLUGINS"):
         show(Path("results/s"), Path("results/s"), "velocity", (), "text")
 

@@ -55,7 +55,7 @@ def test_a_conveyor_has_a_law_and_a_motion_of_plugins(folder):
         declared = type(same).model_fields
         for name, field in type(one).model_fields.items():
             assert name in ("law", "motion") or repr(declared[name]) == repr(field)
-    given = {"law": "hertz_mindlin", "youngs_modulus": 2e6, "motion": "ellipse", "belt_lag": 30}
+    given = {"law": "hertz_mindlin", "grain_modulus": 2e6, "motion": "ellipse", "belt_lag": 30}
     name = point_id(both := parse_point({"system": "conveyor"} | given, "p"))
     assert re.search(r"-law-hertz_mindlin\.\w{8}-.*-motion-ellipse\.\w{8}-", name)
     assert both.belt_lag == 30 and point_id(both.model_copy(update={"belt_lag": 31})) != name
@@ -83,7 +83,7 @@ def test_a_parameter_of_a_plugin_may_be_negative(folder, motion, name, value):
     [
         ({"motion": "ellips"}, "motion: got 'ellips'; allowed: "),
         ({"belt_lag": 30}, "belt_lag: got 30; .* unless motion is ellipse"),
-        ({"youngs_modulus": 2e6, "motion": "ellipse"}, "youngs_modulus: .* unless law is hertz"),
+        ({"grain_modulus": 2e6, "motion": "ellipse"}, "grain_modulus: .* unless law is hertz"),
         ({"motion": "ellipse", "overtone": 3}, "overtone: got 3; .*2 unless motion is harmonic"),
         *(
             ({"motion": "ellipse", name: 0.5}, f"{name}: got 0.5; .*0 unless motion is harmonic")

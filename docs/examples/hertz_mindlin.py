@@ -22,11 +22,11 @@ class HertzMindlin(NamedTuple):
 
 def make(p, partners):
     """Return the law of a point; plane and spheres are of one material."""
-    nu = p.poisson_ratio
+    nu = p.grain_poisson
     beta = -log(p.restitution) / sqrt(log(p.restitution) ** 2 + pi**2)
     return HertzMindlin(
-        p.youngs_modulus / (2 * (1 - nu**2)),
-        p.youngs_modulus / (4 * (1 + nu) * (2 - nu)),
+        p.grain_modulus / (2 * (1 - nu**2)),
+        p.grain_modulus / (4 * (1 + nu) * (2 - nu)),
         2 * sqrt(5 / 6) * beta / partners.time_step,
         partners.friction,
     )
@@ -63,7 +63,7 @@ def collision_time(p):
     spread = p.diameter_spread
     size = (1 - spread) / (1 + spread**2) ** (1 / 3)
     mass, radius = p.mass * size**3 / 2, p.diameter * size / 4
-    modulus = p.youngs_modulus / (2 * (1 - p.poisson_ratio**2))
+    modulus = p.grain_modulus / (2 * (1 - p.grain_poisson**2))
     speed = 10 * p.velocity_unit
     return 2.87 * (mass**2 / (radius * modulus**2 * speed)) ** 0.2
 
@@ -77,10 +77,10 @@ talus.law(
     remembers=1,
     collision_time=collision_time,
     parameters={
-        "youngs_modulus": talus.parameter(
+        "grain_modulus": talus.parameter(
             1e6, symbol="E", unit="Pa", description="Young's modulus", gt=0
         ),
-        "poisson_ratio": talus.parameter(
+        "grain_poisson": talus.parameter(
             0.3, symbol="ν", unit="1", description="Poisson's ratio", ge=0, le=0.5
         ),
     },

@@ -44,11 +44,8 @@ class HertzVariant(NamedTuple):
 
 
 def effective_modulus(p: SphereParameters) -> float:
-    """Return E*, Pa: at an overlap of σ/100 the force equals that of the spring K1.
-
-    (4/3) E* √(σ/4) (σ/100)^(3/2) = K1 σ/100.
-    """
-    return 15 * p.stiffness / p.diameter
+    """Return E*, Pa: at an overlap of σ/100 the force equals that of the spring K1."""
+    return 15 * p.normal_stiffness / p.diameter
 
 
 def collision_time(p: SphereParameters) -> float:
@@ -64,7 +61,7 @@ def make(p: SphereParameters, partners: Any) -> Hertz | HertzVariant:
     damping = 2.0 * sqrt(5.0 / 6.0) * share / whole
     usual = Hertz(
         effective_modulus(p),
-        float(p.tangential_ratio),
+        float(p.tangential_share),
         damping / partners.time_step,
         float(partners.friction),
     )
@@ -123,6 +120,7 @@ law(
     collision_time=collision_time,
     remembers=1,
     max_overlap=SMALL_OVERLAP,
-    owns=("attraction", "tangential_unloading"),
+    owns=("attraction", "tangential_unloading", "youngs_modulus", "poisson_ratio"),
+    replaces={"youngs_modulus": ("stiffness", "tangential_ratio")},
     variants={HertzVariant: (variant_force, 2)},
 )

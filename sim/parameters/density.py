@@ -76,6 +76,7 @@ def doubts(point: Parameters) -> Iterator[tuple[str, str]]:
         text = f"{size} mass {point.mass:g} kg is {density}; usual are {LEAST:g} to {LARGEST:,g}"
         yield "mass", text
     is_absolute = getattr(stiffness.json_schema_extra, "unit", "") == "N m-1"
-    if is_other and is_absolute and point.stiffness == stiffness.default:
+    is_left = point.stiffness == stiffness.default and "stiffness" not in point.replaced
+    if is_other and is_absolute and is_left:
         text = f"{size} the stiffness {paper}, {point.stiffness:g} N/m; look at their overlap"
         yield "stiffness", text

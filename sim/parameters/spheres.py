@@ -90,6 +90,8 @@ class SphereParameters(Parameters):
     tangential_damping: Real = row("tangential_damping")
     attraction: Literal["kept", "clipped"] = row("attraction")
     tangential_unloading: Literal["kept", "rescaled"] = row("tangential_unloading")
+    youngs_modulus: Real = row("youngs_modulus")
+    poisson_ratio: Real = row("poisson_ratio")
     tangential_exponent: Real = row("tangential_exponent")
     diameter: Real = row("diameter")
     mass: Real = row("mass")
@@ -154,6 +156,22 @@ class SphereParameters(Parameters):
         """Mass of the heaviest particles, kg."""
         spread = self.diameter_spread
         return self.mass * (1 + spread) ** 3 / (1 + spread**2)
+
+    @property
+    def normal_stiffness(self) -> float:
+        """Stiffness K1, N/m; under Young's modulus that of Hertz's spring at an overlap of σ/100.
+
+        (4/3) E* √(σ/4) (σ/100)^(3/2) = K1 σ/100, with E* = E/(2 (1 - ν²)).
+        """
+        if not self.youngs_modulus:
+            return self.stiffness
+        return self.youngs_modulus / (2 * (1 - self.poisson_ratio**2)) * self.diameter / 15
+
+    @property
+    def tangential_share(self) -> float:
+        """Tangential over normal stiffness; under Young's modulus 2 (1 - ν)/(2 - ν)."""
+        nu = self.poisson_ratio
+        return 2 * (1 - nu) / (2 - nu) if self.youngs_modulus else self.tangential_ratio
 
     @property
     def replaced(self) -> frozenset[str]:
@@ -247,7 +265,7 @@ class SphereParameters(Parameters):
         Spheres that meet head-on at a speed v overlap by v √(m/2K1), which may be beyond the range
         of the contact law. The depth of whole particles may differ from the requested one.
         """
-        overlap = speed * math.sqrt(0.5 * self.mass / self.stiffness) / self.diameter
+        overlap = speed * math.sqrt(0.5 * self.mass / self.normal_stiffness) / self.diameter
         is_large = overlap > self.option("law").max_overlap
         caveats = [f"impacts at {source} {_OVERLAP_CAVEAT}"] if is_large else []
         if (
@@ -289,7 +307,9 @@ class SphereParameters(Parameters):
         if self.option("law").one_mass:
             for name in ("diameter_spread", "bumps"):
                 if getattr(self, name):
-                    raise broken_rule(name, getattr(self, name), f"0 with law: {self.law}")
+                    raise broken_rule(
+                        name, getattr(self, name), f"0 with law: {plain_name(self.law)}"
+                    )
         if self.bump_arrangement != "random" and not self.bumps:
             allowed = "random, unless there are bumps"
             raise broken_rule("bump_arrangement", self.bump_arrangement, allowed)
@@ -314,6 +334,8 @@ class SphereParameters(Parameters):
         for key, names in self.option("law").replaces.items():
             for name in names if getattr(self, key) else ():
                 require_default(self, name, f"{key} is 0, which else stands in its place")
+        if not self.youngs_modulus:
+            require_default(self, "poisson_ratio", "youngs_modulus is given")
         critical = 2 * math.sqrt(self.stiffness / self.heaviest_mass)
         if self.attraction == "kept" and not self.normal_damping < critical:
             allowed = f"below {critical:.4g}, from where on what meets the plane never leaves it"

@@ -48,7 +48,7 @@ def springs(p: ChuteParameters, overlap: float, radius: float, mass: float) -> S
     if p.law == "hertz":
         stiffness = 2.0 * effective_modulus(p) * sqrt(radius * overlap)
         damping = sqrt(5 / 6) * damping_constant(p, stiffness, mass)
-        return Springs(2 / 3 * stiffness, damping, p.tangential_ratio * stiffness)
+        return Springs(2 / 3 * stiffness, damping, p.tangential_share * stiffness)
     damping = damping_constant(p, p.stiffness, mass)
     return Springs(p.stiffness, damping, p.tangential_ratio * p.stiffness)
 

@@ -22,7 +22,7 @@ SIZE, SPEED = ChuteParameters().diameter, ChuteParameters().velocity_unit
 
 def made(plot: Mapping, points: Sequence[MadePoint]) -> tuple[FigureSpec, Results]:
     """Return a plot of points, and these as results."""
-    names = (*GRID, "youngs_modulus") if points[0].parameters.law not in LAW.usual else GRID
+    names = (*GRID, "grain_modulus") if points[0].parameters.law not in LAW.usual else GRID
     cases = [{name: getattr(one.parameters, name) for name in names} for one in points]
     base = {"law": points[0].parameters.law}
     series = {"name": "flows", "system": "chute", "base": base, "cases": cases}

@@ -112,15 +112,15 @@ def test_texts_of_users_are_drawn_as_they_are_written(tmp_path):
         load_plugins(tmp_path / "own.py")
         options = {"law": "hertz_mindlin"}
         points = [
-            made_point("chute", {"cost": 1.0}, friction=mu, youngs_modulus=modulus, **options)
+            made_point("chute", {"cost": 1.0}, friction=mu, grain_modulus=modulus, **options)
             for mu in (0.3, 0.4)
             for modulus in (1e6, 2e6)
         ]
-        curves, _, _ = drawn({"x": "friction", "curves": "youngs_modulus", "y": "cost"}, points)
-        axis, _, _ = drawn({"x": "youngs_modulus", "panels": "friction", "y": "cost"}, points)
+        curves, _, _ = drawn({"x": "friction", "curves": "grain_modulus", "y": "cost"}, points)
+        axis, _, _ = drawn({"x": "grain_modulus", "panels": "friction", "y": "cost"}, points)
     names = {r"_E_$1^2\frac = 1e+06 Pa", r"_E_$1^2\frac = 2e+06 Pa"}
     assert names | {"cost (m)"} <= shown_texts(curves)
-    assert r"youngs modulus _E_$1^2\frac (Pa)" in shown_texts(axis)
+    assert r"grain modulus _E_$1^2\frac (Pa)" in shown_texts(axis)
 
 
 def test_a_caption_names_choices_that_are_not_usual():

@@ -53,7 +53,11 @@ def test_every_parameter_is_in_the_id_but_how_much_is_wanted(system):
     special["start_from"] = "run.nc"
     others = {"ghost_mass": {"damping_mass": "reduced"}, "trajectory_contacts": {"trajectory": 1}}
     if system != "belt":
-        names = "attraction", "tangential_unloading", "engine"
+        names = "attraction", "tangential_unloading", "engine", "youngs_modulus"
+        special["youngs_modulus"] = 2e6
+        others["poisson_ratio"] = {"law": "hertz", "youngs_modulus": 2e6}
+        for name in ("normal_damping", "tangential_damping"):
+            others[name] = {"law": "spring_dashpot"}
         others |= {"shear_damping": {"law": "drag"}} | {name: {"law": "hertz"} for name in names}
         others |= {"bump_arrangement": {"bumps": 1}, "ranks": {"law": "hertz", "engine": "lammps"}}
     default = SYSTEMS[system]()

@@ -38,8 +38,8 @@ plugins: [hertz_mindlin.py, base_slip.py, boxes.py, steeper.py]
 defaults:
   chute: {law: hertz_mindlin, diameter_spread: 0.3, depth: 1.5, cell: 4, transient: 10, average: 20}
 series:
-  - {name: moduli, system: chute, grid: {youngs_modulus: [1.0e+6, 2.0e+6]}}
-""" + PLOTS.replace("angle", "youngs_modulus")
+  - {name: moduli, system: chute, grid: {grain_modulus: [1.0e+6, 2.0e+6]}}
+""" + PLOTS.replace("angle", "grain_modulus")
 
 #: Jobs that an edit of a file entails.
 JUDGED = {"claims": 1, "report": 1}
@@ -149,8 +149,8 @@ def test_a_law_goes_the_whole_way(tmp_path):
     with xr.open_dataset(results / "dataset.nc") as dataset:
         assert (dataset["status"] == "completed").all()
         assert all(name.startswith("hertz_mindlin.") for name in dataset["law"].values)
-        assert dataset["youngs_modulus"].values.tolist() == [1e6, 2e6]
-        assert dataset["youngs_modulus"].attrs["units"] == "Pa"
+        assert dataset["grain_modulus"].values.tolist() == [1e6, 2e6]
+        assert dataset["grain_modulus"].attrs["units"] == "Pa"
         assert (dataset["missing_energy"] < 0.02).all()
         assert (abs(dataset["normal_balance"] - 1) < 0.1).all()
     assert "hertz_mindlin.py" in (results / "report.html").read_text()

@@ -89,7 +89,7 @@ def _hertz(p: SphereParameters, friction: float) -> str:
     Its ``damping tsuji`` takes the restitution into a polynomial whose damping is too weak; that of
     ``coeff_restitution`` is ours.
     """
-    poisson = 2.0 * (1.0 - p.tangential_ratio) / (2.0 - p.tangential_ratio)
+    poisson = 2.0 * (1.0 - p.tangential_share) / (2.0 - p.tangential_share)
     modulus = 2.0 * (1.0 - poisson**2) * effective_modulus(p)
     along = "mindlin" if p.tangential_unloading == "kept" else "mindlin_rescale"
     return (

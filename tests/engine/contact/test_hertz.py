@@ -5,11 +5,13 @@ from math import sqrt
 import numpy as np
 import pytest
 
+from sim.base.errors import InputError
 from sim.claims.experiments import contact_path
 from sim.engine.contact import Partners, law_of
 from sim.engine.contact.functions import PartnerLaw
+from sim.engines.lammps.deck import contact_commands
 from sim.laws.hertz import effective_modulus, force
-from sim.parameters import ChuteParameters
+from sim.parameters import ChuteParameters, parse_point
 from sim.parameters.dashpot import damping_fraction
 from tests.engine.reference.hertz_impact import Friction, mindlin_rebound, rebound
 from tests.engine_motion.motion import Impacts
@@ -152,6 +154,31 @@ def test_hertz_at_a_hundredth_of_a_diameter_is_the_spring():
     normal = force(law, overlap, 0.0, zero, zero, (0.0,) * 4, radius, point.mass)[0]
     assert normal == pytest.approx(point.stiffness * overlap)
     assert law.modulus == effective_modulus(point)
+
+
+def test_hertz_of_a_material_is_that_of_the_stiffness_that_it_has():
+    """E* = E/(2 (1 - ν²)), and Mindlin's 2 (1 - ν)/(2 - ν) along the surfaces; LAMMPS is told E."""
+    young, nu = 2e6, 0.2
+    of_material = ChuteParameters(law="hertz", youngs_modulus=young, poisson_ratio=nu)
+    modulus, share = young / (2 * (1 - nu**2)), 2 * (1 - nu) / (2 - nu)
+    stiffness = 4 / 3 * modulus * (of_material.diameter / 4 * of_material.diameter / 100) ** 0.5
+    given = ChuteParameters(law="hertz", stiffness=stiffness, tangential_ratio=share)
+    partners = Partners(0.4, 0.5 * given.mass, 1e-6)
+    made = [law_of(point, partners) for point in (of_material, given)]
+    assert made[0] == pytest.approx(made[1], rel=1e-11) and made[0].modulus == pytest.approx(
+        modulus
+    )
+    assert of_material.time_step == pytest.approx(given.time_step, rel=1e-11)
+    told = contact_commands(of_material)[1].split()
+    assert [float(told[k]) for k in (2, 4)] == pytest.approx([young, nu])
+    for wrong, message in (
+        ({"youngs_modulus": young, "stiffness": 90}, "stiffness: .*unless youngs_modulus is 0"),
+        ({"youngs_modulus": young, "tangential_ratio": 1}, "tangential_ratio: .* is 0"),
+        ({"poisson_ratio": nu}, "poisson_ratio: got 0.2; .*unless youngs_modulus is given"),
+        ({"youngs_modulus": young, "law": "drag"}, "youngs_modulus: .*unless law is hertz"),
+    ):
+        with pytest.raises(InputError, match=message):
+            parse_point({"system": "chute", "law": "hertz", **wrong}, "point")
 
 
 @pytest.mark.parametrize(
