@@ -21,6 +21,7 @@ from sim.base.program import program
 from sim.base.yaml import read_yaml
 from sim.engine.identity import cache_directory, library_versions
 from sim.parameters import Parameters, canonical_values, parse_point, point_id
+from sim.parameters.laws import LAW
 from sim.parameters.roles import compiled_parameters
 
 log = logging.getLogger("talus")
@@ -175,6 +176,8 @@ def variants(points: Iterable[Parameters]) -> list[Parameters]:
     for point in points:
         model = type(point)
         choices = {name: getattr(point, name) for name in compiled_parameters(model)}
+        if hasattr(point, LAW.name):
+            choices |= point.option(LAW.name).selects(point)
         small[(model, *choices.values())] = model(**model.smallest_values, **choices)
     return list(small.values())
 

@@ -87,5 +87,6 @@ law(
     remembers=2,
     max_overlap=SMALL_OVERLAP,
     owns=("shear_damping", "attraction"),
+    ignores=("friction", "friction_plane", "tangential_ratio"),
     variants={Clipped: (clipped_force, 2)},
 )

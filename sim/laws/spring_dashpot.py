@@ -31,12 +31,17 @@ class AnyMasses(NamedTuple):
     clips: float
 
 
+def is_general(p: SphereParameters) -> bool:
+    """Return whether the law of a point is that of several masses or drags along the surfaces."""
+    return bool(p.bumps or p.diameter_spread or p.tangential_damping)
+
+
 def make(p: SphereParameters, partners: Any) -> NamedTuple:
     """Return the law of a point for one kind of partners."""
     from sim.engine.contact.spring_dashpot import spring_dashpot
 
     step = partners.time_step
-    if not (p.bumps or p.diameter_spread or p.tangential_damping):
+    if not is_general(p):
         return spring_dashpot(
             p.stiffness,
             p.restitution,
@@ -115,5 +120,6 @@ law(
     max_overlap=SMALL_OVERLAP,
     owns=("attraction", "normal_damping", "tangential_damping"),
     replaces={"normal_damping": ("restitution",)},
+    selects=lambda p: {"tangential_damping": 1.0} if is_general(p) else {},
     variants={AnyMasses: (force, 4, 1)},
 )

@@ -176,14 +176,20 @@ def extended(base: type[Parameters], *choices: Choice) -> type[Parameters]:
 
     These are those of plug-ins; and where it has no such parameter, those of Talus but the default.
     """
-    options = {choice: tuple(_undeclared(base, choice)) for choice in choices}
-    offers = tuple((choice, names) for choice, names in options.items() if names)
-    return _extended(base, offers) if offers else base
+    offers = tuple((choice, tuple(_undeclared(base, choice))) for choice in choices)
+    has_more = any(names or _parameters(base, choice) for choice, names in offers)
+    return _extended(base, offers) if has_more else base
 
 
 def _undeclared(base: type[Parameters], choice: Choice) -> dict[str, Any]:
     names = () if choice.name in base.model_fields else choice.usual[1:]
     return {name: shipped(choice.name)[name] for name in names} | plugin_options(choice.name)
+
+
+def _parameters(base: type[Parameters], choice: Choice) -> dict[str, Any]:
+    """Return the parameters that options add to a system, those that ship among them, by name."""
+    options = {**shipped(choice.name), **_undeclared(base, choice)}
+    return {name: field for one in options.values() for name, field in one.parameters.items()}
 
 
 @cache
@@ -193,12 +199,12 @@ def _extended(
     fields: dict[str, Any] = {}
     offered = {}
     for choice, names in offers:
-        fields[choice.name] = _field(base, choice, names)
+        if names:
+            fields[choice.name] = _field(base, choice, names)
         offered[choice.name] = plugin_options(choice.name)
-        for option in _undeclared(base, choice).values():
-            for name, field in option.parameters.items():
-                field.json_schema_extra = replace(field.json_schema_extra, fixed=choice.kept)
-                fields[name] = Real, field
+        for name, field in _parameters(base, choice).items():
+            field.json_schema_extra = replace(field.json_schema_extra, fixed=choice.kept)
+            fields[name] = Real, field
     model: Any = create_model(base.__name__, __base__=base, **fields)
     model.offered = offered
     return model

@@ -39,6 +39,8 @@ class Law(Option):
     remembers: int = Field(USUALLY_REMEMBERED, ge=0, le=MOST_REMEMBERED)
     one_mass: bool = False
     replaces: dict[str, Names] = {}
+    ignores: Names = ()
+    selects: Annotated[Callable[[Any], dict[str, float]], takes(1)] = lambda p: {}
     max_overlap: float = Field(math.inf, gt=0)
     turns: int = Field(0, ge=0)
     variants: dict[type, tuple[Callable[..., Any], int] | tuple[Callable[..., Any], int, int]] = {}
@@ -54,6 +56,12 @@ class Law(Option):
         """Return the force of a type that ``make`` gives, what it remembers and how much turns."""
         force, remembers, *turns = self.variants.get(kind, (self.force, self.remembers))
         return force, remembers, turns[0] if turns else self.turns
+
+    @model_validator(mode="after")
+    def _ignores_what_there_is(self) -> Self:
+        if unknown := set(self.ignores) - ChuteParameters.model_fields.keys():
+            raise broken_rule("ignores", min(unknown), "names of parameters of the chute")
+        return self
 
     def has_functions(self, kind: type) -> bool:
         """Return whether a type that ``make`` gives has a ``force``, or a body compiled by hand."""
@@ -125,6 +133,11 @@ def law(name: str, **fields: Any) -> None:
     replaces : mapping
         Parameters other than 0 stand in place of others, which then have their defaults: the name
         of each with the names of these.
+    ignores : tuple of str
+        Parameters of Talus without effect under the law, such as ``restitution``.
+    selects : callable
+        ``selects(p)`` returns those numbers that give a small point the type of a point, where
+        ``make`` chooses it by others than the options.
     variants : mapping
         Types of what ``make`` returns that have another ``force``, with it, how many numbers
         that gives to remember and, where it differs, how many vectors turn. It may call ``force``.

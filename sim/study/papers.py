@@ -147,12 +147,14 @@ def paper_values(points: Iterable[Parameters]) -> dict[str, list[str]]:
 
 
 def _without_effect(point: Parameters) -> set[str]:
-    """Return what laws and motions of others have, and what others stand in the place of."""
+    """Return what laws and motions of others have, what is replaced, and what the law ignores."""
     used, others = set[str](), set[str](point.replaced)
     for choice in CHOICES:
         for name, option in point.options(choice).items():
             is_chosen = name == getattr(point, choice, name)
             (used if is_chosen else others).update((*option.owns, *option.parameters))
+    if hasattr(point, LAW.name):
+        others.update(point.option(LAW.name).ignores)
     return others - used
 
 

@@ -64,14 +64,25 @@ PARTNERS = {"plane": (0.5,), "equal": (0.5, 0.5), "unlike": (0.3, 0.8)}
 FLOW = {"depth": 4, "cell": 4, "transient": 5, "average": 25}
 
 
+#: What follows from the restitution, which a law may ignore.
+DAMPED_PROPERTIES = {"restitution", "rest"}
+
+
 def with_property(name: str = ""):
     """Give a test every case but those that lack a property."""
     cases = [
         pytest.param(case, marks=pytest.mark.long) if case in LONG else case
         for case in CASES
         if (case, name) not in LACKING
+        and not (name in DAMPED_PROPERTIES and ignores_restitution(case))
     ]
     return pytest.mark.parametrize("case", cases)
+
+
+def ignores_restitution(case: str) -> bool:
+    """Return whether a law has another damping than that of the restitution, or none."""
+    point = parse_point({"system": "chute", "law": case.split()[0]}, "test")
+    return "restitution" in point.option("law").ignores
 
 
 with_partners = pytest.mark.parametrize("partners", PARTNERS)
@@ -197,7 +208,7 @@ def test_every_impact_loses_energy_as_the_law_says(case, partners):
     before = energies()
     made.run_until_parted()
     lost, said = before - energies(), sums[[leap_frog.NORMAL_LOSS, leap_frog.FRICTION_WORK]]
-    assert (lost > 0).all() and (said > 0).all()
+    assert (lost > 0).all() and said[1] > 0 and (said[0] > 0 or ignores_restitution(case))
     assert lost.sum() == pytest.approx(said.sum(), rel=0.02)
 
 

@@ -12,6 +12,7 @@ from sim.__main__ import main
 from sim.engine import command
 from sim.engine.command import save_and_end, variants, warm
 from sim.engine.compile import compile_ahead
+from sim.engine.contact import Partners, law_of
 from sim.engine.progress import progress_file
 from sim.engine.run import run_point
 from sim.engine.systems import build
@@ -124,6 +125,11 @@ def test_points_share_a_variant_unless_a_reading_selects_other_code():
     assert usual.tangential_exponent == points[0].tangential_exponent
     assert (linear.tangential_exponent, shrink.overlap_memory) == (0, "shrink")
     assert verlet.integrator == "verlet"
+    dashpots = [{}, {"bumps": 1}, {"diameter_spread": 0.3}, {"tangential_damping": 9}]
+    points = [point(system="chute", law="spring_dashpot", **one) for one in dashpots]
+    laws = [type(law_of(one, Partners(0.4, one.mass, 1e-5))) for one in points]
+    small = [type(law_of(one, Partners(0.4, one.mass, 1e-5))) for one in variants(points)]
+    assert small == laws[:2] and set(laws[1:]) == {laws[1]}
 
 
 def test_systems_may_be_warmed_side_by_side(monkeypatch):
