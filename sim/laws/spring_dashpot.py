@@ -110,8 +110,7 @@ def energy(law, overlap, tangential, memory, radius, mass):
 
 law(
     "spring_dashpot",
-    description="a linear spring and dashpot with a linear tangential spring, as in most DEM "
-    "codes; Cundall and Strack, 1979",
+    description="linear springs and a dashpot, as in most DEM codes; Cundall and Strack, 1979",
     make=make,
     force=None,
     energy=energy,
