@@ -150,7 +150,7 @@ def load_table(path: Path) -> pd.DataFrame:
         content = read_table(path)
         if content is None:
             raise ValueError("its checksum is wrong")
-        words = {"parameter": object, "other": object, "doubt": object}
+        words: dict[str, type] = {"parameter": str, "other": object, "doubt": object}
         texts = {"keep_default_na": False, "na_values": [""], "dtype": words}
         table = pd.read_csv(io.BytesIO(content), **texts)
         if "doubt" not in table:
