@@ -111,6 +111,7 @@ def test_the_paper_gets_figure_verdict_table_and_report(tree):
     report = (results / "report.html").read_text()
     assert "Silbert et al. (2001), steady flows" in report
     assert f'id="claim-{CLAIM}" data-paper="silbert"' in report
+    assert "<p>Silbert et al. (2001), chute: d_b = 1 σ, μ = 0.5, e = 0.88</p>" in report
     assert '<option value="silbert">Silbert et al.</option>' in report
     heads = re.search(r"Verdicts on the claims of each paper.*?</thead>", report, re.DOTALL)
     assert re.findall(r'class="number">(.*?)<', heads[0]) == ["Silbert et al."]
