@@ -206,8 +206,8 @@ class PlotFile(Strict):
         max_length=MAX_BESIDE,
     )
     fit: FitName = optional(
-        "of `curves`: law that is fitted to each curve and drawn in place of its line: "
-        f"{', '.join(f'`{one}`' for one in SHIPPED)}, or one of a plug-in"
+        "of `curves`: law that is fitted to each curve and drawn in place of its line "
+        "(docs/plots.md)"
     )
     log: list[Literal["x", "y", "colour"]] = Field(
         [],
