@@ -5,6 +5,7 @@ Pooling averages out the noise in the slopes of single replicates.
 
 from collections.abc import Mapping, Sequence
 from math import nan
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ import xarray as xr
 
 from sim.base.statistics import MANY, mean_interval, student, student_half_width
 from sim.dataset.results import Results
-from sim.engine.stored_run import NamedValues, Replicate, RunFile
+from sim.engine.stored_run import NamedValues, Replicate, RunFile, open_run_file
 from sim.measures.layers import missing_energy
 from sim.parameters import Parameters
 from sim.parameters.chute import negligible_acceleration
@@ -318,17 +319,19 @@ def is_narrow(parameters: Any) -> bool:
     return min(parameters.cell, parameters.cell_across or parameters.cell) < WIDE_CELL
 
 
-def layer_orders(run: RunFile, parameters: Parameters) -> list[float]:
-    """Return the order of layers of the completed replicates of a run where it may count."""
+def layer_orders(path: Path, parameters: Parameters) -> list[float]:
+    """Return the order of layers of the completed replicates of a run file where it may count."""
     if not (is_narrow(parameters) and parameters.system == "chute"):
         return []
-    completed = (run["status"] == "completed").nonzero()[0]
-    if "layer_order" in run:
-        # A reduced run file has the observables.
-        return run["layer_order"][completed].tolist()
-    measured = observables(parameters.system)["layer_order"].measure
-    orders: Any = [measured(Replicate(run, int(k))) for k in completed]
-    return [one.get("layer_order", nan) for one in orders]
+    with open_run_file(path) as file:
+        run = RunFile(file)
+        completed = (run["status"] == "completed").nonzero()[0]
+        if "layer_order" in run:
+            # A reduced run file has the observables.
+            return run["layer_order"][completed].tolist()
+        measured = observables(parameters.system)["layer_order"].measure
+        orders: Any = [measured(Replicate(run, int(k))) for k in completed]
+        return [one.get("layer_order", nan) for one in orders]
 
 
 def _missing_shares(scalars: Mapping[str, Any], parameters: Parameters) -> list[float]:

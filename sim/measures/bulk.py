@@ -98,9 +98,9 @@ def profile_power(depth: np.ndarray, velocity: np.ndarray) -> float:
 declare_observables(
     bulk_profiles,
     {
-        "flow_height": ("m", "height of the flow h, from base to surface by the weight above"),
-        "bulk_packing": ("1", "mean packing fraction of the bulk, 0.2 h to 0.8 h"),
-        "profile_power": ("1", "power p of the velocity a + c (1 - (1 - z/h)^p) of the bulk"),
+        "flow_height": ("m", "height of the flow h"),
+        "bulk_packing": ("1", "packing fraction of the bulk"),
+        "profile_power": ("1", "power p of the velocity, 1 - (1 - z/h)^p"),
     },
     system="chute",
 )
@@ -144,11 +144,11 @@ def bulk_rheology(run: Mapping[Any, Any]) -> dict[str, float]:
 declare_observables(
     bulk_rheology,
     {
-        "bulk_friction": ("1", "friction μ of the bulk, 0.2 h to 0.8 h: σ_xz/σ_zz"),
-        "bulk_inertial_number": ("1", "inertial number I of the bulk, 0.2 h to 0.8 h"),
-        "longitudinal_stress_ratio": ("1", "σ_xx/σ_zz of the bulk, 0.2 h to 0.8 h"),
-        "transverse_stress_ratio": ("1", "σ_yy/σ_zz of the bulk, 0.2 h to 0.8 h"),
-        "rate_exponent": ("1", "slope of ln γ̇ over ln σ_xz in the bulk, 1/2 for Bagnold's law"),
+        "bulk_friction": ("1", "friction of the bulk, σ_xz/σ_zz"),
+        "bulk_inertial_number": ("1", "inertial number of the bulk"),
+        "longitudinal_stress_ratio": ("1", "σ_xx/σ_zz of the bulk"),
+        "transverse_stress_ratio": ("1", "σ_yy/σ_zz of the bulk"),
+        "rate_exponent": ("1", "d ln γ̇/d ln σ_xz of the bulk"),
     },
     system="chute",
     asked_by="stress_profiles",
@@ -159,7 +159,7 @@ declare_observables(
     "mean_mass_flux",
     system=("chute", "conveyor"),
     unit="kg m-1 s-1",
-    meaning="mass flux per unit width over the averaging window",
+    meaning="mean mass flux per unit width",
 )
 def mean_mass_flux(run: Mapping[Any, Any]) -> float:
     """Return the mean of the mass flux after the transient, NaN without its series."""

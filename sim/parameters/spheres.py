@@ -19,6 +19,7 @@ from sim.parameters.common import (
 )
 from sim.parameters.dashpot import damping_ratio, restitution_of
 from sim.parameters.images import LEAST_CELL, SIDES, largest_diameter, usual_cell, wider_cell
+from sim.parameters.packed_base import LEAST_SIDE, spheres_in_slice
 from sim.parameters.roles import rows_of
 from sim.parameters.schedule import Schedule, require_schedule, with_ends
 
@@ -116,7 +117,7 @@ class SphereParameters(Parameters):
     )
     cell_across: Real = row("cell_across")
     bump_coverage: Real = row("bump_coverage")
-    bump_arrangement: Literal["random", "ordered"] = row("bump_arrangement")
+    bump_arrangement: Literal["random", "ordered", "packing"] = row("bump_arrangement")
     gravity: Real = row("gravity")
     schedule: Schedule = row("schedule", default="")
     initial_packing: Real = row("initial_packing")
@@ -204,7 +205,7 @@ class SphereParameters(Parameters):
     @property
     def is_alike(self) -> bool:
         """True where nothing of the initial state is random, bumps included."""
-        return super().is_alike and not (self.bumps and self.bump_arrangement == "random")
+        return super().is_alike and not (self.bumps and self.bump_arrangement != "ordered")
 
     @property
     def heaviest_mass(self) -> float:
@@ -279,6 +280,8 @@ class SphereParameters(Parameters):
             return 0
         if self.bump_arrangement == "ordered":
             return math.prod(self.bump_rows)
+        if self.bump_arrangement == "packing":
+            return spheres_in_slice(self.cell / self.bumps, self.breadth / self.bumps)
         return max(1, round(self.bump_coverage * self._area / self._bump_area))
 
     @property
@@ -360,6 +363,19 @@ class SphereParameters(Parameters):
         with attribute_errors_to("engine", plain_name(self.engine)):
             return list(self.option("engine").refuses(self))
 
+    def _require_packing(self) -> None:
+        if self.is_flat:
+            allowed = "random or ordered with shape: disc"
+            raise broken_rule("bump_arrangement", self.bump_arrangement, allowed)
+        require_default(self, "bump_coverage", "bump_arrangement is random or ordered")
+        least = LEAST_SIDE * self.bumps
+        for name in ("cell", "cell_across"):
+            if (side := getattr(self, name) or self.cell) < least:
+                allowed = (
+                    f"at least {LEAST_SIDE:g} bumps = {least:g} with bump_arrangement: packing"
+                )
+                raise broken_rule(name, side, allowed)
+
     def require_rules(self) -> None:
         """Raise for values that do not go together."""
         # Before the rules on time steps, which an impact that never ends would not have.
@@ -384,6 +400,8 @@ class SphereParameters(Parameters):
         if self.bump_arrangement != "random" and not self.bumps:
             allowed = "random, unless there are bumps"
             raise broken_rule("bump_arrangement", self.bump_arrangement, allowed)
+        if self.bump_arrangement == "packing":
+            self._require_packing()
         largest = largest_diameter(self.diameter_spread, self.is_flat)
         if 0 < self.cell_across < LEAST_CELL:
             raise broken_rule("cell_across", self.cell_across, f"0, or a number >= {LEAST_CELL:g}")

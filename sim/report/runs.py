@@ -12,7 +12,7 @@ import pandas as pd
 import xarray as xr
 
 from sim.dataset.replicates import UNSOUND_SHARE, caveats, layer_orders, outcomes
-from sim.engine.stored_run import RunFile, open_run_file, parameters_of, summary_of
+from sim.engine.stored_run import open_run_file, parameters_of, summary_of
 from sim.figures.units import label_with_unit, unit_of
 from sim.parameters import SYSTEMS, Parameters, as_yaml, complete_values, default_of, field_info
 from sim.parameters.functions import NAME as FUNCTION
@@ -249,7 +249,7 @@ def describe_run(path: Path, as_point: bool = False) -> str:
         if as_point:
             return as_yaml(parameters).rstrip()
         run = summary_of(path)
-        scalars = run.scalars | {"layer_order": layer_orders(RunFile(file), parameters)}
+        scalars = run.scalars | {"layer_order": layer_orders(path, parameters)}
         known = {name: file.getncattr(name) for name in file.ncattrs()}
         known["caveat"] = caveats(run.attrs.get("caveat", ""), scalars, parameters)
         sizes = [f"{name} {len(one)}" for name, one in file.dimensions.items()]

@@ -20,7 +20,7 @@ from sim.base.errors import InputError, align_table, count_text, duration, print
 from sim.base.files import is_of_system
 from sim.base.program import program
 from sim.base.seals import UNREADABLE
-from sim.dataset.replicates import caveats
+from sim.dataset.replicates import caveats, layer_orders
 from sim.dataset.rounds import points_of_rounds, rounds_to_come
 from sim.engine.identity import NUMERICS, numerics_of
 from sim.engine.progress import LONGEST_SILENCE, Progress, progress_file, read_progress
@@ -223,7 +223,8 @@ def _read_ended(path: Path, changed: int, parameters: Parameters, need: Need | N
     try:
         run = summary_of(path, amounts(parameters))
         attributes = run.attrs
-        caveat = caveats(attributes.get("caveat", ""), run.scalars, parameters)
+        scalars = run.scalars | {"layer_order": layer_orders(path, parameters)}
+        caveat = caveats(attributes.get("caveat", ""), scalars, parameters)
         core_seconds = max(0.0, float(attributes.get("wall_time", 0.0))) * cores
     except UNREADABLE as error:
         if is_of_system(error):

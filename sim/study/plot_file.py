@@ -207,7 +207,7 @@ class PlotFile(Strict):
     )
     fit: FitName = optional(
         "law that is fitted to each of `curves`, and drawn in place of its line, or to boundaries "
-        f"in a `map` of regimes: {', '.join(f'`{one}`' for one in SHIPPED)}, or one of a plug-in"
+        "in a `map` of regimes (docs/plots.md)"
     )
     log: list[Literal["x", "y", "colour"]] = Field(
         [],

@@ -16,6 +16,7 @@ from sim.dataset.replicates import (
 from sim.engine.stored_run import RunFile, summary_of
 from sim.parameters import BeltParameters, ChuteParameters, ConveyorParameters, amounts
 from sim.report.runs import describe_run as describe
+from sim.report.status import _read_ended
 from tests.made.runs import HEIGHTS, write_run
 
 #: 1 % of g sin θ at the paper's angle and the drift of a target of 2 % allow more than this (m/s²).
@@ -209,10 +210,13 @@ def test_the_order_of_layers_of_a_run_file_is_that_of_the_dataset(tmp_path):
     }
     path = write_run(tmp_path, point, 0.5, arrays=arrays)
     with netCDF4.Dataset(path) as file:
-        run = RunFile(file)
-        orders = layer_orders(run, point)
-        assert orders == list(measures(run)["layer_order"]) == [pytest.approx(1, abs=1e-3)]
-        assert layer_orders(run, ChuteParameters(bumps=1, cell=8, depth=12)) == []
+        measured = list(measures(RunFile(file))["layer_order"])
+    orders = layer_orders(path, point)
+    assert orders == measured == [pytest.approx(1, abs=1e-3)]
+    for cell, is_narrow in (([8, 5], True), ([5, 8], True), (8, False)):
+        other = ChuteParameters(bumps=1, cell=cell, depth=12)
+        assert layer_orders(path, other) == (orders if is_narrow else [])
+    assert "ordered in layers" in _read_ended(path, 0, point, None).caveat
     scalars = summary_of(path).scalars | {"layer_order": orders}
     assert "ordered in layers" in caveats("", scalars, point)
     assert "ordered in layers" in describe(path)

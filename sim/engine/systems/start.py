@@ -15,9 +15,11 @@ from sim.engine.compile import inlined, kernel
 from sim.engine.dynamics.cells import Box, make_box, nearest_image
 from sim.engine.dynamics.disks import CORRECTORS, Gear, Verlet
 from sim.engine.states import flatten
+from sim.engine.systems.packed_base import packed_base
 from sim.parameters import BeltParameters, point_id
 from sim.parameters.given import given_particles, overlapping_pair
 from sim.parameters.images import wider_cell
+from sim.parameters.packed_base import TOP
 from sim.parameters.spheres import SphereParameters
 
 #: Offsets to the neighbor cells, the nearest first: there a trial most often fails.
@@ -215,8 +217,10 @@ def _given_layer(p: SphereParameters, box: Box, replicate: int) -> Layer:
 def _bump_positions(p: SphereParameters, box: Box, replicate: int) -> np.ndarray:
     """Return positions of the particles that are glued to the plane."""
     radius = p.bumps * p.diameter / 2
+    rng = np.random.default_rng([p.seed, replicate, 1])
+    if p.bump_arrangement == "packing":
+        return packed_base(p.cell / p.bumps, p.breadth / p.bumps, 2 * radius, rng)
     if p.bump_arrangement == "random":
-        rng = np.random.default_rng([p.seed, replicate, 1])
         return random_packing(box, 0.0, np.full(p.glued_particles, radius), rng)
     sides = zip(box.length, p.bump_rows, strict=False)
     grid = np.meshgrid(*(side * ((np.arange(n) + 0.5) / n) for side, n in sides), [radius])
@@ -224,10 +228,11 @@ def _bump_positions(p: SphereParameters, box: Box, replicate: int) -> np.ndarray
 
 
 def _lift_above(mobile: Layer, p: SphereParameters, glued: np.ndarray) -> Layer:
-    """Return the mobile particles, raised by a bump, followed by those glued at these positions."""
+    """Return the mobile particles, raised above those glued at these positions, which follow."""
     diameter = p.bumps * p.diameter
-    raised = mobile.position + np.array([0.0, 0.0, diameter])
-    return _with_glued(mobile._replace(position=raised, height=mobile.height + diameter), p, glued)
+    top = TOP * diameter if p.bump_arrangement == "packing" else diameter
+    raised = mobile.position + np.array([0.0, 0.0, top])
+    return _with_glued(mobile._replace(position=raised, height=mobile.height + top), p, glued)
 
 
 def _with_glued(mobile: Layer, p: SphereParameters, glued: np.ndarray) -> Layer:
