@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from sim.claims.claim import judge
     from sim.engine.dynamics.cells import BlowUp
     from sim.engine.flow import Flow, simulate
+    from sim.engine.impact import impact
     from sim.parameters.choices import parameter
     from sim.parameters.forms import form
     from sim.parameters.laws import flow_engine, law, motion
@@ -36,6 +37,7 @@ __all__ = [
     "flow_engine",
     "form",
     "function",
+    "impact",
     "judge",
     "law",
     "load",
@@ -55,6 +57,7 @@ _PLACES = {
     "Flow": "sim.engine.flow:Flow",
     "fit": "sim.study.fits:fit",
     "flow_engine": "sim.parameters.laws:flow_engine",
+    "impact": "sim.engine.impact:impact",
     "judge": "sim.claims.claim:judge",
     "law": "sim.parameters.laws:law",
     "load": "sim.report.results:load",
