@@ -22,7 +22,8 @@ def main() -> int:
         for name, parameters in points().items():
             if asked.names and name not in asked.names:
                 continue
-            path = computed(parameters, Path(folder) / name)
+            (own := Path(folder) / name).mkdir()
+            path = computed(parameters, own)
             bits[name] = digest(path)
             if name not in FAILING:
                 values[name] = early(parameters)
