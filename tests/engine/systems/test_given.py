@@ -145,5 +145,5 @@ def test_a_run_file_or_a_folder_brings_the_state_to_another_process(tmp_path, mo
 
 def test_a_run_of_a_conveyor_is_no_state_as_its_velocities_are_those_to_the_plane():
     flow = Flow("conveyor", depth=1, cell=4)
-    with pytest.raises(InputError, match="state: got .*; allowed: a data frame of velocities in"):
+    with pytest.raises(InputError, match=r"state: got .*; allowed: a data frame of velocities in"):
         Flow("conveyor", state=flow.particles, cell=4)
