@@ -100,7 +100,7 @@ def test_a_bouncing_ball_doubles_its_period_where_the_exact_map_does(strength, p
         steps_per_collision=40,
         amplitude=strength * OF_GRAVITY,
         amplitude_along=0,
-        initial_packing=0.02,
+        initial_height=7.5,
         samples_per_cycle=1,
     )
     height = cycles(point, 70, "height_of_mass")[-10:, 0] / DIAMETER
