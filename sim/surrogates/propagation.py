@@ -88,7 +88,7 @@ def spread_of_runs(
         table.loc[table["index"] == "deviation", "doubt"] = _TAILED
     few = table["value"].isna() & (table["index"] == "quantile")
     needed = [_fewest(float(level)) for level in table["parameter"][few]]
-    table.loc[few, "doubt"] = [f"no value, as it needs {n:,} runs or more" for n in needed]
+    table.loc[few, "doubt"] = [f"without a value, which takes {n:,} runs or more" for n in needed]
     return table
 
 

@@ -71,8 +71,8 @@ def test_too_few_runs_for_a_quantile_have_no_number_but_the_others_stand():
     by_level = table.set_index("parameter")
     assert np.isfinite(by_level.loc[["0.05", "0.95"], ["value", "low", "high"]]).all(axis=None)
     assert by_level.loc[["0.04", "0.999"], ["value", "low", "high"]].isna().all(axis=None)
-    assert by_level.loc["0.04", "doubt"] == "no value, as it needs 91 runs or more"
-    assert "quantile 0.999: no value, as it needs 3,688 runs or more" in "; ".join(
+    assert by_level.loc["0.04", "doubt"] == "without a value, which takes 91 runs or more"
+    assert "quantile 0.999: without a value, which takes 3,688 runs or more" in "; ".join(
         caveats_of_indices(table)
     )
 
