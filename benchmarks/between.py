@@ -13,7 +13,8 @@ from scipy.stats import qmc
 
 from sim.base.statistics import MANY, student
 from sim.surrogates.fit import fit_process
-from tests.coverage.surrogates import Function, eight, ishigami, product
+from sim.verify.exact import g_function, ishigami
+from tests.coverage.surrogates import Function, eight
 
 #: Scrambles of each design, points of each, and places where it is compared.
 SCRAMBLES, POINTS, PLACES = 5, 64, 2000
@@ -26,7 +27,7 @@ CASES: dict[str, tuple[Function, int, float]] = {
     f"{name}{', 10 % noise' if noise else ''}": (function, dimensions, noise)
     for name, function, dimensions in (
         ("Ishigami", ishigami, 3),
-        ("Sobol' G", product, 4),
+        ("Sobol' G", g_function, 4),
         ("smooth, 8 parameters", eight, 8),
     )
     for noise in (0.0, 0.1)

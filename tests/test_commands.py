@@ -130,7 +130,7 @@ LINES = {
     "compare": ["compare", "a.nc", "b.nc"],
     "figure": ["figure", "walton_2", "x.nc", "-o", "folder"],
     "publish": ["publish", "x.yaml", "--to", "folder"],
-} | {name: [name] for name in ("status", "schema", "warm", "clean")}
+} | {name: [name] for name in ("status", "schema", "warm", "clean", "verify")}
 
 
 @pytest.mark.parametrize("words", [["points", "config/quick.yaml"], ["--print-completion", "bash"]])

@@ -51,6 +51,7 @@ WEIGHT = {
     "claims": 1_344,
     "papers": 2_187,
     "report": 2_385,
+    "verify": 640,
 }
 
 

@@ -24,6 +24,7 @@ SITE_PAGES = {
     "config/README.md": "reference/studies.md",
     "CHANGELOG.md": "changelog.md",
     "CONTRIBUTING.md": "contributing.md",
+    "benchmarks/verify/verify.md": "verify.md",
 }
 
 #: Targets of links in the repository, and the pages of the site that replace them.

@@ -200,21 +200,17 @@ COMMANDS: dict[str, tuple[str, str, Sequence[Parameter]]] = {
             _option("--crate", help="also describe it as an RO-Crate, by CITATION.cff"),
         ],
     ),
-    "schema": (
-        "sim.study.reference:show",
-        "Print the JSON schema of studies and points.",
+    "verify": (
+        "sim.verify.command:verify",
+        "Run the field's own tests, some two minutes; the exit code is 1 if one does not hold.",
         [
-            _file(
-                "--write folder",
-                "[FOLDER]",
-                "write schema.json and the reference in README.md there; default: config",
-                flag_value="config",
-            )
+            _argument("names", "[ROW...]", str, nargs=-1, help="such as mfix_dem02; default: all"),
+            _file("-o --output folder", "FOLDER", "write the table as a page, and a picture there"),
         ],
     ),
 }
 
-#: What the workflow calls, as ``talus job NAME``: function and parameters.
+#: What the workflow and developers call, as ``talus job NAME``: function and parameters.
 JOBS: dict[str, tuple[str, Sequence[Parameter]]] = {
     "warm": (
         "sim.__main__:warm",
@@ -246,6 +242,17 @@ JOBS: dict[str, tuple[str, Sequence[Parameter]]] = {
     "questions": ("sim.surrogates.inquiries:build", [STUDY]),
     "claims": ("sim.claims.verdict_files:build", [STUDY]),
     "report": ("sim.report.page:build", [STUDY]),
+    "schema": (
+        "sim.study.reference:show",
+        [
+            _file(
+                "--write folder",
+                "[FOLDER]",
+                "write schema.json and the reference in README.md there; default: config",
+                flag_value="config",
+            )
+        ],
+    ),
 }
 
 #: Earlier names of commands, and what they stand for. They are not listed.

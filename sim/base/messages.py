@@ -240,15 +240,15 @@ def near(name: str, options: Collection[str], most: int = MOST_NAMES) -> str:
     are no list.
 
     >>> near("depth", ["friction", "fraction", "depth"], most=2)
-    '3 names (talus schema has all)'
+    '3 names (talus job schema has all)'
     """
     if len(options) <= most:
         return ", ".join(options)
     similar = difflib.get_close_matches(name, options, n=most) or names_meant(name, options)
     if 0 < len(similar) < _FEWEST:
-        return f"{len(options)} names (talus schema has all)"
+        return f"{len(options)} names (talus job schema has all)"
     named = similar or list(options)[: most - 2]
-    return f"{', '.join(named)} and {len(options) - len(named)} more (talus schema has all)"
+    return f"{', '.join(named)} and {len(options) - len(named)} more (talus job schema has all)"
 
 
 def did_you_mean(name: str, known: Collection[str]) -> str:

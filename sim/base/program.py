@@ -41,6 +41,9 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "surrogates": ("dataset", "measures", "engine", "study", "parameters", "base"),
     "figures": ("surrogates", "dataset", "measures", "engine", "study", "parameters", "base"),
     "claims": ("dataset", "measures", "engine", "study", "parameters", "base"),
+    "verify": (
+        *("figures", "surrogates", "dataset", "measures", "engine", "study", "parameters", "base"),
+    ),
     "papers": ("claims", "dataset", "measures", "engine", "study", "parameters", "base"),
     "report": (
         "claims",

@@ -113,18 +113,17 @@ def impact(
     }
     shape, *_ = given = xr.broadcast(*asked.values())
     found = _followed(point, partner, *(one.values.ravel() for one in given))
-    columns = {
-        name: (
-            (*shape.dims, "step")[: values.ndim + shape.ndim - 1],
-            values.reshape((*shape.shape, *values.shape[1:])),
-        )
-        for name, values in found.items()
-    }
     return xr.Dataset(
-        {name: (*columns[name], _attributes(RESULTS[name])) for name in RESULTS if name in columns},
+        {name: _variable(name, found[name], shape) for name in RESULTS if name in found},
         coords=asked,
         attrs={"law": law, "partner": partner},
     )
+
+
+def _variable(name: str, values: np.ndarray, shape: "xr.DataArray") -> tuple[Any, ...]:
+    """Return a result (n,) or (n, S) as a variable over the dimensions of what was asked."""
+    dims = (*shape.dims, "step")[: values.ndim + shape.ndim - 1]
+    return dims, values.reshape((*shape.shape, *values.shape[1:])), _attributes(RESULTS[name])
 
 
 def _followed(

@@ -19,7 +19,7 @@ from sim.study.plottable import shown_by
 from sim.study.surrogate import SensitivityFile, SurrogateFile
 from sim.study.validate import file_models
 
-BEGIN = "<!-- reference: begin; written by `talus schema --write`, do not edit -->"
+BEGIN = "<!-- reference: begin; written by `talus job schema --write`, do not edit -->"
 END = "<!-- reference: end -->"
 
 

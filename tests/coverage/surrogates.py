@@ -13,9 +13,9 @@ from scipy.stats import qmc
 from sim.base.statistics import MANY, student
 from sim.surrogates.answers import Refusal
 from sim.surrogates.surrogate import Surrogate
+from sim.verify.exact import g_function, ishigami
 from tests.coverage.rows import fitted, print_table, unit_axes
 from tests.made.surrogates import kinked, smooth
-from tests.surrogates.predictors import ishigami, product
 
 #: Designs of a row, and places at which each is compared with the truth.
 DESIGNS, PLACES = 40, 400
@@ -78,7 +78,7 @@ CASES = (
     Case("two periods of a sine, 2 % noise", oscillating, 1, 16, 0.02, 2),
     Case("Ishigami", ishigami, 3, 64, designs=20),
     Case("Ishigami", ishigami, 3, 128, designs=20),
-    Case("Sobol' G (kinks)", product, 4, 64),
+    Case("Sobol' G (kinks)", g_function, 4, 64),
     Case("kink, 5 % noise", kinked, 3, 32, 0.05, 2),
     *(Case(f"noise of 1 to 30 %, {r} runs", smooth, 2, 32, uneven, r) for r in (1, 2, 3)),
     Case("step of 30 %, 1 % noise", step(0.3), 2, 32, 0.01, 3),

@@ -24,7 +24,7 @@ from tests.made.plugins import restore_plugins
 CONFIG = Path(__file__).parents[2] / "config"
 GUIDE = (CONFIG / "README.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"```yaml\n(.*?)```", GUIDE, flags=re.DOTALL)
-REMEDY = "run: python -m sim schema --write"
+REMEDY = "run: python -m sim job schema --write"
 
 
 @pytest.fixture(scope="module")

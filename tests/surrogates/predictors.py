@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from sim.surrogates.likelihood import Calibration
-from sim.surrogates.sample import scaled
+from sim.verify import exact
 
 
 @dataclass
@@ -38,45 +38,12 @@ class MadePredictor:
         return np.ones((1, len(x)))
 
 
-#: Ishigami and Homma 1990, with a = 7 and b = 0.1.
-ISHIGAMI = MadePredictor(
-    lambda x, y, z: np.sin(x) + 7 * np.sin(y) ** 2 + 0.1 * z**4 * np.sin(x), [[-np.pi, np.pi]] * 3
-)
+#: Ishigami's function of the unit cube.
+ISHIGAMI = MadePredictor(lambda *x: exact.ishigami(np.stack(x, axis=1)), [[0, 1]] * 3)
 
-
-def ishigami(shares):
-    """Return Ishigami's function at points (n, 3) of the unit cube."""
-    return ISHIGAMI.predict(scaled(shares, ISHIGAMI.bounds, ISHIGAMI.scales))[0]
-
-
-#: Exact indices: first order, total, and the one interaction.
-ISHIGAMI_FIRST, ISHIGAMI_TOTAL, ISHIGAMI_X_Z = (
-    (0.3139, 0.4424, 0.0),
-    (0.5576, 0.4424, 0.2437),
-    0.2437,
-)
-
-#: Coefficients of Sobol's g-function.
-G = np.array([0.0, 1.0, 4.5, 9.0])
-
-
-def g_function(*x):
-    return np.prod(
-        [(np.abs(4 * one - 2) + a) / (1 + a) for one, a in zip(x, G, strict=True)], axis=0
-    )
-
-
-def product(shares):
-    """Return the g-function, with a kink in the middle of each parameter, at points (n, 4)."""
-    return g_function(*shares.T)
-
-
-def g_indices():
-    """Return the exact first-order and total indices of the g-function."""
-    parts = 1 / (3 * (1 + G) ** 2)
-    total_variance = np.prod(1 + parts) - 1
-    totals = parts * np.prod(1 + parts) / (1 + parts)
-    return parts / total_variance, totals / total_variance
+#: Exact indices of it: first order, total, and the one interaction.
+ISHIGAMI_FIRST, ISHIGAMI_TOTAL = exact.ISHIGAMI.reshape(2, 3)
+ISHIGAMI_X_Z = exact.ISHIGAMI[5]
 
 
 #: Ranges of what is looked for.

@@ -134,27 +134,3 @@ def rebound(law: Friction, slope: float, bend: float = 0.0) -> np.ndarray:
 def _event(function, direction: int):
     function.terminal, function.direction = True, direction
     return function
-
-
-def mindlin_rebound(law: Friction, slopes, springs: int = 400, steps: int = 4000) -> np.ndarray:
-    """Return the surface velocities after elastic impacts on a plane, with micro-slip (slopes,).
-
-    Cattaneo's and Mindlin's contact, each place of which sticks or slips for itself, along any
-    history of both forces: what Maw, Barber and Fawcett (Wear 38 (1976) 101) have solved for
-    impacts. It is that of independent springs along a line (Popov and Heß, Method of Dimensionality
-    Reduction in Contact Mechanics and Friction, Springer 2015).
-    """
-    deepest = (15 / 16) ** 0.4
-    width = sqrt(deepest) / springs
-    place = (np.arange(springs) + 0.5) * width
-    step = 2.94327 * deepest / steps
-    overlap, approach, slip = 0.0, 1.0, np.array(slopes, float)
-    pulled = np.zeros((len(slip), springs))
-    while overlap >= 0.0:
-        pressed = np.maximum(overlap - place**2, 0.0)
-        pulled += law.share * slip[:, None] * step
-        pulled = np.clip(pulled, -law.friction * pressed, law.friction * pressed)
-        approach -= 4 / 3 * overlap**1.5 * step
-        slip = slip - (1 + RIM) * 2 * width * pulled.sum(axis=1) * step
-        overlap += approach * step
-    return slip
