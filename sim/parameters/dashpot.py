@@ -10,6 +10,7 @@ it ends as the force does, at the time 2 f(ζ)/ω₀, and -ln e = 2 ζ f(ζ) wit
 
 from functools import cache
 from math import acos, acosh, exp, hypot, inf, log, pi, sqrt
+from typing import Any
 
 #: Halvings after which an interval of doubles has no middle.
 _HALVINGS = 100
@@ -57,3 +58,12 @@ def _half_time(ratio: float) -> float:
     if ratio < 1.0:
         return acos(ratio) / sqrt((1.0 - ratio) * (1.0 + ratio))
     return acosh(ratio) / sqrt((ratio - 1.0) * (ratio + 1.0)) if ratio > 1.0 else 1.0
+
+
+def by_restitution(p: Any) -> bool:
+    """Return whether LAMMPS is told the restitution of a point, not a rate of damping.
+
+    Under a linear spring that is so where each pair has its own rate.
+    """
+    has_several = p.law == "spring_dashpot" and not p.has_one_mass
+    return p.law == "hertz" or (has_several and not p.normal_damping)

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from sim.parameters import NUMERICAL, SYSTEMS, parse_point, point_id
+from sim.parameters.functions import FunctionParameters
 from sim.parameters.roles import (
     TABLE,
     added_parameters,
@@ -39,7 +40,8 @@ def test_roles_fit_together(model):
 
 
 def test_every_row_of_the_table_is_a_parameter_and_readings_are_told_choices_first():
-    names = {name for model in SYSTEMS.values() for name in model.model_fields}
+    models = (*SYSTEMS.values(), FunctionParameters)
+    names = {name for model in models for name in model.model_fields}
     with TABLE.open(encoding="utf-8") as file:
         assert {row["name"] for row in csv.DictReader(file)} == names
     *choices, ratio, exponent = reading_parameters(SYSTEMS["chute"])

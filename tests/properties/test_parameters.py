@@ -28,9 +28,9 @@ JOINT_RULE = re.compile(
     r"allowed: (a run of at most|a value that gives|a divisor of"
     r"|at least (transient|sample_interval|3 bumps|bumps|twice the largest)|.*width - 3"
     r"|.* with (damping_mass|engine|integrator|law|shape): |a value that lets|0 or at "
-    r"|false without a trajectory|(50|kept) unless law is |random, unless there are bumps"
-    r"|1 unless engine is|0, or a number >= 3|0.4 unless bump_arr"
-    r"|.*(with which its|when the) schedule ends)"
+    r"|false without a trajectory|\S+,? unless (law|engine|there|youngs_modulus|bump_arr)"
+    r"|\S+,? which else stands|.*(with which its|when the) schedule ends|0, or a number >= 3"
+    r"|below .* never leaves it|.*more steps_per_collision allow more|.*initial_state|.*overlaps)"
 )
 
 

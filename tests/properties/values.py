@@ -76,6 +76,8 @@ def allowed(field: FieldInfo) -> st.SearchStrategy:
         return st.sampled_from(
             ["", "angle 0:10 0.5:20", {"angle": [[0, 30], [1e-6, 30], [1e-6, 0]]}]
         )
+    if field.annotation is str and "csv" in str(field.metadata):
+        return st.sampled_from(["", "x (d), z (d)\n1, 3\n"])
     if field.annotation is str:
         return st.sampled_from(["", "run.nc", "../ä b.nc", "belt-frequency20-00000000"])
     low, high, open_end = 0, None, False

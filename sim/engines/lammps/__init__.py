@@ -7,6 +7,7 @@ of our own.
 from collections.abc import Iterator
 from typing import Any
 
+from sim.parameters.dashpot import by_restitution
 from sim.parameters.laws import flow_engine
 
 #: Laws that it has: `deck` says how.
@@ -35,15 +36,6 @@ LACKS = (
     *("normal_power", "frictional_power", "plane_work", "plane_power", "tilt_power"),
     *("largest_overlap", "max_overlap", "orientation"),
 )
-
-
-def by_restitution(p: Any) -> bool:
-    """Return whether it is told the restitution of a point, not a rate: that of its law is its own.
-
-    Under a linear spring that is so where each pair has its own rate.
-    """
-    has_several = p.law == "spring_dashpot" and not p.has_one_mass
-    return p.law == "hertz" or (has_several and not p.normal_damping)
 
 
 def refuses(p: Any) -> Iterator[tuple[str, str]]:

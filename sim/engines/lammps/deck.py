@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 
 from sim.engine.boundary.drive import tilt_of
-from sim.engines.lammps import by_restitution
 from sim.laws.hertz import effective_modulus
-from sim.parameters.dashpot import damping_fraction
+from sim.parameters.dashpot import by_restitution, damping_fraction
 from sim.parameters.spheres import SKIN, SphereParameters
 
 #: Height of the cell above the highest particle at first (it follows it), in diameters.
