@@ -120,10 +120,11 @@ def _shown_ids(study: Study) -> dict[str, str]:
     varied = {system: varying_parameters(members) for system, members in by_system.items()}
     shown = {}
     for key, point in study.points.items():
-        system, is_cut = point.parameters.system, len(key) > ID_LENGTH
-        values = ((name, getattr(point.parameters, name)) for name in varied[system])
-        texts = [f"{name}{written(value)}" for name, value in values if name != "start_from"]
-        shown[key] = "-".join([system, *texts, key.rpartition("-")[2]]) if is_cut else key
+        one, is_cut = point.parameters, len(key) > ID_LENGTH
+        left = one.without_effect(vars(one)) | {"start_from"}
+        names = (name for name in varied[one.system] if name not in left)
+        texts = [f"{name}{written(getattr(one, name))}" for name in names]
+        shown[key] = "-".join([one.system, *texts, key.rpartition("-")[2]]) if is_cut else key
     return shown
 
 

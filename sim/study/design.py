@@ -1,7 +1,7 @@
 """Points spread over ranges of parameters, in an order that more points go on with."""
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from math import ceil, isfinite, log2, sqrt
@@ -32,7 +32,7 @@ class Comparison(NamedTuple):
         """The parameters on its sides."""
         return tuple(side for side in (self.left, self.right) if isinstance(side, str))
 
-    def satisfied(self, columns: Mapping[str, Sequence[Any]]) -> np.ndarray:
+    def satisfied(self, columns: Mapping[str, Any]) -> np.ndarray:
         """Return which points satisfy it, from the values of each parameter."""
         sides = (columns[one] if isinstance(one, str) else one for one in (self.left, self.right))
         return np.asarray(_COMPARISONS[self.operator](*map(np.asarray, sides)))

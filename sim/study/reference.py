@@ -13,7 +13,7 @@ from sim.parameters import SYSTEMS, FieldRow, field_info
 from sim.study.design_file import DesignFile, Distribution
 from sim.study.entries import RANGE, RANGE_SCHEMA
 from sim.study.figure_spec import FIGURES
-from sim.study.file import QUESTIONS
+from sim.study.file import QUESTIONS, BoundaryFile
 from sim.study.plot_file import BesideFile, PlotFile
 from sim.study.plottable import shown_by
 from sim.study.validate import file_models
@@ -60,7 +60,7 @@ def reference_text() -> str:
         "a series": entries.series,
         "a design": DesignFile,
         "the values of a parameter in a design": Distribution,
-        "a boundary": entries.boundary,
+        "a boundary": entries.boundary or BoundaryFile,
         **{f"a {one.noun()}": one for one in QUESTIONS.values()},
         "a plot": PlotFile,
         "data beside a plot's own": BesideFile,

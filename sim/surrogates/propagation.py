@@ -12,6 +12,7 @@ field, as sensitivities have them.
 """
 
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -82,7 +83,7 @@ def spread_of_runs(
     rows += [_quantile(drawn, level) for level in quantiles]
     rows += [_exceedance(int((drawn > value).sum()), count) for value in exceeds]
     known = np.isfinite(runs.variances[is_known]).any()
-    basis = {"left_out": total - count, "noise": share if known else np.nan}
+    basis: dict[str, Any] = {"left_out": total - count, "noise": share if known else np.nan}
     table = tabulate(labels(quantiles, exceeds), *np.array(rows).T, blocks=count, **basis)
     if _kurtosis(values) > _LONG_TAIL:
         table.loc[table["index"] == "deviation", "doubt"] = _TAILED

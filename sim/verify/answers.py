@@ -78,7 +78,8 @@ def posteriors() -> Found:
     place, error = np.linspace(0, 1, 5), 0.1
     design = np.stack([np.ones(5), place], axis=1)
     covariance = error**2 * np.linalg.inv(design.T @ design)
-    found, held = {}, []
+    found: dict[str, Any] = {}
+    held: list[Any] = []
     for seed in range(POSTERIORS):
         rng = np.random.default_rng(seed)
         truth = rng.uniform(-2, 2, 2)

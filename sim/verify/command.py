@@ -205,5 +205,5 @@ def _draw(path: Path, lammps: Sequence[float]) -> None:
         axes.set(xlabel="angle of impact (degree)", ylabel="spin after the impact (1/s)")
         axes.set(xlim=(0, 88), ylim=(0, None))
         axes.legend()
-        for suffix, settings in ((".svg", {"metadata": {"Date": None}}), (".png", {})):
-            figure.savefig(path.with_suffix(suffix), **settings)
+        figure.savefig(path.with_suffix(".svg"), metadata={"Date": None})
+        figure.savefig(path.with_suffix(".png"))

@@ -98,7 +98,8 @@ def block_on_plane(plane: np.ndarray, gains: np.ndarray, cycles: int) -> np.ndar
     changes the block's velocity by from the step before. It slides until it has the velocity of the
     plane, and goes with it where that takes no more (Winkler, Int. J. Mech. Sci. 20 (1978) 561).
     """
-    velocity, last = 0.0, []
+    velocity: float = 0.0
+    last: list[float] = []
     for _ in range(cycles):
         last = []
         for goal, gain in zip(plane.tolist(), gains.tolist(), strict=True):

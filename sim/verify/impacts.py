@@ -55,7 +55,7 @@ CURVES: Mapping[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
 }
 
 
-def of_material(young: float, poisson: float, density: float, radius: float) -> dict[str, float]:
+def of_material(young: float, poisson: float, density: float, radius: float) -> dict[str, Any]:
     """Return the parameters of spheres of a material that meet a rigid plane."""
     diameter = 2 * radius
     return {
