@@ -174,4 +174,5 @@ def _given(name: str, value: Any) -> "xr.DataArray":
     ):
         allowed = {"speed": "> 0", "angle": ">= 0 and < 90"}.get(name, "finite")
         raise InputError.of_value("impact", name, value, f"a number or an array of them, {allowed}")
-    return xr.DataArray(values, dims=dims, coords={name: (dims, values, _attributes(GIVEN[name]))})
+    attributes = _attributes(GIVEN[name])
+    return xr.DataArray(values, {name: (dims, values, attributes)}, dims, attrs=attributes)

@@ -142,7 +142,7 @@ def test_points_and_status_tell_the_budget(made, capsys):
 @pytest.fixture
 def judges(monkeypatch):
     """Return a function that lets the judge give some judgements."""
-    return lambda *judgements: monkeypatch.setattr(deciding, "judge", lambda _: judgements)
+    return lambda *judgements: monkeypatch.setattr(deciding, "judge", lambda *_: judgements)
 
 
 def judged(name: str, short: Sequence[str] = (), **by_reading: list[Check]) -> SimpleNamespace:

@@ -66,7 +66,7 @@ def write(path: Path, point: Parameters) -> Path:
         coordinates={},
     )
     attributes = {"system": point.system, "point_id": point_id(point), "status": "completed"}
-    run_file.write(path, [run_file.Stage(point, records)], replica, attributes)
+    run_file.write(path, run_file.StoredRun(point, records), replica, attributes)
     return path
 
 

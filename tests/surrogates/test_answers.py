@@ -155,7 +155,7 @@ def test_an_answer_whose_file_has_changed_is_told_as_damaged(folder, tmp_path):
     damaged = [
         line for line in summary_lines(study, copy) if line.endswith("damaged; rerun the study")
     ]
-    assert len(damaged) == len(answered) == 5
+    assert len(damaged) == len(answered) == 7
 
 
 @pytest.mark.parametrize(

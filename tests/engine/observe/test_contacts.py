@@ -90,7 +90,7 @@ def test_kinetic_stress_is_that_about_the_mean_profile():
     velocity = rng.normal(size=(number, 3)) @ spread + np.array([3.0, 0.0, 0.0])
     motion = SphereMotion(position, velocity, radius=1e-3 * RADIUS, box=(0.04, 0.04))
     stress, slip = no_stress(3), no_slip(3)
-    contacts = FlowContacts(motion.laws, motion.pairs, motion.plane, motion.memory)
+    contacts = FlowContacts(motion.laws, motion.pairs, motion.plane, motion.memory, motion.bond)
     add_contacts(
         ContactSums(stress, slip),
         motion.spheres,

@@ -119,8 +119,7 @@ def forces(spheres: Spheres, chute: Chute, time_step: float) -> tuple[np.ndarray
     torque = np.zeros_like(spheres.position)
     contacts = {}
     for i, j, overlap, k_hat in touching(spheres, chute):
-        law, mass = chute.plane_law if j == PLANE else chute.law, spheres.mass
-        law = law.between(mass[i] if j == PLANE else mass[i] * mass[j] / (mass[i] + mass[j]))
+        law = chute.plane_law if j == PLANE else chute.law
         slip = time_step * surface_velocity(spheres, i, j, k_hat)
         old = spheres.contacts.get((i, j), Contact())
         partners = [i] if j == PLANE else [i, j]

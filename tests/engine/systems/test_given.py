@@ -124,7 +124,7 @@ def test_lighter_and_smaller_particles_shorten_the_time_step():
     )
     assert light.time_step == pytest.approx(usual.time_step * 0.5**1.5)
     with pytest.raises(InputError, match=r"line 3, column diameter.*kg each with"):
-        Flow("chute", state=state, law="spring_dashpot", **ONE)
+        Flow("chute", state=state, law="drag", **ONE)
 
 
 def test_a_run_file_or_a_folder_brings_the_state_to_another_process(tmp_path, monkeypatch):
