@@ -8,7 +8,7 @@ import pytest
 from sim import Flow, InputError, simulate
 from sim.engine.run import run_point
 from sim.engine.stored_run import read_parameters
-from sim.parameters import given, parse_point
+from sim.parameters import ChuteParameters, given, parse_point
 
 #: Glass of Chung and Ooi (2011), tests 1: radius (m), Young's modulus (Pa), Poisson's ratio.
 RADIUS, YOUNG, POISSON = 0.01, 48e9, 0.2
@@ -116,13 +116,17 @@ def test_what_is_shown_of_particles_cannot_be_assigned_to():
             getattr(flow, name)[0] = 0.5
 
 
-def test_lighter_and_smaller_particles_shorten_the_time_step():
+def test_lighter_and_smaller_particles_shorten_the_time_step(monkeypatch):
     state = {"x (d)": [1, 3], "z (d)": [2, 2], "diameter (d)": [1, 0.5]}
     usual, light = (
         Flow("chute", state={**state, "diameter (d)": [1, size]}, **ONE).parameters
         for size in (1.0, 0.5)
     )
     assert light.time_step == pytest.approx(usual.time_step * 0.5**1.5)
+    option = ChuteParameters.option
+    own = ChuteParameters.options("law")["drag"].model_copy(update={"one_mass": True})
+    of_one_mass = lambda p, choice: own if choice == "law" else option(p, choice)  # noqa: E731
+    monkeypatch.setattr(ChuteParameters, "option", of_one_mass)
     with pytest.raises(InputError, match=r"line 3, column diameter.*kg each with"):
         Flow("chute", state=state, law="drag", **ONE)
 
