@@ -115,7 +115,7 @@ class Evidence:
     ) -> UFloat:
         """Return a boundary found by refinement; its interval is the bracket.
 
-        Boundaries that differ in the seed alone are pooled, see `_pool_seeds`. The interval is
+        Boundaries that differ in the seed alone are pooled. The interval is
         infinite unless some boundary of this kind was searched from two seeds. With
         ``any_protocol`` the boundary may be of the other protocol.
 
