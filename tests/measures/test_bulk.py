@@ -26,8 +26,11 @@ def bagnold(layers: float, base: float = 0.0, **changes: float) -> dict:
     )
     stresses = {"longitudinal": known["xx"], "transverse": known["yy"], "normal": 1.0}
     parts = {name: ratio * normal for name, ratio in stresses.items()} | {"shear": shear}
-    run = {f"contact_{name}_stress_profile": 0.9 * values for name, values in parts.items()}
-    run |= {f"kinetic_{name}_stress_profile": 0.1 * values for name, values in parts.items()}
+    run = {}
+    # What moves carries another share of each stress.
+    for share, (name, values) in zip((0.1, 0.2, 0.3, 0.05), parts.items(), strict=True):
+        run[f"contact_{name}_stress_profile"] = (1 - share) * values
+        run[f"kinetic_{name}_stress_profile"] = share * values
     return run | {
         "height": HEIGHT,
         "packing_profile": np.where(is_flow, 0.6, 0.0),
