@@ -127,12 +127,11 @@ def warm(study_path: Path | None, processes: int, clean: bool) -> str | None:
     """Compile the code for the points of a study, or of all systems; or remove compiled code."""
     from sim.engine import command, identity
     from sim.parameters import SYSTEMS
-    from sim.parameters.functions import NAME as FUNCTION
     from sim.study.load import load_study
 
     if clean:
         return identity.remove_cache()
-    points = [model() for name, model in SYSTEMS.items() if name != FUNCTION]
+    points = [model() for model in SYSTEMS.values() if model.is_flow]
     if study_path is not None:
         points = [point.parameters for point in load_study(study_path, None).points.values()]
     logging.basicConfig(format="%(message)s", level=logging.INFO, stream=sys.stderr)

@@ -39,7 +39,7 @@ ONLY = {
 #: away elsewhere; a commit that raises a number here says what for.
 WEIGHT = {
     "base": 1_540,
-    "parameters": 1_961,
+    "parameters": 1_963,
     "study": 3_224,
     "engine": 6_181,
     "laws": 232,

@@ -289,7 +289,7 @@ def caveats(own_caveat: str, scalars: Mapping[str, Any], parameters: Parameters)
     parameters : Parameters
         The point.
     """
-    if parameters.system == FUNCTION:
+    if not parameters.is_flow:
         return own_caveat
     missing = scalars.get("missing_energy")
     missing = _missing_shares(scalars, parameters) if missing is None else missing

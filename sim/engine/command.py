@@ -21,7 +21,6 @@ from sim.base.program import program
 from sim.base.yaml import read_yaml
 from sim.engine.identity import cache_directory, library_versions
 from sim.parameters import Parameters, canonical_values, parse_point, point_id
-from sim.parameters.functions import NAME as FUNCTION
 from sim.parameters.given import STATES, read_states
 from sim.parameters.laws import LAW
 from sim.parameters.roles import compiled_parameters
@@ -177,7 +176,7 @@ def variants(points: Iterable[Parameters]) -> list[Parameters]:
     """Return one small, short point per set of compiled kernels that the points need."""
     small: dict[tuple, Parameters] = {}
     for point in points:
-        if point.system == FUNCTION:
+        if not point.is_flow:
             continue
         model = type(point)
         choices = {name: getattr(point, name) for name in compiled_parameters(model)}

@@ -19,7 +19,6 @@ from sim.engine.systems import build
 from sim.engine.systems.recorder import Record, Recorder
 from sim.engine.systems.replica import Replica
 from sim.parameters import RUN_FILE, Parameters, point_id, require_compatible_source
-from sim.parameters.functions import NAME as FUNCTION
 
 log = logging.getLogger("talus")
 
@@ -192,7 +191,7 @@ def stored_replicate(states: States, parameters: Parameters, number: int) -> Rep
 
 def begin(parameters: Parameters, number: int) -> Replicate | Evaluation:
     """Return a replicate of a point before its start, or the call of a function."""
-    make = Evaluation if parameters.system == FUNCTION else Replicate
+    make = Replicate if parameters.is_flow else Evaluation
     return make(parameters, number)
 
 

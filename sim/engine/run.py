@@ -105,13 +105,13 @@ def _compute(
     if stored or stored_samples:
         log.info("%s: %s", output, "grows" if stored else "continued from a checkpoint")
     done = len(records) * parameters.steps + sum(stored_samples) * parameters.sample_steps
-    is_flow = parameters.system != FUNCTION
-    follow = progress(parameters, output, quiet, done) if is_flow else nullcontext(lambda n: None)
+    quietly = nullcontext(lambda _: None)
+    follow = progress(parameters, output, quiet, done) if parameters.is_flow else quietly
     with states, follow as report_steps:
         for number in numbers:
             replicate = stored_replicate(states, parameters, number) or begin(parameters, number)
             records.append(replicate.run(report_steps, states, origin and origin.start))
-    if is_flow:
+    if parameters.is_flow:
         # Before the run file: the states must be at least as far as its records.
         states.save()
     attributes = _attributes(parameters, records) | replicate.system.provenance
@@ -151,7 +151,7 @@ def _summary_line(parameters: Parameters, records: list[Record]) -> str:
     failed = sum(bool(values["reason"]) for values in scalars)
     if failed:
         return f"{name}: failed: {failed} of {len(records)} replicates"
-    if parameters.system == FUNCTION:
+    if not parameters.is_flow:
         return f"{name}: {len(records)} replicates"
     velocities = np.array([values["velocity"] for values in scalars])
     half_width, _ = mean_interval(
@@ -191,7 +191,7 @@ def _attributes(parameters: Parameters, records: list[Record]) -> dict:
         "versions": versions,
         "machine": platform.machine(),
         "command": command,
-        **({} if parameters.system == FUNCTION else {"velocity_unit": parameters.velocity_unit}),
+        **({"velocity_unit": parameters.velocity_unit} if parameters.is_flow else {}),
         "status": "failed" if reasons else "completed",
         "reason": "; ".join(reasons),
         "caveat": parameters.caveat,

@@ -152,7 +152,7 @@ def _write_parameters(file: _Writer, parameters: Parameters) -> None:
     if state := state_of(parameters):
         _put(file, STATE_TABLE, (), state.text, "", "the particles of initial_state, as CSV")
     _put(file, "particles", (), parameters.particles, "1", "number of particles")
-    if parameters.system == FUNCTION:
+    if not parameters.is_flow:
         return
     _put(file, "time_step", (), parameters.time_step, "s", "time step")
     for name, (value, meaning) in parameters.limits.items():

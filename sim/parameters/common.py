@@ -112,11 +112,13 @@ class Parameters(BaseModel):
     ``most_contacts`` per particle in a frame of a trajectory; and the number of ``axes`` along
     which particles move. ``offered`` are options of plug-ins: parameter → name in points → option.
     ``pairs`` are parameters that files may give as a list of two, which is split into parameters.
+    ``is_flow`` is false where a function stands in place of particles.
     """
 
     model_config = ConfigDict(
         frozen=True, extra="forbid", strict=True, allow_inf_nan=False, validate_default=True
     )
+    is_flow: ClassVar[bool] = True
     sampling_key: ClassVar[str]
     boundaries: ClassVar[tuple[str, ...]]
     smallest_values: ClassVar[dict[str, Any]]

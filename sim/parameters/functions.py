@@ -24,6 +24,7 @@ RNG = "rng"
 class FunctionParameters(Parameters):
     """A point of a function: no flow, but the same ids, run files, datasets and questions."""
 
+    is_flow: ClassVar[bool] = False
     sampling_key: ClassVar[str] = NAME
     boundaries: ClassVar[tuple[str, ...]] = ()
     smallest_values: ClassVar[dict[str, Any]] = {}
