@@ -110,7 +110,7 @@ _JUDGES = """\
 # What a judge may use
 
 A judge is a function of evidence that returns checks ([a judge](../extending.md#a-judge),
-[your paper](../extending.md#your-paper)). All names below stand in one module and stay there:
+[your paper](../new_paper.md)). All names below stand in one module and stay there:
 
 ```python
 from talus.claims import ANY, Untestable, above, quotient, trend

@@ -19,6 +19,9 @@ from sim.report.numbers import value_with_interval
 from sim.report.publish import PUBLISHED
 from sim.study.papers import papers
 
+#: The papers that the article is about.
+PAPERS = {name: papers()[name] for name in ("walton", "gallas")}
+
 #: The article, with places for verdicts and numbers.
 TEMPLATE = Path(__file__).with_name("paper.md.j2")
 
@@ -47,7 +50,7 @@ Sentences, criteria, reasons and evidence are in the reports
 
 def main(published: Path = PUBLISHED) -> str:
     """Return the page of results of the published studies of both papers."""
-    folders = {paper: published / f"paper_{paper}" for paper in papers()}
+    folders = {paper: published / f"paper_{paper}" for paper in PAPERS}
     runs = {}
     for paper, folder in folders.items():
         told = json.loads((folder / "provenance.json").read_text(encoding="utf-8"))
@@ -61,7 +64,7 @@ def published_claims(published: Path = PUBLISHED) -> list[dict[str, Any]]:
     """Return the claims of the published studies of both papers."""
     return [
         claim
-        for paper in papers()
+        for paper in PAPERS
         for claim in read_claims(published / f"paper_{paper}" / "claims.json", replaceable=False)
     ]
 
@@ -96,7 +99,7 @@ def results_page(
         counts=count_verdicts(list(claims.values())),
         changes=changes(list(claims.values())),
         statements=len(claims),
-        papers={name: paper.author for name, paper in papers().items()},
+        papers={name: paper.author for name, paper in PAPERS.items()},
         verdicts=VERDICTS,
         runs=runs,
     )
@@ -156,7 +159,7 @@ def verdicts_page(claims: Sequence[Mapping[str, Any]]) -> str:
         f"{to_now} from the second to now.\n"
     )
     parts = [_HEAD, _totals(claims), counts]
-    for name, paper in papers().items():
+    for name, paper in PAPERS.items():
         rows = [_row(claim) for claim in claims if claim["paper"] == name]
         heads = (
             "| claim | first | second round | referee | now | by number of ours |\n"
@@ -172,7 +175,7 @@ def _totals(claims: Sequence[Mapping[str, Any]]) -> str:
     rows = []
     for verdict in VERDICTS:
         cells = []
-        for paper in papers():
+        for paper in PAPERS:
             of_paper = [claim for claim in claims if claim["paper"] == paper]
             cells += [
                 sum(claim[when]["verdict"] == verdict for claim in of_paper)
@@ -180,9 +183,9 @@ def _totals(claims: Sequence[Mapping[str, Any]]) -> str:
             ]
             cells.append(now[paper][verdict])
         rows.append(f"| {verdict} | {' | '.join(map(str, cells))} |")
-    heads = " | ".join(f"{paper.author}, first | second | now" for paper in papers().values())
+    heads = " | ".join(f"{paper.author}, first | second | now" for paper in PAPERS.values())
     return "\n".join(
-        [f"| verdict | {heads} |", "| --- |" + " --- |" * 3 * len(papers()), *rows, ""]
+        [f"| verdict | {heads} |", "| --- |" + " --- |" * 3 * len(PAPERS), *rows, ""]
     )
 
 

@@ -20,18 +20,21 @@ from sim.claims.judgement import MODEL, PROTOCOLS, Judgement, Variant
 from sim.claims.place import Points
 from sim.claims.verdict import Ambiguous, Check, Untestable
 from sim.dataset.results import Results
-from sim.study.papers import Paper, Readings
+from sim.study.papers import Paper, Readings, foreign_papers
 
 
 def judge(results: Results, paper: str = "") -> list[Judgement]:
     """Judge the claims, of papers and plug-ins, on systems that the study has runs of.
 
-    ``paper`` is that of the study, whose values hold for its own claims, too.
+    ``paper`` is that of the study, whose values hold for its own claims, too. Papers that ship with
+    values of their own are judged by studies that name them alone.
     """
     systems, judgements = set(results.dataset["system"].values), []
-    points: dict[str, Points] = {}
+    points, foreign = dict[str, Points](), foreign_papers(paper)
     evidence_by_paper: dict[tuple[str, str], list[tuple[dict[str, Any], Evidence]]] = {}
     for claim in claims(systems):
+        if claim.paper in foreign:
+            continue
         one = paper_of(claim.system, paper if claim.paper == OWN else claim.paper)
         readings, name = (one.readings, one.name) if one else (Readings(), "")
         if (claim.system, name) not in evidence_by_paper:

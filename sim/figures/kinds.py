@@ -32,8 +32,7 @@ with attribute_additions_to(TALUS):
         second="x",
         log=("x", "y"),
         others=("curves", "panels", "beside", "fit"),
-        of_papers="x y curves panels log units fit beside labels levels level quantities styles "
-        "entry relative alike widest",
+        of_papers="units labels levels level quantities styles entry relative alike widest",
         systems=("chute", "belt"),
     )
     _declare(
@@ -44,7 +43,7 @@ with attribute_additions_to(TALUS):
         shows=numbers,
         log=("x", "y", "colour"),
         others=("panels", "beside", "fit"),
-        of_papers="x y curves log labels theory creep point",
+        of_papers="curves labels theory creep point",
         systems=("chute", "belt"),
         over="over {}",
     )
@@ -55,8 +54,7 @@ with attribute_additions_to(TALUS):
         second="y",
         log=("x",),
         others=("curves", "panels", "between", "beside"),
-        of_papers="x y curves panels between beside log units vary labels quantities styles entry "
-        "flat",
+        of_papers="units vary labels quantities styles entry flat",
         over="over the height",
     )
     _declare(

@@ -219,7 +219,7 @@ _LIMIT_WORDS = {name: f"{value:g}" for name, value in (_LIMITS | {"tallest": TAL
 
 def keys_of_papers(keys: Keys) -> tuple[str, ...]:
     """Return all keys of a paper's figure of a kind, besides those of all kinds."""
-    return tuple(keys.of_papers.split()) or (*keys.every, "log")
+    return tuple(dict.fromkeys((*keys.every, "log", *keys.of_papers.split())))
 
 
 class FigureFile(FigureSpec):

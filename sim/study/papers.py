@@ -138,12 +138,25 @@ def paper(package: str) -> None:
 
 
 def papers() -> dict[str, Paper]:
-    """Return all papers by name: those that ship by their systems, then those of plug-ins."""
+    """Return all papers by name: those that ship, then those of plug-ins.
+
+    Of those that ship the ones whose values Talus has come first, then they go by their systems.
+    """
     import_module(SHIPPED)
     order = list(SYSTEMS)
-    every = sorted(shipped(PAPER).values(), key=lambda one: order.index(one.system))
+    every = sorted(
+        shipped(PAPER).values(), key=lambda one: (bool(one.defaults), order.index(one.system))
+    )
     every += [addition.value for addition in additions(PAPER).values()]
     return {one.name: one for one in every}
+
+
+def foreign_papers(study: str) -> set[str]:
+    """Return the papers that ship with values of their own, which points of a study lack.
+
+    ``study`` is the paper that the study names.
+    """
+    return {one.name for one in shipped(PAPER).values() if one.defaults and one.name != study}
 
 
 def default_in(one: Paper | None, system: str, name: str, row: Mapping[str, Any]) -> Any:

@@ -55,10 +55,10 @@ class Keys:
     ``shows`` a function: system → observables that can be shown, by name. ``second`` is the key of
     an observable that the first is shown against; ``several`` that of a list of at most ``most``
     parameters, each on an axis (all that vary, where it is omitted). ``log`` are axes that can be
-    logarithmic, ``others`` further keys. ``of_papers`` are the keys of papers' figures, where these
-    take others, and ``systems`` those of which papers can have figures, empty for all. ``what`` and
-    ``over`` say what titles make of the name of the observable, and of the axes. ``particles`` is
-    what the dataset keeps of them for it. It is ``animated`` or reads run files, ``from_runs``.
+    logarithmic, ``others`` further keys. ``of_papers`` are what papers' figures take besides, and
+    ``systems`` those of which papers can have figures, empty for all. ``what`` and ``over`` say
+    what titles make of the name of the observable, and of the axes. ``particles`` is what the
+    dataset keeps of them for it. It is ``animated`` or reads run files, ``from_runs``.
     """
 
     axes: tuple[Literal["x", "y"], ...] = ()

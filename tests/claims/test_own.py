@@ -10,12 +10,12 @@ from sim.base.plugins import load_plugins
 from sim.claims import judge
 from sim.claims.claim import claims
 from sim.claims.verdict_files import as_mapping, as_table
+from sim.study.command import init
 from tests.made.plugins import plugin_claims, restore_plugins
 from tests.made.processes import ROOT
 from tests.made.results import made_point, made_results
 
 STEEPER = str(ROOT / "docs" / "examples" / "steeper.py")
-PAPER = ROOT / "docs" / "examples" / "silbert"
 SHORT = {"independent_samples": 1.0}
 SPEEDING = {"acceleration": 2.0}
 
@@ -73,17 +73,18 @@ def test_texts_of_a_judge_turn_no_letters_where_they_are_shown(tmp_path):
 
 
 @pytest.mark.parametrize(("changes", "verdict"), [({}, "reproduced"), (SHORT, "untestable")])
-def test_the_paper_of_the_examples_is_judged_by_steady_flows_alone(changes, verdict):
-    load_plugins(PAPER)
+def test_the_paper_that_init_writes_is_judged_by_steady_flows_alone(tmp_path, changes, verdict):
+    init(tmp_path, "", "incline")
+    load_plugins(tmp_path / "incline")
     claims()
-    flow = {"bumps": 1, "depth": 4, "friction": 0.5, "restitution": 0.88}
+    flow = {"depth": 1.24, "friction": 0.4, "restitution": 0.85}
     points = [
         made_point("chute", {"velocity": 0.02 * angle} | changes, angle=angle, **flow)
-        for angle in (25, 27, 29)
+        for angle in (15, 17, 19)
     ]
     judgement = judge.judge(made_results(*points))[-1]
-    assert judgement.claim.id == "silbert_steeper" and judgement.verdict == verdict
-    reason = "fewer than 3 angles with a steady flow on bumps" if changes else ""
+    assert judgement.claim.id == "incline_steeper" and judgement.verdict == verdict
+    reason = "fewer than 3 angles with a steady flow" if changes else ""
     reasons = {one.protocol: one.reason for one in judgement.variants}
     assert reasons["published"] == reason
 

@@ -4,7 +4,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from sim.claims.claim import claims
 from sim.claims.evidence import Evidence
+from sim.claims.place import Points
 from sim.claims.verdict import NOT_REPRODUCED, Check, Untestable, combined_verdict
+from sim.study.papers import papers
 from tests.made.results import MadePoint, made_results
 
 
@@ -23,7 +25,9 @@ def checks_of(
 ) -> list[Check]:
     """Return the checks of a judge on made-up points."""
     results = made_results(*points, boundaries=boundaries)
-    return judge(Evidence(results, protocol), **headline_bounds(judge))
+    (paper,) = (claim.paper for claim in claims() if claim.judge is getattr(judge, "func", judge))
+    evidence = Evidence(results, protocol, points=Points(results, papers()[paper]))
+    return judge(evidence, **headline_bounds(judge))
 
 
 def verdict_of(judge: Callable, points: Sequence[MadePoint], *args: object, **rest: object) -> str:

@@ -4,7 +4,6 @@ import io
 import os
 import re
 import resource
-import shutil
 import socket
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
@@ -19,6 +18,7 @@ from sim.__main__ import main
 from sim.base.errors import InputError
 from sim.base.yaml import MAX_BYTES, parse_yaml
 from sim.claims.claim import claims
+from sim.study.command import init
 from sim.study.figure_spec import FIGURES
 from sim.study.load import Study, load_study, parse_study
 from tests.made.plugins import restore_plugins
@@ -170,8 +170,7 @@ def test_hostile_texts(kind):
 # They are those of a stranger's paper, and measurements.
 
 
-EXAMPLES = ROOT / "docs" / "examples"
-PAPER = {path.name: path.read_text() for path in (EXAMPLES / "silbert").glob("*.yaml")}
+PAPER = {path.name: path.read_text() for path in (ROOT / "config/paper/mine").glob("*.yaml")}
 
 #: A study that is calibrated by measurements, and the measurements.
 CALIBRATED = """\
@@ -216,10 +215,9 @@ def load(folder: Path, study: str) -> None:
 
 def load_paper(name: str, content: bytes) -> None:
     with TemporaryDirectory() as folder:
-        shutil.copy(EXAMPLES / "silbert.yaml", folder)
-        shutil.copytree(EXAMPLES / "silbert", Path(folder) / "silbert")
-        (Path(folder) / "silbert" / name).write_bytes(content)
-        load(Path(folder), "silbert.yaml")
+        init(Path(folder), "", "mine")
+        (Path(folder) / "mine" / name).write_bytes(content)
+        load(Path(folder), "mine.yaml")
 
 
 @FEW

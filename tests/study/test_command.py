@@ -66,23 +66,23 @@ def test_a_study_of_the_program_is_copied_under_the_name_of_the_file(
 
 def test_a_paper_of_ones_own_begins_with_files_that_are_right(exec_call, capsys):
     with restore_plugins():
-        assert main(["init", "--paper", "silbert01", "a"]) == 0
-        assert capsys.readouterr().out.startswith("a/silbert01.yaml and a/silbert01: written; ")
-        assert {path.name for path in Path("a/silbert01").iterdir()} == {
+        assert main(["init", "--paper", "incline", "a"]) == 0
+        assert capsys.readouterr().out.startswith("a/incline.yaml and a/incline: written; ")
+        assert {path.name for path in Path("a/incline").iterdir()} == {
             *("__init__.py", "paper.yaml", "figures.yaml", "claims.yaml", "judges.py")
         }
         assert not [path for path in Path("a").rglob("*.*") if "mine" in path.read_text()]
-        study = load_study("a/silbert01.yaml")
-        assert study.paper == "silbert01" and list(study.figures) == ["silbert01_velocity"]
+        study = load_study("a/incline.yaml")
+        assert study.paper == "incline" and list(study.figures) == ["incline_velocity"]
         require_plugins(study.plugins)
         (claim,) = plugin_claims(["chute"])
-        assert claim.id == "silbert01_steeper" and claim.figures == [*study.figures]
+        assert claim.id == "incline_steeper" and claim.figures == [*study.figures]
     Path("b").mkdir()
-    Path("b/silbert01.yaml").write_text("mine")
+    Path("b/incline.yaml").write_text("mine")
     for folder in "ab":
         before = {path: path.read_text() for path in Path(folder).rglob("*.*")}
-        assert main(["init", "--paper", "silbert01", folder]) == 2
-        assert "silbert01" in (told := capsys.readouterr().err) and "is there already" in told
+        assert main(["init", "--paper", "incline", folder]) == 2
+        assert "incline" in (told := capsys.readouterr().err) and "is there already" in told
         assert before == {path: path.read_text() for path in Path(folder).rglob("*.*")}
 
 

@@ -15,6 +15,7 @@ import xarray as xr
 from sim.base.errors import InputError
 from sim.claims.claim import claims
 from sim.report.points import show
+from sim.study.command import init
 from sim.study.figure_spec import FIGURES
 from sim.study.load import load_study
 from sim.study.papers import papers
@@ -23,7 +24,7 @@ from tests.made.processes import ROOT
 from tests.made.project import planned_jobs, snakemake
 from tests.made.runs import HEIGHTS, write_run
 
-EXAMPLES, STUDY, CLAIM = ROOT / "docs" / "examples", "silbert.yaml", "silbert_steeper"
+EXAMPLES, STUDY, CLAIM = ROOT / "docs" / "examples", "incline.yaml", "incline_steeper"
 
 #: What other plug-ins add to the study of the paper.
 PLOTS = """\
@@ -34,7 +35,7 @@ plots:
 
 #: A study with a contact law, which takes minutes to compile.
 LAW_STUDY = """\
-study: silbert
+study: incline
 plugins: [hertz_mindlin.py, base_slip.py, boxes.py, steeper.py]
 defaults:
   chute: {law: hertz_mindlin, diameter_spread: 0.3, depth: 1.5, cell: 4, transient: 10, average: 20}
@@ -51,14 +52,13 @@ EDITS = {
     "boxes.py": {"figures": 1, "report": 1},
     "base_slip.py": GATHERED,
 }
-EDITS_OF_PAPER = {"silbert/judges.py": JUDGED, "silbert/claims.yaml": JUDGED}
+EDITS_OF_PAPER = {"incline/judges.py": JUDGED, "incline/claims.yaml": JUDGED}
 EDITS_OF_LAW = {"hertz_mindlin.py": {"batch": 1} | GATHERED}
 
 
 def bring_paper(folder: Path) -> str:
-    """Copy the paper and its study into a folder; return its text."""
-    shutil.copytree(EXAMPLES / "silbert", folder / "silbert")
-    shutil.copy(EXAMPLES / STUDY, folder)
+    """Write a paper and its study into a folder; return the text of the study."""
+    init(folder, "", "incline")
     return (folder / STUDY).read_text(encoding="utf-8")
 
 
@@ -67,7 +67,7 @@ def run(tree: Path) -> Path:
     process = snakemake(tree, study=STUDY)
     assert process.returncode == 0, process.stderr
     assert "base_slip.py" in process.stderr and "observable base_slip" in process.stderr
-    return tree / "results" / "silbert"
+    return tree / "results" / "incline"
 
 
 def bring_plugins(tree: Path, text: str) -> None:
@@ -83,42 +83,42 @@ def tree(tmp_path_factory) -> Path:
     Its runs are made up.
     """
     tree = tmp_path_factory.mktemp("paper")
-    plugins = "plugins: [silbert, base_slip.py, boxes.py, steeper.py]"
-    bring_plugins(tree, bring_paper(tree).replace("plugins: [silbert]", plugins) + PLOTS)
+    plugins = "plugins: [incline, base_slip.py, boxes.py, steeper.py]"
+    bring_plugins(tree, bring_paper(tree).replace("plugins: [incline]", plugins) + PLOTS)
     with restore_plugins():
         points = load_study(tree / STUDY, tree / "results").points.values()
     for one in (point.parameters for point in points):
-        velocity = 0.01 * one.angle * np.array([0.99, 1.0, 1.01])
-        packing = {"packing_profile": (("replicate", "height"), np.full((3, HEIGHTS), 0.6))}
-        write_run(tree / "results" / "silbert" / "runs", one, velocity, arrays=packing)
+        velocity = 0.01 * one.angle * np.array([0.99, 0.995, 1.005, 1.01])
+        packing = {"packing_profile": (("replicate", "height"), np.full((4, HEIGHTS), 0.6))}
+        write_run(tree / "results" / "incline" / "runs", one, velocity, arrays=packing)
     run(tree)
     return tree
 
 
 def test_the_paper_gets_figure_verdict_table_and_report(tree):
-    results = tree / "results" / "silbert"
+    results = tree / "results" / "incline"
     (claim,) = [
         one
         for one in json.loads((results / "claims.json").read_text())["claims"]
-        if one["paper"] == "silbert"
+        if one["paper"] == "incline"
     ]
     assert claim["id"] == CLAIM and claim["verdict"] == "reproduced"
     assert claim["criterion"].startswith("V of steady flows rises over at least 3 angles (Jonckh")
     assert CLAIM in (results / "claims.csv").read_text()
-    caption = (results / "figures" / "silbert_slopes.caption.txt").read_text()
-    assert caption.startswith("Silbert et al. (2001), steady flows. Mean velocity V")
-    assert len((results / "figures" / "silbert_slopes.csv").read_text().splitlines()) == 4
+    caption = (results / "figures" / "incline_velocity.caption.txt").read_text()
+    assert caption.startswith("Author et al. (2000), Fig. 1. Mean velocity V")
+    assert len((results / "figures" / "incline_velocity.csv").read_text().splitlines()) == 4
     report = (results / "report.html").read_text()
-    assert "Silbert et al. (2001), steady flows" in report
-    assert f'id="claim-{CLAIM}" data-paper="silbert"' in report
-    assert "<p>Silbert et al. (2001), chute: d_b = 1 σ, μ = 0.5, e = 0.88</p>" in report
-    assert '<option value="silbert">Silbert et al.</option>' in report
+    assert "Author et al. (2000), Fig. 1" in report
+    assert f'id="claim-{CLAIM}" data-paper="incline"' in report
+    assert "<p>Author et al. (2000), chute: n = 1.24, μ = 0.4, e = 0.85</p>" in report
+    assert '<option value="incline">Author et al.</option>' in report
     heads = re.search(r"Verdicts on the claims of each paper.*?</thead>", report, re.DOTALL)
-    assert re.findall(r'class="number">(.*?)<', heads[0]) == ["Silbert et al."]
+    assert re.findall(r'class="number">(.*?)<', heads[0]) == ["Author et al."]
 
 
 def test_every_job_has_the_plugins_that_it_needs(tree):
-    results = tree / "results" / "silbert"
+    results = tree / "results" / "incline"
     with xr.open_dataset(results / "dataset.nc") as dataset:
         assert (dataset["status"] == "completed").all()
         assert (dataset["base_slip"] > 0).all()
@@ -170,11 +170,11 @@ def test_the_paper_is_loaded_beside_those_that_ship(tmp_path):
     bring_paper(tmp_path)
     with restore_plugins():
         load_study(tmp_path / STUDY, None)
-        assert list(papers()) == ["walton", "gallas", "silbert"]
-        assert FIGURES["silbert_slopes"].kind == "curves"
+        assert list(papers()) == ["walton", "gallas", "silbert", "incline"]
+        assert FIGURES["incline_velocity"].kind == "curves"
         assert [claim.id for claim in claims()][-1] == CLAIM
-    assert list(papers()) == ["walton", "gallas"]
-    assert "silbert_slopes" not in FIGURES and claims()[-1].id == "G36"
+    assert list(papers()) == ["walton", "gallas", "silbert"]
+    assert "incline_velocity" not in FIGURES and claims()[-1].id == "S10"
 
 
 @pytest.mark.parametrize(
@@ -187,20 +187,30 @@ def test_the_paper_is_loaded_beside_those_that_ship(tmp_path):
             'author: "\\e[2J\\u202e" #',
             r"author: got .*; allowed: one line",
         ),
-        ("paper.yaml", "[silbert_slopes]", '["\\a"]', r"paper.yaml: headline\[0\]: got"),
+        ("paper.yaml", "[incline_velocity]", '["\\a"]', r"paper.yaml: headline\[0\]: got"),
         ("figures.yaml", "lead: ", 'lead: "\\u202e" #', r"figures.yaml: figures\[0\].lead: got"),
-        ("paper.yaml", "name: silbert", "name: walton", "Talus has one of this name"),
-        ("figures.yaml", "silbert_slopes", "walton_2", "a name that no other figure has"),
+        ("paper.yaml", "name: incline", "name: walton", "Talus has one of this name"),
+        ("figures.yaml", "incline_velocity", "walton_2", "a name that no other figure has"),
         ("claims.yaml", "judges.steeper", "judges.flatter", "claims.yaml: .*flatter"),
-        ("claims.yaml", "{least}", "{most}", "claims.yaml: judge silbert_steeper: .*most"),
+        ("claims.yaml", "{least}", "{most}", "claims.yaml: judge incline_steeper: .*most"),
         ("claims.yaml", f"id: {CLAIM}", "id: W1", "claims.yaml: judge 'W1': a name has"),
         ("claims.yaml", "claims:", "claim:", "claims.yaml: .*claims, a list, and nothing else"),
         ("claims.yaml", "judges.steeper", "steeper", r"claims\[0\].judge: got 'steeper'; allowed"),
         ("claims.yaml", "judges.steeper", "judge.steeper", "a function of a module beside this"),
-        ("claims.yaml", "[silbert_slopes]", "[slopes]", "figures: got 'slopes'; .*allowed: one of"),
-        ("claims.yaml", "{least: 3}", "{most: 3}", "claims.yaml: judge silbert_steeper: .*least"),
-        ("paper.yaml", "[silbert_slopes]", "[walton_2]", r"headline\[0\]: got 'walton_2'; allowed"),
-        ("paper.yaml", "bumps: 1", "bumps: 9", "paper.yaml: defaults.chute.bumps: got 9; allowed"),
+        (
+            "claims.yaml",
+            "[incline_velocity]",
+            "[slopes]",
+            "figures: got 'slopes'; .*allowed: one of",
+        ),
+        ("claims.yaml", "{least: 3}", "{most: 3}", "claims.yaml: judge incline_steeper: .*least"),
+        (
+            "paper.yaml",
+            "[incline_velocity]",
+            "[walton_2]",
+            r"headline.0.: got .walton_2.; al",
+        ),
+        ("paper.yaml", "0.85", "8.5", "paper.yaml: defaults.chute.restitution: got 8.5; allowed"),
         ("judges.py", ", trend", ", trends", "claims.yaml: judges.py line 3: .*trends"),
         ("judges.py", "{least} angles", "{leest}", r"judges\.py: line 11: NameError: .*'leest'"),
         (
@@ -214,11 +224,11 @@ def test_the_paper_is_loaded_beside_those_that_ship(tmp_path):
 )
 def test_a_mistake_in_the_paper_is_one_line(tmp_path, name, old, new, message):
     bring_paper(tmp_path)
-    path = tmp_path / "silbert" / name
+    path = tmp_path / "incline" / name
     text = path.read_text(encoding="utf-8")
     assert old in text
     path.write_text(text.replace(old, new), encoding="utf-8")
     with pytest.raises(InputError, match=message) as error:
         load(tmp_path)
     assert "\n" not in str(error.value)
-    assert list(papers()) == ["walton", "gallas"]
+    assert list(papers()) == ["walton", "gallas", "silbert"]

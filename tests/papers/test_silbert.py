@@ -1,0 +1,131 @@
+"""Judges of flows down a rough incline: verdicts on correct, wrong and scattered flows."""
+
+from math import sqrt
+
+import numpy as np
+import pytest
+
+from sim.papers.silbert import judges
+from sim.papers.silbert.judges import HERTZ, SOFT
+from sim.study.papers import papers
+from tests.made.judging import letters
+from tests.made.results import made_point, spread
+
+PAPER = papers()["silbert"].values["chute"]
+
+#: Scatter of replicates at which nothing can be told.
+WIDE = 1.0
+
+#: What a bed at rest says of itself.
+RESTS = {"regime": "arrested"}
+
+
+def flow(velocity=1.0, *, depth=12, angle=26, scatter=1e-3, spheres=SOFT, profiles=None, **rest):
+    """Return a flow of the paper; what are no parameters are numbers of it."""
+    named = {name: rest.pop(name) for name in ("initial_velocity",) if name in rest}
+    grid = {"height": rest.pop("height", None)}
+    own = {**PAPER, "initial_velocity": 2, "depth": depth, "angle": angle, **spheres, **named}
+    own = {name: value for name, value in own.items() if spheres is not HERTZ or name in KEPT}
+    numbers = {"velocity": velocity} | rest
+    return made_point("chute", numbers, profiles, scatter=scatter, **grid, **own)
+
+
+#: Values that flows with Hertz's law have.
+KEPT = {*PAPER, *HERTZ, "initial_velocity"} - {"normal_damping"}
+
+
+def dense(fall, scatter=1e-3):
+    """Return flows whose packing falls by a share of its mean over the bulk, and beds differ."""
+    height = (np.arange(100) + 0.5) / 4
+    falls = fall + 0.1 * scatter * spread(5)
+    packing = 0.58 * (1 - falls[:, None] * (height / 20 - 0.5) / 0.6)
+    return thick(packing)
+
+
+def thick(packing):
+    """Return flows of 20 layers, which end at 20 diameters."""
+    options = {"depth": 20, "flow_height": 20.0, "height": (np.arange(100) + 0.5) / 4}
+    profiles = {"packing_profile": packing}
+    return [flow(angle=angle, profiles=profiles, **options) for angle in (22, 26)]
+
+
+def deep(first, second, **options):
+    """Return flows of 20 and 40 layers with numbers each."""
+    return [flow(depth=20, **first, **options), flow(depth=40, **second, **options)]
+
+
+def powers(name, value, **options):
+    return deep({name: value}, {name: value}, **options)
+
+
+def scaled(power, **options):
+    return deep({"flow_height": 18.0}, {"flow_height": 36.0, "velocity": 2**power}, **options)
+
+
+def sloped(slow, fast, **options):
+    return [
+        flow(0.0, depth=20, angle=20, **RESTS),
+        flow(depth=20, angle=22, profile_power=slow, **options),
+        flow(depth=20, profile_power=fast, **options),
+    ]
+
+
+def tilted(slowed, bed, **options):
+    """Return flows and beds at two angles; at the larger one both flow."""
+    return [
+        flow(slowed, angle=22, **options),
+        flow(bed, angle=22, initial_velocity=0, **RESTS),
+        flow(2.0, angle=24),
+        flow(2.0, angle=24, initial_velocity=0),
+    ]
+
+
+def gaining(gain, **options):
+    """Return flows of which the steeper gains a share of its velocity over the window."""
+    window = flow().parameters.average * flow().parameters.time_unit
+    return [flow(angle=32, acceleration=gain / window, **options), flow(**options)]
+
+
+def pair(ratio, spheres, **options):
+    return [flow(ratio, spheres=spheres, **options), flow(**options)]
+
+
+def packed(*packing, **options):
+    return [flow(angle=20 + 2 * n, bulk_packing=one, **options) for n, one in enumerate(packing)]
+
+
+#: By judge: what makes a world, and arguments for one that is right, and for one that is wrong.
+WORLDS = {
+    judges.constant_density: (dense, (0.01,), (0.05,)),
+    judges.bagnold_profile: (lambda p, **o: powers("profile_power", p, **o), (1.55,), (1.0,)),
+    judges.height_scaling: (scaled, (1.5,), (1.0,)),
+    judges.bagnold_rheology: (lambda p, **o: powers("rate_exponent", p, **o), (0.52,), (1.0,)),
+    judges.linear_profile: (sloped, (1.0, 1.5), (1.5, 1.6)),
+    judges.two_angles: (tilted, (0.5, 0.0), (0.05, 0.0)),
+    judges.largest_angle: (gaining, (0.3,), (0.0,)),
+    judges.force_law: (pair, (1.03, HERTZ), (1.3, HERTZ)),
+    judges.stiffness: (pair, (0.98, {}), (0.7, {})),
+    judges.packing_falls: (packed, (0.59, 0.58, 0.57), (0.57, 0.58, 0.59)),
+}
+
+
+@pytest.mark.parametrize("judge", WORLDS, ids=lambda judge: judge.__name__)
+def test_a_claim_follows_the_flows(judge):
+    make, right, wrong = WORLDS[judge]
+    assert letters(judge, make(*right)) == "R"
+    assert letters(judge, make(*wrong)) == "N"
+    assert letters(judge, make(*right, scatter=WIDE)) == "I"
+    assert letters(judge, [flow(depth=3, angle=10)]) == "-"
+
+
+def test_the_packing_of_the_bulk_has_neither_base_nor_surface():
+    height = (np.arange(100) + 0.5) / 4
+    packing = np.where((height > 4) & (height < 16), 0.58, 0.3)
+    assert letters(judges.constant_density, thick(np.tile(packing, (5, 1)))) == "R"
+
+
+def test_spheres_a_tenth_as_stiff_have_the_same_restitution():
+    """Their damping falls with the root of the stiffness; 0.883 is told for Hertz's law."""
+    ratio = SOFT["normal_damping"] / PAPER["normal_damping"]
+    assert ratio == pytest.approx(sqrt(SOFT["stiffness"] / PAPER["stiffness"]), rel=1e-4)
+    assert HERTZ["restitution"] == pytest.approx(0.883, abs=5e-4)
