@@ -23,8 +23,15 @@ FOR_JUDGES = {
 
 _MODULES = {name: module for module, names in FOR_JUDGES.items() for name in names}
 
+# With both, `help(talus.claims)` tells all of them.
+__all__ = [*_MODULES]
+
 
 def __getattr__(name: str) -> Any:
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return [*globals(), *_MODULES]

@@ -1,9 +1,10 @@
 """The plug-ins of a study, checked whole before anything runs: judges are called at the end."""
 
+import ast
 import builtins
 import dis
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from inspect import isfunction
 from pathlib import Path
 from types import CodeType, ModuleType
@@ -12,6 +13,8 @@ from sim.base.additions import Plugin, additions
 from sim.base.errors import InputError
 from sim.base.messages import one_of
 from sim.claims.claim import declare_claims
+from sim.parameters import SYSTEMS
+from sim.parameters.variables import observables, reserved_names
 from sim.study.figure_spec import FIGURES
 from sim.study.papers import PAPER, Paper
 
@@ -22,8 +25,8 @@ def require_plugins(plugins: Iterable[Plugin]) -> None:
     Raises
     ------
     InputError
-        For a name in a function that nothing defines, and for a wrong value, figure of the
-        headline, claim or judge of a paper.
+        For a name in a function that nothing defines, a parameter or number that judges ask for
+        and none has, and for a wrong value, figure of the headline, claim or judge of a paper.
     """
     every = tuple(plugins)
     added: list[Paper] = [one.value for one in additions(PAPER).values() if one.plugin in every]
@@ -36,6 +39,7 @@ def require_plugins(plugins: Iterable[Plugin]) -> None:
     for module in list(sys.modules.values()):
         if (file := Path(getattr(module, "__file__", None) or "")) in files:
             _require_names(module, file)
+            _require_known(file)
 
 
 def _require_headline(paper: Paper) -> None:
@@ -55,6 +59,32 @@ def _require_names(module: ModuleType, file: Path) -> None:
     for name, line, _ in used:
         if name not in known:
             raise InputError(f"{file}: line {line}: NameError: name {name!r} is not defined")
+
+
+def _require_known(file: Path) -> None:
+    """Refuse a system, parameter or number that a judge asks evidence for and that none has."""
+    for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+        match node:
+            case ast.Call(
+                func=ast.Attribute(value=ast.Name(id="evidence"), attr="at" | "line"),
+                args=[ast.Constant(value=str() as system), *along],
+                keywords=where,
+            ):
+                _require_one_of(file, node, system, SYSTEMS)
+                names = [one.value for one in along if isinstance(one, ast.Constant)]
+                names += [one.arg for one in where if one.arg]
+                for name in map(str, names):
+                    _require_one_of(file, node, name, SYSTEMS[system].model_fields)
+            case ast.Call(
+                func=ast.Attribute(attr="value" | "values"),
+                args=[ast.Constant(value=str() as name), *_],
+            ):
+                _require_one_of(file, node, name, reserved_names() | observables().keys())
+
+
+def _require_one_of(file: Path, node: ast.Call, name: str, known: Collection[str]) -> None:
+    if name not in known:
+        raise InputError.of_value(f"{file}: line {node.lineno}", "", name, one_of(name, known))
 
 
 def _globals(code: CodeType) -> Iterator[tuple[str, int, bool]]:

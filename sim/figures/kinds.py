@@ -33,7 +33,6 @@ with attribute_additions_to(TALUS):
         log=("x", "y"),
         others=("curves", "panels", "beside", "fit"),
         of_papers="units labels levels level quantities styles entry relative alike widest",
-        systems=("chute", "belt"),
     )
     _declare(
         "map",
@@ -44,7 +43,6 @@ with attribute_additions_to(TALUS):
         log=("x", "y", "colour"),
         others=("panels", "beside", "fit"),
         of_papers="curves labels theory creep point",
-        systems=("chute", "belt"),
         over="over {}",
     )
     _declare(

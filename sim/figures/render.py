@@ -48,14 +48,14 @@ def drawing_of(kind: str) -> Drawing:
     return Drawing(**{"table": point_table, "notes": point_notes, **roles, **one.own})
 
 
-def find_spec(name: str, plots: Mapping[str, FigureSpec] | None = None) -> FigureSpec:
-    """Return the specification of a figure: a plot of the study, or an entry of the catalogue.
+def find_spec(name: str, entries: Mapping[str, FigureSpec] | None = None) -> FigureSpec:
+    """Return the specification of a figure: as the study feeds it, or as the catalogue has it.
 
     Raises ``InputError`` for an unknown name.
     """
-    specs = {**FIGURES, **(plots or {})}
+    specs = {**FIGURES, **(entries or {})}
     if name not in specs:
-        hint = "" if plots is not None else "; a plot of a study needs --study STUDY.yaml"
+        hint = "" if entries is not None else "; a plot of a study needs --study STUDY.yaml"
         question, names = one_of(name, specs)
         raise InputError.of_value("figure", "name", name, Allowed(question, names + hint))
     return specs[name]
@@ -198,8 +198,8 @@ def draw_figures(
     Raises ``InputError`` for an unknown figure, a missing dataset, or one without points for a
     figure. Of several errors the first is raised; the others are printed on standard error.
     """
-    plots = load_study(study_path, None).plots if study_path else None
-    specs = {name: find_spec(name, plots) for name in names}
+    entries = load_study(study_path, None).entries if study_path else None
+    specs = {name: find_spec(name, entries) for name in names}
     records = read_records(out_folder) if code else {}
     outdated = [
         name

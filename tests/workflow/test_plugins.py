@@ -85,6 +85,8 @@ def tree(tmp_path_factory) -> Path:
     tree = tmp_path_factory.mktemp("paper")
     plugins = "plugins: [incline, base_slip.py, boxes.py, steeper.py]"
     bring_plugins(tree, bring_paper(tree).replace("plugins: [incline]", plugins) + PLOTS)
+    with (tree / "incline" / "figures.yaml").open("a") as file:
+        file.write("    beside: {label: measured, points: [[16, 0.2]]}\n")
     with restore_plugins():
         points = load_study(tree / STUDY, tree / "results").points.values()
     for one in (point.parameters for point in points):
@@ -107,7 +109,8 @@ def test_the_paper_gets_figure_verdict_table_and_report(tree):
     assert CLAIM in (results / "claims.csv").read_text()
     caption = (results / "figures" / "incline_velocity.caption.txt").read_text()
     assert caption.startswith("Author et al. (2000), Fig. 1. Mean velocity V")
-    assert len((results / "figures" / "incline_velocity.csv").read_text().splitlines()) == 4
+    lines = (results / "figures" / "incline_velocity.csv").read_text().splitlines()
+    assert len(lines) == 5 and lines[-1].startswith("measured,") and "measured" in caption
     report = (results / "report.html").read_text()
     assert "Author et al. (2000), Fig. 1" in report
     assert f'id="claim-{CLAIM}" data-paper="incline"' in report
@@ -219,6 +222,20 @@ def test_the_paper_is_loaded_beside_those_that_ship(tmp_path):
             "[ANGLE for _ in '']",
             r"judges\.py: line 8: NameError: .*'ANGLE'",
         ),
+        (
+            "judges.py",
+            '"velocity"',
+            '"velocty"',
+            "line 13: got 'velocty'; did you mean",
+        ),
+        ("judges.py", '"angle"', '"slope"', r"judges\.py: line 8: got 'slope'; .*allowed"),
+        (
+            "judges.py",
+            '"angle"',
+            '"angle", fricton=1',
+            "line 8: got 'fricton'; did you mean",
+        ),
+        ("judges.py", '"chute"', '"shute"', "line 8: got 'shute'; did you mean chute"),
         ("__init__.py", "talus.paper(", "talus.papre(", "plugins.0.*line 5: AttributeError"),
     ],
 )
