@@ -139,6 +139,13 @@ def test_runs_longer_than_is_asked_for_say_so():
     assert caveat_text(steps=[asked, 1.1 * asked]).startswith("runs longer than is asked for")
 
 
+def test_replicates_that_are_one_run_say_so():
+    """Such as a sphere whose height and velocity are given; beds at rest may lack overlaps."""
+    assert caveat_text(max_overlap=[0.03, 0.03]).startswith("replicates are the same to the bit")
+    for overlaps in ([0.03], [0.03, 0.03, 0.031], [0.0, 0.0], [np.nan, np.nan]):
+        assert caveat_text(max_overlap=overlaps) == ""
+
+
 def test_a_study_that_asks_for_less_than_was_run_is_told_so(tmp_path):
     """It takes the first of several replicates, but cannot take a part of a longer run."""
     held = ChuteParameters(average=40, replicates=2)

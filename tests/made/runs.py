@@ -115,7 +115,7 @@ def _scalars(
     if parameters.system == "chute":
         known |= {"base_normal": 1.0, "base_shear": 0.3}
     values = {name: np.where(lost, nan, value) for name, value in known.items()} | {
-        "max_overlap": np.where(lost, 0.31, 0.01),
+        "max_overlap": np.where(lost, 0.31, 0.01 + 1e-9 * np.arange(count)),
         "steps": np.where(lost, 1200, parameters.steps),
         "wall_time": np.full(count, 1.5),
         "replicate_seed": parameters.seed + np.arange(count),
