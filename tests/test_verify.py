@@ -6,7 +6,7 @@ import xarray as xr
 
 import sim
 from sim.__main__ import main
-from sim.verify import command, flows
+from sim.verify import command
 from sim.verify.exact import hertz_impact
 from tests.made.processes import ROOT, refusal
 
@@ -53,7 +53,7 @@ def test_each_row_has_its_source_and_each_tolerance_a_reason():
 @pytest.mark.parametrize(("talus", "code"), [(2 / 7, 0), (2 / 7 * (1 + 2e-8), 1), (np.nan, 1)])
 def test_a_wrong_number_fails(talus, code, monkeypatch, capsys):
     found = {"end": (talus, 2 / 7), "rolling": (5 / 7, 5 / 7)}
-    monkeypatch.setitem(command.ROWS, "mfix_dem04", lambda: found)
+    monkeypatch.setitem(command.ROWS, "mfix_dem04", lambda **_: found)
     assert main(["verify", "mfix_dem04"]) == code
     out = capsys.readouterr().out
     assert ("✗" in out) == bool(code) and "MFiX 0.285933" in out
@@ -61,7 +61,8 @@ def test_a_wrong_number_fails(talus, code, monkeypatch, capsys):
 
 
 def test_without_lammps_its_stored_digits_stand_in():
-    assert flows.STORED.keys() == flows.OBLIQUE.keys()
+    given = command.references()["lammps_impacts"]["given"]
+    assert given["stored"].keys() == given["oblique"].keys()
 
 
 def test_a_row_that_is_not_there_is_refused(capsys):

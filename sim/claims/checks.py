@@ -8,14 +8,7 @@ from math import inf, nan
 from uncertainties import UFloat
 
 from sim.claims.place import Place
-from sim.claims.verdict import (
-    INCONCLUSIVE,
-    LONGER_RUNS,
-    REPRODUCED,
-    SIGMAS,
-    Check,
-    Untestable,
-)
+from sim.claims.verdict import INCONCLUSIVE, LONGER_RUNS, REPRODUCED, SIGMAS, Check, Untestable
 
 #: What a judge gets of bounds that are several numbers, or two.
 Numbers = Sequence[float]

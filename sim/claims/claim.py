@@ -5,11 +5,7 @@ from importlib import import_module
 from string import Formatter
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import (
-    Field,
-    SkipValidation,
-    model_validator,
-)
+from pydantic import Field, SkipValidation, model_validator
 
 from sim.base.additions import (
     TALUS,

@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from math import inf
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -241,22 +242,25 @@ DEFAULT = "default"
 GRID = "profile_grid"
 
 
-def paper_of(system: str, paper: str = "") -> Paper | None:
-    """Return a paper by name, for other claims the first one of their system, if any.
+#: What stands for the paper of a system that none is about.
+NO_PAPER = Paper(name="", author="none", quote="none", system="", folder=Path(), package="")
 
-    That has no values of its own: these hold where the paper is named.
+
+def paper_of(system: str, paper: str = "") -> Paper:
+    """Return a paper by name, for other claims the first one of their system, else `NO_PAPER`.
+
+    The first one has no values of its own: these hold where the paper is named.
     """
     every = papers()
     if paper in every and system in (every[paper].system, *every[paper].defaults):
         return every[paper]
     of_system = (one for one in every.values() if one.system == system and not one.defaults)
-    return next(of_system, None)
+    return next(of_system, NO_PAPER)
 
 
 def readings_of(system: str, paper: str = "") -> Readings:
     """Return how a paper is read, none of them for a system without papers."""
-    one = paper_of(system, paper)
-    return one.readings if one else Readings()
+    return paper_of(system, paper).readings
 
 
 def reading_label(system: str, reading: Mapping[str, Any], readings: Readings) -> str:
@@ -273,50 +277,47 @@ def is_regridded(reading: Mapping[str, Any], headline: Mapping[str, Any]) -> boo
     return GRID in reading and reading != {**headline, GRID: reading[GRID]}
 
 
-def combined_readings(results: Results, system: str, one: Paper | None) -> list[dict[str, Any]]:
+def combined_readings(results: Results, system: str, one: Paper) -> list[dict[str, Any]]:
     """Return the readings under which runs of a system can be judged.
 
     The headline reading is first, or the default where no run has it. What the paper's words allow
     together is judged together: the runs of each reading, evaluated on each grid of the profiles.
     """
-    readings = one.readings if one else Readings()
     runs = [{}, *_readings_with_runs(results, system, one)]
-    first = readings.headline if readings.headline in runs else {}
-    ordered = [first, *(one for one in runs if one != first)]
-    grids = [{}, *({GRID: name} for name in readings.grids)]
-    return [one | grid for one in ordered for grid in grids]
+    first = one.readings.headline if one.readings.headline in runs else {}
+    ordered = [first, *(reading for reading in runs if reading != first)]
+    grids = [{}, *({GRID: name} for name in one.readings.grids)]
+    return [reading | grid for reading in ordered for grid in grids]
 
 
-def model_readings(results: Results, system: str, one: Paper | None) -> Sequence[Mapping[str, Any]]:
+def model_readings(results: Results, system: str, one: Paper) -> Sequence[Mapping[str, Any]]:
     """Return the readings at which experiments on the model are made.
 
     The engine is compiled for each, which takes long: a study that has runs of none has the default
     alone.
     """
-    model = one.readings.model if one else [{}]
-    names = {name for changes in model for name in changes}
+    names = {name for changes in one.readings.model for name in changes}
     has_runs = any(names & found.keys() for found in _readings_with_runs(results, system, one))
-    return model if has_runs else [{}]
+    return one.readings.model if has_runs else [{}]
 
 
-def _readings_with_runs(results: Results, system: str, one: Paper | None) -> list[dict[str, Any]]:
+def _readings_with_runs(results: Results, system: str, one: Paper) -> list[dict[str, Any]]:
     """Return the readings other than the paper's default that some points of a system have.
 
     Choices of the models come first, then base rows: flows of another cell, or another stiffness.
     """
     model = SYSTEMS[system]
-    defaults = model()
+    defaults = vars(model())
     points = results.dataset.isel(point=np.flatnonzero(results.dataset["system"] == system))
     names = roles.reading_parameters(model)
     readings = {}
     for values in zip(*(points[name].values.tolist() for name in names), strict=True):
         row = dict(zip(names, values, strict=True))
-        usual = vars(defaults) | (one.usual(system, row) if one else {})
+        usual = defaults | one.usual(system, row)
         unusual = {name: value for name, value in row.items() if value != usual[name]}
         readings[tuple(unusual.items())] = unusual
     readings.pop((), None)
-    base_rows = one.readings.rows if one else {}
-    rows = ((name, value) for name, values in base_rows.items() for value in values)
+    rows = ((name, value) for name, values in one.readings.rows.items() for value in values)
     return [
         *readings.values(),
         *({name: value} for name, value in rows if value in points[name].values),

@@ -36,24 +36,23 @@ def judge(results: Results, paper: str = "") -> list[Judgement]:
         if claim.paper in foreign:
             continue
         one = paper_of(claim.system, paper if claim.paper == OWN else claim.paper)
-        readings, name = (one.readings, one.name) if one else (Readings(), "")
-        if (claim.system, name) not in evidence_by_paper:
+        key = claim.system, one.name
+        if key not in evidence_by_paper:
             # Papers without values of their own share what has been looked up.
-            own = name if one and one.defaults else ""
+            own = one.name if one.defaults else ""
             of_values = points[own] = points.get(own) or Points(results, one)
-            evidence = _evidence(results, of_values, claim.system, one)
-            evidence_by_paper[claim.system, name] = list(evidence)
+            evidence_by_paper[key] = list(_evidence(results, of_values, claim.system, one))
         if claim.kind == "model":
             variants = tuple(_experiments(results, claim, one))
         else:
-            variants = tuple(_variants(claim, readings, evidence_by_paper[claim.system, name]))
-        headline = reading_label(claim.system, readings.headline, readings)
+            variants = tuple(_variants(claim, one.readings, evidence_by_paper[key]))
+        headline = reading_label(claim.system, one.readings.headline, one.readings)
         judgements.append(Judgement(claim, variants, headline))
     return judgements
 
 
 def _evidence(
-    results: Results, points: Points, system: str, one: Paper | None
+    results: Results, points: Points, system: str, one: Paper
 ) -> Iterator[tuple[dict[str, Any], Evidence]]:
     for reading in combined_readings(results, system, one):
         runs = {name: value for name, value in reading.items() if name != GRID}
@@ -62,12 +61,11 @@ def _evidence(
             yield reading, Evidence(regridded, protocol, runs, points)
 
 
-def _experiments(results: Results, claim: Claim, one: Paper | None) -> Iterator[Variant]:
-    readings = one.readings if one else Readings()
+def _experiments(results: Results, claim: Claim, one: Paper) -> Iterator[Variant]:
     for changes in model_readings(results, claim.system, one):
-        label = reading_label(claim.system, changes, readings)
+        label = reading_label(claim.system, changes, one.readings)
         checks = run_experiment(claim, changes)
-        yield Variant(MODEL, label, checks, control=readings.control_reason(changes))
+        yield Variant(MODEL, label, checks, control=one.readings.control_reason(changes))
 
 
 def _variants(

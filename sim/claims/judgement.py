@@ -1,7 +1,7 @@
 """Outcome of a claim: its checks under every protocol and reading, and one verdict."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import isfinite
 
@@ -134,16 +134,11 @@ class Judgement:
         if self.claim.number is None or value == self.claim.number.headline:
             return self
         variants = tuple(
-            Variant(
-                variant.protocol,
-                variant.reading,
-                variant.checks_by_number[value],
-                control=variant.control,
-            )
+            replace(variant, checks=variant.checks_by_number[value], reason="")
             for variant in self.variants
             if value in variant.checks_by_number
         )
-        return Judgement(self.claim, variants, self.headline)
+        return replace(self, variants=variants)
 
     def open_checks(self, reading: str) -> list[Check]:
         """Return the checks that leave a verdict open and that more replicates would decide."""

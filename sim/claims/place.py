@@ -184,6 +184,11 @@ class Place:
         return self._measures[key]
 
 
+def select_replicated(line: Mapping[float, Place], replicates: int = 2) -> dict[float, Place]:
+    """Return the places of a line that have at least ``replicates`` completed replicates."""
+    return {value: place for value, place in line.items() if place.completed >= replicates}
+
+
 #: Stands for the paper's value of a setting, which may follow from other parameters.
 USUAL = object()
 

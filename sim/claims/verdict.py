@@ -13,28 +13,19 @@ from sim.base.errors import printable
 from sim.base.plugins import allowed
 from sim.base.statistics import CONFIDENCE, MANY, student
 
-REPRODUCED = "reproduced"
-REPRODUCED_IN_PART = "reproduced in part"
-NOT_REPRODUCED = "not reproduced"
-READING_DEPENDENT = "depends on the reading"
-PROTOCOL_DEPENDENT = "depends on the protocol"
-PAPER_INCONSISTENT = "paper inconsistent"
-INCONCLUSIVE = "inconclusive"
-UNTESTABLE = "untestable"
+VERDICTS = (
+    REPRODUCED := "reproduced",
+    REPRODUCED_IN_PART := "reproduced in part",
+    NOT_REPRODUCED := "not reproduced",
+    READING_DEPENDENT := "depends on the reading",
+    PROTOCOL_DEPENDENT := "depends on the protocol",
+    PAPER_INCONSISTENT := "paper inconsistent",
+    INCONCLUSIVE := "inconclusive",
+    UNTESTABLE := "untestable",
+)
 
 #: Verdict of a check without a vote: it has no thresholds, or another statistic decides.
 REPORTED = "reported"
-
-VERDICTS = (
-    REPRODUCED,
-    REPRODUCED_IN_PART,
-    NOT_REPRODUCED,
-    READING_DEPENDENT,
-    PROTOCOL_DEPENDENT,
-    PAPER_INCONSISTENT,
-    INCONCLUSIVE,
-    UNTESTABLE,
-)
 
 #: How often a verdict may be wrong: a one-sided bound holds at 95 %. A p-value equal to the risk
 #: decides: three replicates that all rank above three others have p = 0.05.

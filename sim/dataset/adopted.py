@@ -13,19 +13,13 @@ from filelock import Timeout
 from sim.base.errors import InputError, count_text
 from sim.base.files import atomic_write, date_back_readers, file_lock, read_regular
 from sim.base.seals import append_summary, checked_read, seal
-from sim.dataset.earlier import read_rows
 from sim.dataset.grids import Values, open_group
 from sim.dataset.results import parameters_of_row, with_all_parameters
 from sim.dataset.rounds import points_of_rounds
 from sim.dataset.rows import OF_PROFILES, RUNS, Row, dimensions, stored_names
+from sim.dataset.sources import read_rows
 from sim.engine.identity import NUMERICS
-from sim.engine.stored_run import (
-    STATE,
-    has_enough,
-    is_reduced,
-    measured_names,
-    read_amounts,
-)
+from sim.engine.stored_run import STATE, has_enough, is_reduced, measured_names, read_amounts
 from sim.parameters import Parameters, amounts, canonical_values, covers, point_id
 from sim.parameters.variables import ALL, SCALARS
 from sim.study.load import load_study

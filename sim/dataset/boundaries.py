@@ -1,6 +1,6 @@
 """Boundaries between regimes: their rounds of refinement, and their locations as a table."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,9 +17,6 @@ if TYPE_CHECKING:
     # Imported in functions otherwise: rounds of refinement need no table library.
     import pandas as pd
 
-#: Returns the side of a boundary that the run of a point is on, ``None`` where it is not known.
-SideFinder = Callable[[Boundary, Parameters], str | None]
-
 
 def added_points(study: Study, number: int, runs: Path) -> dict[str, Parameters]:
     """Return the points by id that round ``number`` adds to all before it.
@@ -28,8 +25,7 @@ def added_points(study: Study, number: int, runs: Path) -> dict[str, Parameters]
     """
     earlier = set(study.points)
     added: dict[str, Parameters] = {}
-    side_of = side_reader(study, runs)
-    rounds = [_walk(boundary, number, side_of)[1] for boundary in study.boundaries]
+    rounds = [_walk(study, runs, boundary, number)[1] for boundary in study.boundaries]
     for step in range(1, number + 1):
         points = (
             boundary.parameters_at(value)
@@ -47,11 +43,12 @@ def find_sides(study: Study, runs: Path) -> list[Sides]:
 
     They are read as those of `added_points` are.
     """
-    side_of = side_reader(study, runs)
-    return [_walk(boundary, boundary.rounds + 1, side_of)[0] for boundary in study.boundaries]
+    return [_walk(study, runs, one, one.rounds + 1)[0] for one in study.boundaries]
 
 
-def _walk(boundary: Boundary, count: int, side_of: SideFinder) -> tuple[Sides, list[list[float]]]:
+def _walk(
+    study: Study, runs: Path, boundary: Boundary, count: int
+) -> tuple[Sides, list[list[float]]]:
     """Return the sides known after ``count`` rounds, and the values that each of them adds.
 
     The first round is that of the study file. One more round of values follows from the sides.
@@ -61,26 +58,18 @@ def _walk(boundary: Boundary, count: int, side_of: SideFinder) -> tuple[Sides, l
     for _ in range(count):
         problems = []
         for value in rounds[-1]:
+            point = boundary.parameters_at(value)
+            key = point_id(point)
+            # A series of the study may ask for more of the point.
+            point = study.points[key].parameters if key in study.points else point
             try:
-                sides[value] = side_of(boundary, boundary.parameters_at(value))
+                sides[value] = side_of_run(runs / f"{key}.nc", boundary.of, point)
             except InputError as error:
                 problems.append(str(error))
         if problems:
             raise InputError.of_several(problems)
         rounds.append(next_values(sides, boundary.tolerance))
     return sides, rounds
-
-
-def side_reader(study: Study, runs: Path) -> SideFinder:
-    """Return a function that reads the side of a point from its run file in the folder ``runs``."""
-
-    def side_of(boundary: Boundary, point: Parameters) -> str | None:
-        key = point_id(point)
-        # A series of the study may ask for more of the point.
-        point = study.points[key].parameters if key in study.points else point
-        return side_of_run(runs / f"{key}.nc", boundary.of, point)
-
-    return side_of
 
 
 def add_rounds(study: Study, sides_of_boundaries: Sequence[Sides]) -> Study:
@@ -153,7 +142,7 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
     InputError
         When the study has no boundaries, or the dataset is missing.
     """
-    from sim.dataset.results import read_table
+    from sim.dataset.results import load_results
 
     study = load_study(study_path, results)
     if not study.boundaries:
@@ -162,7 +151,7 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
     folder = Path(results) / study.name
     output = folder / "boundaries.csv"
     with atomic_write(output) as temporary:
-        text = format_csv(study, read_table(folder / "dataset.nc"))
+        text = format_csv(study, load_results(folder / "dataset.nc").boundaries)
         temporary.write_text(text, encoding="utf-8")
     return output
 

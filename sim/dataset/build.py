@@ -22,7 +22,6 @@ from sim.base.errors import InputError
 from sim.base.files import atomic_write, require_writable
 from sim.base.seals import seal
 from sim.dataset.boundaries import add_rounds, find_sides, tabulate
-from sim.dataset.earlier import keep_dataset
 from sim.dataset.grids import Values
 from sim.dataset.replicates import caveats, outcomes
 from sim.dataset.results import COLUMNS, GROUP, Results, with_all_parameters
@@ -42,7 +41,7 @@ from sim.dataset.rows import (
     stored_names,
     tabulate_rows,
 )
-from sim.dataset.sources import gather_rows
+from sim.dataset.sources import gather_rows, keep_dataset
 from sim.engine.stored_run import current_status
 from sim.parameters import SYSTEMS, Parameters, complete_values, field_info, in_si, point_id
 from sim.parameters.variables import variables_of

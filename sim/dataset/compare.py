@@ -13,7 +13,7 @@ from scipy.stats import false_discovery_control, t
 from sim.base.errors import InputError
 from sim.base.messages import one_of
 from sim.base.statistics import CONFIDENCE, MANY, mean_interval, student, student_half_width
-from sim.dataset.results import load, require_known_options
+from sim.dataset.results import load_results, require_known_options
 from sim.engine.stored_run import open_run_file, parameters_of
 from sim.parameters import AMOUNTS, SYSTEMS, complete_values, field_info
 
@@ -157,7 +157,7 @@ def read_side(path: Path, quantity: str) -> tuple[pd.DataFrame, str]:
     names = (quantity, _HALF_WIDTH, _SAMPLES)
     rows: list[tuple[dict[str, Any], list[np.ndarray]]] = []
     if path.is_dir() or path.name == "dataset.nc":
-        dataset = load(path).dataset
+        dataset = load_results(path).dataset
         require_known_options(dataset, path)
         kinds = {str(name): (one.dims, one.dtype.kind) for name, one in dataset.items()}
         quantities = [name for name, kind in kinds.items() if kind == (("point", "replicate"), "f")]

@@ -13,6 +13,7 @@
     the slices of the run file, unchanged.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import netCDF4
@@ -79,19 +80,21 @@ def regrid(
     elif number is None:
         raise ValueError("is not known on that grid: it needs the number density")
     else:
-        profile = _bead_means(values, number, shift, slices, cells)
+        profile = mean_over(values, number, lambda beads: _cells(beads, shift, slices, cells))
     offset = 0.5 if grid == "centres" else 0.0
     return profile, (np.arange(cells) + offset) * diameter
 
 
-def _bead_means(
-    values: np.ndarray, number: np.ndarray, shift: int, slices: int, cells: int
+def mean_over(
+    values: np.ndarray, weights: np.ndarray, total: Callable[[np.ndarray], np.ndarray]
 ) -> np.ndarray:
-    """Return means (R, K) over the beads in each cell, not-a-number where there are none."""
-    weight = np.where(np.isfinite(values), number, 0.0)
-    beads = _cells(weight, shift, slices, cells)
-    sums = _cells(np.nan_to_num(values) * weight, shift, slices, cells)
-    return np.divide(sums, beads, out=np.full_like(sums, np.nan), where=beads > 0)
+    """Return weighted means of the values that are finite, not-a-number where there are none.
+
+    ``total`` returns the sums over what is averaged of an array like ``values``.
+    """
+    weight = np.where(np.isfinite(values), weights, 0.0)
+    whole, sums = total(weight), total(np.nan_to_num(values) * weight)
+    return np.divide(sums, whole, out=np.full_like(sums, np.nan), where=whole > 0)
 
 
 def _cells(values: np.ndarray, shift: int, slices: int, cells: int) -> np.ndarray:

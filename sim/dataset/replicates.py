@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 
 from sim.base.statistics import MANY, mean_interval, student, student_half_width
+from sim.dataset.grids import mean_over
 from sim.dataset.results import Results
 from sim.engine.stored_run import NamedValues, Replicate, RunFile, open_run_file
 from sim.measures.layers import missing_energy
@@ -44,19 +45,12 @@ SCALARS = (
 #: The parameters that set the negligible trend, and whether there is one.
 PARAMETERS = ("system", "target", "gravity", "angle")
 
-#: Names of the statistics, see `outcome`.
-OUTCOME = (
-    "velocity",
-    "half_width",
-    "interval",
-    "acceleration",
-    "acceleration_half_width",
-    "completed",
-    "regime",
-    "quality",
-    "stopped",
-    "reason",
-)
+#: The statistics of `outcome`, as they are of calls of a function: no velocity, and no end.
+OUTCOME: dict[str, Any] = {
+    **{"velocity": nan, "half_width": nan, "interval": "none"},
+    **{"acceleration": nan, "acceleration_half_width": nan, "completed": 0},
+    **{"regime": "steady", "quality": "reliable", "stopped": "length", "reason": ""},
+}
 
 #: Independent samples of all replicates that a mean needs for its interval to hold.
 #: With fewer than `FEW_SAMPLES` a trend cannot be told from a fluctuation, unless the flow gains
@@ -93,10 +87,10 @@ def outcome(point: Mapping[str, Any]) -> dict[str, Any]:
         ``failed`` where none completed), ``quality`` of the mean, ``stopped`` (why they stopped)
         and ``reason`` (of failures).
     """
+    is_completed = np.asarray(point["status"]) == "completed"
     if str(point.get("system")) == FUNCTION:
-        return _outcome_of_function(point)
+        return OUTCOME | {"completed": int(is_completed.sum())}
     scalars = {name: np.asarray(point[name]) for name in SCALARS}
-    is_completed = scalars["status"] == "completed"
     completed = {name: values[is_completed] for name, values in scalars.items()}
     velocities = completed["velocity"]
     half_width, interval = mean_interval(velocities, completed["velocity_half_width"])
@@ -122,14 +116,6 @@ def outcome(point: Mapping[str, Any]) -> dict[str, Any]:
         "stopped": ", ".join(dict.fromkeys(completed["stopped"])) or "failure",
         "reason": "; ".join(reasons),
     }
-
-
-def _outcome_of_function(point: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what `outcome` does of the calls of a function: they have no velocity, and no end."""
-    completed = int((np.asarray(point["status"]) == "completed").sum())
-    none = dict.fromkeys(OUTCOME, nan)
-    words = {"interval": "none", "regime": "steady", "quality": "reliable"}
-    return {**none, **words, "completed": completed, "stopped": "length", "reason": ""}
 
 
 def answering_regime(one: Mapping[str, Any]) -> str:
@@ -358,11 +344,15 @@ def replicate_values(
 ) -> list[np.ndarray]:
     """Return one array per point: an observable of its replicates, in SI units.
 
+    The mean of a profile is weighted by packing.
+
     Replicates that failed, or have no finite value, are left out: values of two observables are not
     of the same replicates.
     """
     if observable.is_mean:
-        values = [_means(results, point, observable.source) for point in points]
+        names = observable.source, "packing_profile"
+        profiles = ([results.profile(point, name)[0] for name in names] for point in points)
+        values = [mean_over(one, packing, lambda x: x.sum(axis=1)) for one, packing in profiles]
     elif observable.source in results.dataset:
         rows = results.dataset[[observable.source, "status"]].sel(point=list(points))
         is_shown = observable.source in OF_FAILURES or rows["status"] == "completed"
@@ -370,16 +360,3 @@ def replicate_values(
     else:
         values = [np.zeros(0)] * len(points)
     return [row[np.isfinite(row)] for row in values]
-
-
-def _means(results: Results, point: str, profile: str) -> np.ndarray:
-    """Return the mean of a profile, weighted by packing, for each completed replicate, (R,).
-
-    Not-a-number where no slice has a value.
-    """
-    values, _ = results.profile(point, profile)
-    packing, _ = results.profile(point, "packing_profile")
-    weight = np.where(np.isfinite(values), packing, 0.0)
-    total = weight.sum(axis=1)
-    sums = (np.nan_to_num(values) * weight).sum(axis=1)
-    return np.divide(sums, total, out=np.full(len(total), np.nan), where=total > 0)

@@ -148,9 +148,8 @@ class Groups(Mapping[str, xr.Dataset]):
 
     def __getitem__(self, name: str) -> xr.Dataset:
         if name not in self._loaded:
-            group = self._paths[name]
             with _checked_dataset(self._path), netCDF4.Dataset(self._path) as file:
-                self._loaded[name] = _load_group(file, group)
+                self._loaded[name] = open_group(file, self._paths[name]).load()
         return self._loaded[name]
 
     def __contains__(self, name: object) -> bool:
@@ -163,31 +162,8 @@ class Groups(Mapping[str, xr.Dataset]):
         return len(self._paths)
 
 
-def load_results(path: str | Path) -> Results:
-    """Load the dataset of a study; profiles and particles are read at their first access.
-
-    Raises
-    ------
-    InputError
-        When it is missing or damaged; the message names it. A damaged dataset of a study is set
-        aside.
-    """
-    path = Path(path)
-    # A file of many variables takes long to open, so that it is opened once.
-    with _checked_dataset(path), netCDF4.Dataset(path) as file:
-        groups = set(file.groups)
-        points = list(file.groups[PARTICLES].groups) if PARTICLES in groups else []
-        return Results(
-            dataset=with_all_parameters(_load_group(file, None)),
-            profiles=Groups(path, {name: name for name in SYSTEMS if name in groups}),
-            boundaries=_read_boundaries(file),
-            states=Groups(path, {point: f"{PARTICLES}/{point}" for point in points}),
-            runs=path.parent / "runs",
-        )
-
-
-def load(results: str | Path) -> Results:
-    """Load the results of a study.
+def load_results(results: str | Path) -> Results:
+    """Load the results of a study: profiles and particles are read at their first access.
 
     Parameters
     ----------
@@ -197,13 +173,25 @@ def load(results: str | Path) -> Results:
     Raises
     ------
     InputError
-        When there is no dataset, or it is damaged.
+        When there is no dataset, or it is damaged; the message names it. A damaged dataset of a
+        study is set aside.
     """
     if not isinstance(results, (str, Path)):
         allowed = "the path of a study's results or of a dataset"
         raise InputError.of_value("load", "results", results, allowed)
     path = Path(results)
-    return load_results(path / "dataset.nc" if path.is_dir() else path)
+    path = path / "dataset.nc" if path.is_dir() else path
+    # A file of many variables takes long to open, so that it is opened once.
+    with _checked_dataset(path), netCDF4.Dataset(path) as file:
+        groups = set(file.groups)
+        points = list(file.groups[PARTICLES].groups) if PARTICLES in groups else []
+        return Results(
+            dataset=with_all_parameters(open_group(file, None).load()),
+            profiles=Groups(path, {name: name for name in SYSTEMS if name in groups}),
+            boundaries=_read_boundaries(file),
+            states=Groups(path, {point: f"{PARTICLES}/{point}" for point in points}),
+            runs=path.parent / "runs",
+        )
 
 
 def _checked_dataset(path: Path) -> AbstractContextManager[None]:
@@ -221,27 +209,10 @@ def with_all_parameters(dataset: xr.Dataset) -> xr.Dataset:
     return dataset.assign_coords({name: ("point", values) for name, values in columns.items()})
 
 
-def _load_group(file: netCDF4.Dataset, group: str | None) -> xr.Dataset:
-    """Read a group of an open dataset; the root has no name."""
-    return open_group(file, group).load()
-
-
-def read_table(dataset: Path) -> pd.DataFrame:
-    """Read the table of boundaries from a dataset; it has no rows where the dataset has no table.
-
-    Raises
-    ------
-    InputError
-        When there is no dataset, or it is damaged. A damaged dataset of a study is set aside.
-    """
-    with _checked_dataset(dataset), netCDF4.Dataset(dataset) as file:
-        return _read_boundaries(file)
-
-
 def _read_boundaries(file: netCDF4.Dataset) -> pd.DataFrame:
     if GROUP not in file.groups:
         return pd.DataFrame(columns=COLUMNS)
-    table = _load_group(file, GROUP).to_dataframe()
+    table = open_group(file, GROUP).load().to_dataframe()
     return table.assign(**added_columns({name: table[name].to_numpy() for name in table}))
 
 

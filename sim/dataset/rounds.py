@@ -132,16 +132,14 @@ def require_start_files(study: Study) -> None:
         When it is damaged or no run file, or a flow of the point cannot go on from its flow.
     """
 
-    @cache
-    def read_start(start: str) -> Parameters:
-        try:
-            return read_parameters(Path(start))
-        except InputError as error:
-            raise InputError(f"{study.path}: start_from: {error}") from None
-
+    read = cache(read_parameters)
     for point in study.points.values():
         if (start := point.parameters.start_from).endswith(RUN_FILE):
-            require_compatible_source(point.parameters, read_start(start), str(study.path))
+            try:
+                source = read(Path(start))
+            except InputError as error:
+                raise InputError(f"{study.path}: start_from: {error}") from None
+            require_compatible_source(point.parameters, source, str(study.path))
 
 
 def side_of_run(path: Path, of: str, parameters: Parameters) -> str | None:

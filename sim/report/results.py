@@ -231,7 +231,7 @@ def load(results: str | Path) -> LabelledResults:
     InputError
         When there is no dataset, or it is damaged.
     """
-    loaded = LabelledResults(**vars(datasets.load(results)))
+    loaded = LabelledResults(**vars(datasets.load_results(results)))
     is_failed = (loaded.dataset["status"] == "failed").values
     if failed := int(is_failed.any(axis=1).sum()):
         counts = f"{failed} of {count_text(loaded.dataset.sizes['point'], 'point')}"

@@ -14,7 +14,7 @@ from sim.surrogates.indices import DesignRuns, sobol_indices_of_runs
 from sim.surrogates.likelihood import Calibration
 from sim.surrogates.posterior import calibrate, summarize
 from sim.verify import exact
-from sim.verify.impacts import Found
+from sim.verify.rows import Found
 
 Function = Callable[[np.ndarray], np.ndarray]
 
@@ -53,24 +53,17 @@ def of_surrogate(function: Function, dimensions: int, designs: int) -> tuple[flo
     return float(quality), float(held)
 
 
-class Line:
-    """A straight line as a surrogate without an error: what is looked for are offset and slope."""
-
-    parameters, scales = ("offset", "slope", "place"), ("linear",) * 3
-    bounds = np.array([(-5.0, 5.0), (-5.0, 5.0), (0.0, 1.0)])
-    regimes, mean_regimes = SimpleNamespace(names=("steady",)), ("steady",)
-
-    def predict(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return values of the line and their errors at points (n, 3)."""
-        return x[:, 0] + x[:, 1] * x[:, 2], np.zeros(len(x))
-
-    def correlation(self, x: np.ndarray, others: np.ndarray) -> np.ndarray:
-        """Return how errors go together, which there are none of."""
-        return (x[:, :, None] == others[:, None]).all(axis=-1).astype(float)
-
-    def probability(self, x: np.ndarray) -> np.ndarray:
-        """Return the probability of the only regime."""
-        return np.ones((1, len(x)))
+#: A straight line as a surrogate without an error: what is looked for are offset and slope.
+LINE: Any = SimpleNamespace(
+    parameters=("offset", "slope", "place"),
+    scales=("linear",) * 3,
+    bounds=np.array([(-5.0, 5.0), (-5.0, 5.0), (0.0, 1.0)]),
+    regimes=SimpleNamespace(names=("steady",)),
+    mean_regimes=("steady",),
+    predict=lambda x: (x[:, 0] + x[:, 1] * x[:, 2], np.zeros(len(x))),
+    correlation=lambda x, others: (x[:, :, None] == others[:, None]).all(axis=-1).astype(float),
+    probability=lambda x: np.ones((1, len(x))),
+)
 
 
 def posteriors() -> Found:
@@ -78,48 +71,43 @@ def posteriors() -> Found:
     place, error = np.linspace(0, 1, 5), 0.1
     design = np.stack([np.ones(5), place], axis=1)
     covariance = error**2 * np.linalg.inv(design.T @ design)
-    found: dict[str, Any] = {}
-    held: list[Any] = []
+    held, slopes = [], []
     for seed in range(POSTERIORS):
         rng = np.random.default_rng(seed)
         truth = rng.uniform(-2, 2, 2)
         values = design @ truth + error * rng.normal(size=5)
-        asked = Calibration(
-            predictor=Line(),  # type: ignore[arg-type]
-            ranges={"offset": (-5.0, 5.0), "slope": (-5.0, 5.0)},
-            conditions={"place": place},
-            values=values,
-            errors=np.full(5, error),
-            observable="velocity",
-            has_discrepancy=False,
+        groups = calibrate(
+            Calibration(
+                predictor=LINE,
+                ranges={"offset": (-5.0, 5.0), "slope": (-5.0, 5.0)},
+                conditions={"place": place},
+                values=values,
+                errors=np.full(5, error),
+                observable="velocity",
+                has_discrepancy=False,
+            )
         )
-        groups = calibrate(asked)
         if "posterior" not in groups:
-            held.append([False, False])
+            held.append(0.0)
             continue
-        rows = summarize(groups).set_index("parameter")
-        held.append(
-            [
-                rows.low[n] <= v <= rows.high[n]
-                for n, v in zip(("offset", "slope"), truth, strict=True)
-            ]
-        )
-        if not found:
-            draws = groups["posterior"]["slope"]
-            mean = covariance @ design.T @ values / error**2
-            found = {
-                "posterior": (float(draws.mean()), float(mean[1])),
-                "spread": (float(draws.std()), float(covariance[1, 1] ** 0.5)),
-            }
-    return found | {"coverage": (float(np.mean(held)), 0.95)}
+        rows = summarize(groups)
+        held.append(np.mean((rows.low <= truth) & (truth <= rows.high)))
+        mean = covariance[1] @ design.T @ values / error**2
+        slopes.append((groups["posterior"]["slope"], mean))
+    draws, mean = slopes[0]
+    return {
+        "posterior": (draws.mean(), mean),
+        "spread": (draws.std(), covariance[1, 1] ** 0.5),
+        "coverage": (np.mean(held), 0.95),
+    }
 
 
 def answers() -> Found:
     """Indices, surrogates and posteriors."""
     table, truth = indices(exact.ishigami, 1), exact.ISHIGAMI
     return {
-        "first": (float(table["value"].iloc[0]), truth[0]),
-        "total": (float(table["value"].iloc[5]), truth[5]),
+        "first": (table["value"].iloc[0], truth[0]),
+        "total": (table["value"].iloc[5], truth[5]),
         "indices": (held_indices(exact.ishigami, truth), 0.95),
         "kinks": (held_indices(exact.g_function, exact.g_indices(3).ravel()), 0.95),
         "ishigami": (of_surrogate(exact.ishigami, 3, DESIGNS)[1], 0.95),

@@ -74,19 +74,17 @@ def bounces(
     natural = sqrt(stiffness / mass)
     damping = lost / sqrt(pi**2 + lost**2) * natural
     rate, rest, found = sqrt(natural**2 - damping**2), gravity / natural**2, []
+    decay = complex(-damping, rate)
+
+    def place(time: float, swing: complex) -> float:
+        return float((swing * np.exp(decay * time)).real - rest)
+
     for _ in range(number):
         speed = sqrt(2 * gravity * (height - radius))
-
-        def place(time: float, speed: float = speed) -> float:
-            swing = rest * np.cos(rate * time) + (damping * rest - speed) / rate * np.sin(
-                rate * time
-            )
-            return float(np.exp(-damping * time) * swing - rest)
-
-        end = brentq(place, 0.5 * pi / rate, 1.5 * pi / rate)
-        step = 1e-6 / rate
-        speed = (place(end + step) - place(end - step)) / (2 * step)
-        height = radius + speed**2 / (2 * gravity)
+        swing = complex(rest, (speed - damping * rest) / rate)
+        end = brentq(place, 0.5 * pi / rate, 1.5 * pi / rate, args=(swing,))
+        leaving = (swing * decay * np.exp(decay * end)).real
+        height = radius + leaving**2 / (2 * gravity)
         found.append(height)
     return np.array(found)
 

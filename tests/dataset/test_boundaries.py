@@ -15,7 +15,7 @@ from sim.base.seals import DamagedError
 from sim.dataset import sources
 from sim.dataset.boundaries import add_rounds, added_points, build, find_sides
 from sim.dataset.build import build as build_dataset
-from sim.dataset.results import load_results, read_table
+from sim.dataset.results import load_results
 from sim.dataset.rounds import read_round, side_of_run
 from sim.figures.data import figure_data
 from sim.figures.map import notes
@@ -124,7 +124,7 @@ def test_the_dataset_has_the_points_of_all_rounds(study_results, dataset):
         assert set(onset["figures"].values) == {"belt_onset"}
         assert onset.sizes["point"] == 22
     assert points == {path.stem for path in runs.glob("*.nc")}
-    assert len(read_table(dataset)) == len(load_study(study_path, results).boundaries)
+    assert len(load_results(dataset).boundaries) == len(load_study(study_path, results).boundaries)
     study = load_study(study_path, results)
     study = add_rounds(study, find_sides(study, runs))
     assert set(study.series["onset"]) <= set(study.figures["belt_onset"]) <= points
@@ -204,7 +204,7 @@ def test_a_flow_is_slowed_down_from_one_state_until_it_rests(tmp_path):
             velocity, regime = (0.0, "arrested") if rests else (0.2, "steady")
             write_run(tmp_path / "stop" / "runs", point, velocity, regime=regime)
     dataset = build_dataset(path, tmp_path)
-    rows = read_table(dataset)
+    rows = load_results(dataset).boundaries
     assert set(rows["verdict"]) == {"found"} and list(rows["depth"]) == list(STOPS)
     assert set(rows["below"]) == {"arrested"} and set(rows["above"]) == {"flowing"}
     found = np.array([rows["low"], rows["high"]])
@@ -221,7 +221,7 @@ def test_a_flow_is_slowed_down_from_one_state_until_it_rests(tmp_path):
 
 def test_a_study_without_boundaries_has_no_table(tmp_path):
     study_path, results = make_study(tmp_path)
-    assert read_table(build_dataset(study_path, results)).empty
+    assert load_results(build_dataset(study_path, results)).boundaries.empty
     with pytest.raises(InputError, match="boundaries: got nothing"):
         build(study_path, results)
     with pytest.raises(InputError, match=r"ROUND: got 1; allowed: none"):

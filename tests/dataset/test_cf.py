@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 from sim.dataset.build import build
-from sim.dataset.results import load, load_results
+from sim.dataset.results import load_results
 from sim.engine.run import run_point
 from sim.parameters import SYSTEMS, parse_point
 from tests.made.figures import make_built_study
@@ -95,7 +95,7 @@ def test_a_study_of_one_system_has_no_columns_of_the_other(tmp_path):
     with xr.open_dataset(path) as held:
         assert set(SYSTEMS["belt"].model_fields) <= set(held.coords)
         assert not {"depth", "law"} & set(held.variables)
-    everything = load(path).dataset
+    everything = load_results(path).dataset
     assert everything.depth.isnull().all() and everything.law.isnull().all()
 
 

@@ -34,13 +34,13 @@ def dataset(tmp_path) -> Path:
 @pytest.fixture
 def groups_read(monkeypatch) -> list[str | None]:
     """Return the groups in the order in which they were read."""
-    groups, load = [], results._load_group
+    groups, load = [], results.open_group
 
     def record(file: netCDF4.Dataset, group: str | None) -> xr.Dataset:
         groups.append(group)
         return load(file, group)
 
-    monkeypatch.setattr(results, "_load_group", record)
+    monkeypatch.setattr(results, "open_group", record)
     return groups
 
 

@@ -13,7 +13,7 @@ import xarray as xr
 
 from sim.base.errors import InputError
 from sim.base.seals import seal
-from sim.dataset import earlier, gather, sources
+from sim.dataset import gather, sources
 from sim.dataset.results import load_results
 from sim.dataset.rows import Row
 from sim.dataset.sources import File, read_files
@@ -124,7 +124,7 @@ def test_profiles_are_kept_for_as_long_as_a_series_wants_them(study, points_read
 
 
 def test_what_other_code_has_read_is_read_again(study, points_read, monkeypatch):
-    monkeypatch.setattr(earlier, "reader_hash", lambda: "other")
+    monkeypatch.setattr(sources, "reader_hash", lambda: "other")
     study.build(*STORED)
     assert points_read == ids(study, *STORED)
 
@@ -137,7 +137,7 @@ def test_a_dataset_that_is_damaged_or_none_is_not_used(study, points_read):
     half = len(whole) // 2
     flipped = whole[:half] + bytes([whole[half] ^ 1]) + whole[half + 1 :]
     for content in (b"", whole[:half], flipped, other.read_bytes()):
-        (study.output.parent / earlier.EARLIER_FILE).write_bytes(content)
+        (study.output.parent / sources.EARLIER_FILE).write_bytes(content)
         points_read.clear()
         assert study.build(*STORED) == whole
         assert points_read == ids(study, *STORED)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.dataset import earlier
+from sim.dataset import sources
 from sim.dataset.build import build
 from sim.parameters import Parameters, parse_point, point_id
 from tests.made.runs import write_run
@@ -87,7 +87,7 @@ class Mixed:
 
     def build_afresh(self, *numbers: int, **options: Any) -> bytes:
         """Make the dataset from run files alone, without rows of an earlier one."""
-        (self.output.parent / earlier.EARLIER_FILE).unlink(missing_ok=True)
+        (self.output.parent / sources.EARLIER_FILE).unlink(missing_ok=True)
         return self.build(*numbers, **options)
 
 

@@ -7,8 +7,12 @@ from sim.claims.checks import above
 from sim.claims.evidence import Evidence
 from sim.claims.verdict import INCONCLUSIVE, NOT_REPRODUCED, REPRODUCED, Untestable
 from sim.measures.layers import spell_statistics
-from sim.papers.walton.judges.chute import flows_of_one_age, reason_incomparable
-from sim.papers.walton.judges.states import majority_if_mixed, state_lifetime
+from sim.papers.walton.judges.chute import (
+    flows_of_one_age,
+    majority_if_mixed,
+    reason_incomparable,
+    state_lifetime,
+)
 from tests.made.chute_flows import PACKING, SIZE, flow, kinked_profile
 from tests.made.results import made_results
 

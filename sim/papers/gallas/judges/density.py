@@ -24,15 +24,17 @@ from sim.claims.checks import (
 )
 from sim.claims.evidence import Evidence
 from sim.claims.inference import reported_order, trend
-from sim.claims.place import Place, replicate_mean
+from sim.claims.place import Place, replicate_mean, select_replicated
 from sim.claims.verdict import Check, Untestable
-from sim.papers.gallas.judges.bed import half_height, height_spread, layer_width, peak_density
 from sim.papers.gallas.judges.lines import (
     bed,
     common_beds,
     complete_line,
+    half_height,
+    height_spread,
+    layer_width,
     pair_label,
-    select_replicated,
+    peak_density,
 )
 
 DENSITY = "number_density"
@@ -200,23 +202,18 @@ def g18(
     """
     block, *beds = complete_line(evidence, "frequency", (still, *fluid)).values()
     top = heights * block.measure(half_height, DENSITY).nominal_value
+
+    def density_above(height: np.ndarray, number: np.ndarray) -> float:
+        higher = np.flatnonzero(height - 0.5 * (height[1] - height[0]) >= top)
+        return float(number[higher[0]]) if higher.size else nan
+
     checks = []
     for place in (block, *beds):
-        density = place.measure(_density_above(top), DENSITY) * place["diameter"] ** 2
+        density = place.measure(density_above, DENSITY) * place["diameter"] ** 2
         quantity = f"ρ⟨d⟩² above {heights} bed heights, {place['frequency']:g} Hz"
         check = below if place is block else above
         checks.append(check(quantity, density, empty_density, (place,)))
     return checks
-
-
-def _density_above(top: float) -> Callable[[np.ndarray, np.ndarray], float]:
-    """Return a function of height and density: the density of the first slice above ``top`` (m)."""
-
-    def measure(height: np.ndarray, number: np.ndarray) -> float:
-        higher = np.flatnonzero(height - 0.5 * (height[1] - height[0]) >= top)
-        return float(number[higher[0]]) if higher.size else nan
-
-    return measure
 
 
 def g19(evidence: Evidence, *, frequency: float, angles: Numbers) -> list[Check]:

@@ -9,15 +9,14 @@ from sim.claims.checks import Numbers, Pair, above, remove_votes, reported, with
 from sim.claims.claim import fill
 from sim.claims.evidence import Evidence
 from sim.claims.inference import reported_likelihood, single_rise
-from sim.claims.place import Place, quotient
+from sim.claims.place import Place, quotient, select_replicated
 from sim.claims.verdict import Check, Untestable
-from sim.papers.gallas.judges.bed import peak_density
 from sim.papers.gallas.judges.lines import (
     MARKERS,
     MIN_FLOW_FREQUENCY,
     bed,
     pair_label,
-    select_replicated,
+    peak_density,
     velocity_order,
     velocity_trend,
 )
@@ -59,11 +58,8 @@ def g1(
 ) -> list[Check]:
     """V rises over frequencies at most ``step`` (Hz) apart: a coarse grid, or all of them.
 
-    All frequencies vote, from ``lowest`` on, where the step is ``fine_step`` or less; they decide
-    nothing unless they lie as near to each other up to ``fine_end`` (Hz), where V may fall. The
-    other grid is shown. For two frequencies, V must surely not fall by the share ``margin``. V(f)
-    is a line, by its R², between the frequencies ``straight``. The creep, that is V at 10 and 14 Hz
-    over V(20 Hz), is reported.
+    All vote where the step is ``fine_step`` or less; the other grid is shown. The creep, that is
+    V at 10 and 14 Hz over V(20 Hz), is reported.
     """
     line = select_replicated(evidence.line("belt", "frequency"))
     if not set(line) >= {*COARSE, *FINE}:

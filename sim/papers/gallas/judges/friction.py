@@ -107,9 +107,8 @@ def g36(
 ) -> list[Check]:
     """γ_s changes V more than ``min_ratio`` times as much at a slow as at a fast frequency (Hz).
 
-    ``friction`` are the ends (g) between which γ_s changes. Both changes of V are relative and
-    count by their absolute values: V may fall. Both elasticities with their signs, and the rise of
-    V at small γ_s, are reported.
+    ``friction`` are the ends (g) between which γ_s changes. Both elasticities with their signs, and
+    the rise of V at small γ_s, are reported.
     """
     low, high = friction
     lines = {

@@ -18,7 +18,7 @@ from uncertainties import UFloat
 from sim.base.statistics import student
 from sim.claims.checks import Numbers, Pair, below, judge_parts, within
 from sim.claims.evidence import Evidence
-from sim.claims.place import Place, quotient, with_interval
+from sim.claims.place import Place, quotient, select_replicated, with_interval
 from sim.claims.verdict import Check, Untestable
 from sim.measures.belt import speed_along_x
 from sim.papers.gallas.judges.lines import (
@@ -26,7 +26,6 @@ from sim.papers.gallas.judges.lines import (
     MIN_FLOW_FREQUENCY,
     complete_line,
     pair_label,
-    select_replicated,
 )
 from sim.parameters.belt import ONSET_TRANSPORT
 
@@ -43,9 +42,9 @@ class Onset:
     """
 
     frequency: UFloat
+    protocol: str
     places: tuple[Place, ...] = ()
     coarse: bool = False
-    protocol: str = ""
 
 
 def find_onset(evidence: Evidence, threshold: float, **where: Any) -> Onset:
@@ -55,29 +54,21 @@ def find_onset(evidence: Evidence, threshold: float, **where: Any) -> Onset:
     is infinite unless it was searched from two seeds. Boundaries exist for `ONSET_TRANSPORT` alone.
     """
     onsets, reasons = [], []
-    sources: list[Callable[..., Onset]] = [partial(_scan_onset, threshold=threshold)]
-    sources += [_boundary_onset] if threshold == ONSET_TRANSPORT else []
-    for source in sources:
+    try:
+        shares, line = _scan(evidence, **where)
+        frequency, is_coarse = _jackknife(shares, partial(_onset_frequency, threshold=threshold))
+        onsets.append(Onset(frequency, evidence.protocol, tuple(line.values()), is_coarse))
+    except Untestable as error:
+        reasons.append(str(error))
+    if threshold == ONSET_TRANSPORT:
         try:
-            onsets.append(source(evidence, **where))
+            frequency = evidence.boundary("belt", "transport", "frequency", **where)
+            onsets.append(Onset(frequency, evidence.protocol))
         except Untestable as error:
             reasons.append(str(error))
     if not onsets:
         raise Untestable("; ".join(reasons))
-    best = min(onsets, key=lambda onset: onset.frequency.std_dev)
-    return replace(best, protocol=evidence.protocol)
-
-
-def _scan_onset(evidence: Evidence, threshold: float, **where: Any) -> Onset:
-    """Return where the mean over beds passes a share of the belt's velocity and stays above."""
-    shares, line = _scan(evidence, **where)
-    frequency, is_coarse = _jackknife(shares, partial(_onset_frequency, threshold=threshold))
-    return Onset(frequency, tuple(line.values()), is_coarse)
-
-
-def _boundary_onset(evidence: Evidence, **where: Any) -> Onset:
-    frequency = evidence.boundary("belt", "transport", "frequency", **where)
-    return Onset(frequency)
+    return min(onsets, key=lambda onset: onset.frequency.std_dev)
 
 
 def _scan(evidence: Evidence, **where: Any) -> tuple[pd.DataFrame, dict[float, Place]]:
@@ -135,19 +126,17 @@ def _jackknife(
 def _onset_frequency(frequencies: np.ndarray, shares: np.ndarray, threshold: float) -> Pair:
     """Return the frequency from which on beds are transported, and the step of the scan there."""
     at_rest = np.flatnonzero(~(shares > threshold))
-    if not at_rest.size or at_rest[-1] == len(shares) - 1:
-        end = "lowest" if not at_rest.size else "highest"
-        state = "flow" if not at_rest.size else "do not flow"
-        edge = frequencies[0 if not at_rest.size else -1]
-        raise Untestable(f"beds {state} at the {end}, {edge:g} Hz of the scan")
+    if not at_rest.size:
+        raise Untestable(f"beds flow at the lowest, {frequencies[0]:g} Hz of the scan")
+    if at_rest[-1] == len(shares) - 1:
+        raise Untestable(f"beds do not flow at the highest, {frequencies[-1]:g} Hz of the scan")
     before = at_rest[-1]
     low, high = frequencies[before : before + 2]
     if high - low > FINE_STEP:
         raise Untestable(f"no scan in steps of {FINE_STEP:g} Hz between {low:g} and {high:g} Hz")
     share_below, share_above = shares[before : before + 2]
-    return float(
-        low + (threshold - share_below) / (share_above - share_below) * (high - low)
-    ), float(high - low)
+    onset = low + (threshold - share_below) / (share_above - share_below) * (high - low)
+    return float(onset), float(high - low)
 
 
 def g3(
@@ -236,13 +225,9 @@ def g6(
 
 def _check_gamma(onset: Onset, place: Place, label: str, low: float, high: float) -> Check:
     quantity = f"Γ at the onset{label}, {onset.protocol} runs"
-    return _mark_coarse(within(quantity, _gamma(onset, place), low, high, onset.places), onset)
-
-
-def _gamma(onset: Onset, place: Place) -> UFloat:
-    """Return 4π²f²A_z/g at an onset, with the amplitude of a place."""
     lift = place["amplitude"] * place["diameter"] / place["gravity"]
-    return (2 * pi * onset.frequency) ** 2 * lift
+    gamma = (2 * pi * onset.frequency) ** 2 * lift
+    return _mark_coarse(within(quantity, gamma, low, high, onset.places), onset)
 
 
 def g7(evidence: Evidence, *, threshold: float, low: float, high: float) -> list[Check]:

@@ -1,7 +1,6 @@
 """Judges of Gallas' claims about snapshots: a block, a loose bed, a void at the belt, packing."""
 
-from collections.abc import Iterable
-from functools import partial
+from dataclasses import replace
 from math import nan, pi, radians, sin, sqrt
 
 import numpy as np
@@ -13,8 +12,7 @@ from sim.claims.inference import reported_share
 from sim.claims.place import Place
 from sim.claims.verdict import Check, Untestable
 from sim.measures.layers import level
-from sim.papers.gallas.judges.bed import mean_between
-from sim.papers.gallas.judges.lines import bed, complete_line
+from sim.papers.gallas.judges.lines import bed, complete_line, mean_between
 
 #: Occupancy of the belt's reach: in the mean over the cycle, and at its beginning as in Fig. 5.
 TIME_MEAN, PHASE_0 = "base_occupancy", "base_occupancy_at_phase_0"
@@ -36,9 +34,7 @@ def g26(
 ) -> list[Check]:
     """Fig. 5: a block with the belt (a), a loose bed (b), a void (c), each at a frequency (Hz).
 
-    The beads of a block move together, and up and down as the belt does. Along the belt the block
-    lags behind, as shear friction is viscous. The beads of a loose bed do not move together, which
-    tells it from a block in flight. Velocities are relative to the amplitude of the belt's.
+    Along the belt the block lags behind, as shear friction is viscous.
     """
     return judge_parts(
         a=lambda: _block(evidence, block, max_agitation, max_lift),
@@ -82,21 +78,16 @@ def check_void(place: Place, name: str, max_occupancy: float) -> list[Check]:
         return withhold([below(quantity, nan, max_occupancy, (place,))], str(error))
 
 
-def belt_speed(place: Place) -> float:
-    """Return the amplitude of the belt's velocity along its line (m/s)."""
-    climb = sin(radians(place["vibration_angle"]))
-    return 2 * pi * place["frequency"] * place["amplitude"] * place["diameter"] / climb
-
-
 def agitation(place: Place) -> UFloat:
     """Return the rms velocity of the beads about their mean over the belt's largest velocity."""
-    names = "granular_temperature_profile", "number_density"
+    climb = sin(radians(place["vibration_angle"]))
+    largest = 2 * pi * place["frequency"] * place["amplitude"] * place["diameter"] / climb
 
     def measure(_: np.ndarray, temperature: np.ndarray, number: np.ndarray) -> float:
         # The granular temperature is the mean of two directions.
-        return sqrt(2 * mean_between(temperature, number, 0, 1)) / belt_speed(place)
+        return sqrt(2 * mean_between(temperature, number, 0, 1)) / largest
 
-    return place.measure(measure, *names)
+    return place.measure(measure, "granular_temperature_profile", "number_density")
 
 
 def packing(place: Place, levels: Pair = PACKED) -> UFloat:
@@ -117,18 +108,14 @@ def g27(evidence: Evidence, *, max_occupancy: float, frequencies: Numbers) -> li
     Parts are the time mean (a) and the beginning of the cycle (b). The share at 20 Hz is reported.
     """
     usual, *fast = complete_line(evidence, "frequency", (20, *frequencies)).values()
-    checks = judge_parts(
-        **{
-            part: partial(_voids, fast, name, max_occupancy)
-            for part, name in (("a", TIME_MEAN), ("b", PHASE_0))
-        }
-    )
+    checks = [
+        replace(check, part=part)
+        for part, name in (("a", TIME_MEAN), ("b", PHASE_0))
+        for place in fast
+        for check in check_void(place, name, max_occupancy)
+    ]
     share = usual.value(TIME_MEAN)
     return [*checks, reported("occupancy at 20 Hz, time mean", share, (usual,))]
-
-
-def _voids(places: Iterable[Place], name: str, max_occupancy: float) -> list[Check]:
-    return [check for place in places for check in check_void(place, name, max_occupancy)]
 
 
 def g28(evidence: Evidence, *, levels: Pair, frequency: float, firm: float) -> list[Check]:

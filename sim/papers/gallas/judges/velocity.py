@@ -14,8 +14,7 @@ from sim.claims.inference import mean_of_others, reported_order, trend
 from sim.claims.place import Place, replicate_mean
 from sim.claims.verdict import Check, Untestable
 from sim.measures.belt import EARLY_CYCLES
-from sim.papers.gallas.judges.bed import beads_between, mean_between
-from sim.papers.gallas.judges.lines import complete_line
+from sim.papers.gallas.judges.lines import beads_between, complete_line, mean_between
 
 PROFILES = ("velocity_profile", "number_density")
 
@@ -56,9 +55,7 @@ def g21(
 ) -> list[Check]:
     """A plateau (a), slower beads at the belt (b), and at the top in runs not yet relaxed (c).
 
-    The plateau is that of the share ``middle`` of the beads, and ``end`` is the share at either
-    end. Those at the top are looked at in runs of the published length: at all frequencies, and
-    at ``frequency`` with another damping (g).
+    ``middle`` and ``end`` are shares of the beads, frequencies are in Hz, the damping in g.
     """
     line = complete_line(evidence, "frequency", frequencies)
 
@@ -123,9 +120,7 @@ def g22(
 ) -> list[Check]:
     """Started fast, the highest beads differ from the middle by less than ``max_lag``.
 
-    Started at rest, they lag less in the longer runs of the converged protocol than in published
-    ones. ``end`` is the share of the beads that are the highest. The damping (g) is that of the
-    dashed line in Fig. 3c; the usual one is reported.
+    ``end`` is their share of the beads. The damping is in g; the usual one is reported.
     """
     where = {"frequency": frequency, "damping": damping, "shear_damping": damping}
     checks = _check_relaxation(evidence, end, max_lag, where)

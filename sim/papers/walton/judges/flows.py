@@ -22,7 +22,7 @@ from sim.claims.checks import (
 )
 from sim.claims.evidence import ANY, Evidence
 from sim.claims.inference import pooled_checks, same_by_rank, trend
-from sim.claims.place import Place, quotient, replicate_mean
+from sim.claims.place import Place, quotient, replicate_mean, select_replicated
 from sim.claims.verdict import Check, Untestable
 from sim.papers.walton.judges.chute import (
     CELLS,
@@ -36,11 +36,10 @@ from sim.papers.walton.judges.chute import (
     reason_unrankable,
     reason_unsettled,
     reasons_unrankable,
-    select_replicated,
+    report_states,
     steady_flows,
     withhold_unsettled,
 )
-from sim.papers.walton.judges.states import report_states
 
 #: Least number of depths over which the velocity tends to rise.
 MIN_DEPTHS = 6

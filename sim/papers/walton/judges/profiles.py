@@ -17,22 +17,22 @@ from sim.claims.inference import (
     smallest_mean,
     trend,
 )
-from sim.claims.place import Place, replicate_mean
+from sim.claims.place import Place, replicate_mean, select_replicated
 from sim.claims.verdict import Check, Untestable
 from sim.measures import layers
 from sim.papers.walton.judges.chute import (
     CELLS,
+    PROFILES,
     age,
     base_flows,
     depth_label,
     flows_of_one_age,
-    reason_incomparable,
-    reason_unrankable,
-    select_replicated,
+    majority_if_mixed,
+    plug_shares,
+    reasons_unrankable,
     stiffness_suffix,
     withhold_unsettled,
 )
-from sim.papers.walton.judges.states import PROFILES, majority_if_mixed, plug_shares
 
 #: Least share of the mass of a bin that counts, where a claim gives none.
 MIN_MASS_SHARE = 0.01
@@ -71,14 +71,13 @@ def w11(
 ) -> list[Check]:
     """Share of the runs of deep flows in cells of one width that ride as a plug.
 
-    It must exceed ``majority``. A plug takes more than ``min_share`` of the depth. Runs count
-    whatever their start, but for those that accelerate. The cells are ``cell`` (σ) wide unless the
-    reading has another width: a share over several widths would depend on how many runs each has.
+    The cells are ``cell`` (σ) wide unless the reading has another width.
     """
     where = {"cell": evidence.reading.get("cell", cell)}
     lines = [evidence.line("chute", "initial_velocity", depth=n, **where) for n in depths]
     places = [place for line in lines for place in line.values()]
-    shares = [_steady_plugs(place) for place in places]
+    # The share of the depth that the plug takes, of replicates that do not accelerate.
+    shares = [plug_shares(place)[place.values("regime") != "accelerating"] for place in places]
     if not any(map(len, shares)):
         label = fill("n = {depths:and} in cells of {cell:g} σ", {"depths": depths, **where})
         raise Untestable(f"no flows at {label} that do not accelerate")
@@ -96,11 +95,6 @@ def w11(
             label = f"{quantity}, n = {n:g} alone in cells of {where['cell']:g} σ"
             checks.append(reported_share(label, int(ride.sum()), ride.size))
     return checks
-
-
-def _steady_plugs(place: Place) -> np.ndarray:
-    """Return the share of the depth taken by the plug, of replicates that do not accelerate."""
-    return plug_shares(place)[place.values("regime") != "accelerating"]
 
 
 def w12(evidence: Evidence) -> list[Check]:
@@ -249,8 +243,7 @@ def w17(evidence: Evidence, *, depths: Numbers, stiffness: float) -> list[Check]
             ("b", "its share of the depth", fractions),
         )
     ]
-    reasons = [reason_incomparable(places), *map(reason_unrankable, places)]
-    return withhold(checks, "; ".join(filter(None, reasons)))
+    return withhold(checks, reasons_unrankable(places))
 
 
 def w18(evidence: Evidence, *, min_depth: float) -> list[Check]:

@@ -20,22 +20,22 @@ from sim.claims.checks import (
 )
 from sim.claims.evidence import ANY, Evidence
 from sim.claims.inference import outranks, reported_order, trend
-from sim.claims.place import Place, quotient
+from sim.claims.place import Place, quotient, select_replicated
 from sim.claims.verdict import Check, Untestable
 from sim.measures import layers
 from sim.papers.walton.judges.chute import (
     CELLS,
+    PROFILES,
     SOFT,
     depth_label,
     flows_of_one_age,
+    majority_if_mixed,
     reason_incomparable,
     reason_unrankable,
-    reason_unranked,
     reasons_unrankable,
-    select_replicated,
+    report_states,
     withhold_unsettled,
 )
-from sim.papers.walton.judges.states import PROFILES, majority_if_mixed, report_states
 
 #: Depth and cell of the controls.
 CONTROL_SETTINGS = {"depth": 10, "cell": 5}
@@ -66,9 +66,7 @@ def w15(
 ) -> list[Check]:
     """Crystals at several depths of one age (a), and three factors that favour them (b, c, d).
 
-    ``majority`` is the least share of crystalline spheres, in cells of one width ``cell`` (σ) and
-    with one ``stiffness`` (N/m). The factors are a spread of the diameters, bumps, and the
-    ``width`` (σ) of the cell, in flows of the softest spheres.
+    ``cell`` and ``width`` are widths of cells (σ), ``stiffness`` is in N/m.
     """
     return judge_parts(
         a=lambda: _crystals(evidence, majority, depths, cell, stiffness),
@@ -118,18 +116,13 @@ def _compare_order(evidence: Evidence, name: str, **change: float) -> list[Check
     first, second = (place.values("crystalline_share") for place in (usual, control))
     check = outranks(quantity, first, second, [usual, control])
     cells_differ = usual["cell"] != control["cell"]
-    moving = reason_unranked([usual, control], compare_cells=not cells_differ)
+    moving = reasons_unrankable([usual, control], compare_cells=not cells_differ)
     state_reports = report_states("usual", [usual]) + report_states(f"with {name}", [control])
     return [*withhold([check], moving), *state_reports]
 
 
 def w16(evidence: Evidence, *, restitutions: Pair) -> list[Check]:
-    """Trends of V and of the shear depth from one restitution to another, at three depths.
-
-    The sentence names no depth, so each of the three must be clear with Bonferroni's correction.
-    Flows of 1,000 N/m are used where they were run: with 100 N/m some flows run away, outside the
-    range of the law.
-    """
+    """Trends of V and of the shear depth from one restitution to another, at three depths."""
     return judge_parts(
         **{
             part: partial(_over_restitution, evidence, n, restitutions)
@@ -179,12 +172,7 @@ def w20(
     quantile: float,
     stiffness: float,
 ) -> list[Check]:
-    """Overlaps of the softest spheres, within a factor ``factor`` of the paper's.
-
-    They are slight below ``max_depth`` and at rest, and large in flows of a greater depth. The
-    paper leaves open the ``stiffness`` (N/m) of the softest spheres, and which ``quantile`` of the
-    contacts a shallow flow is told by.
-    """
+    """Overlaps of the softest spheres, of a ``stiffness`` (N/m), against those of the paper."""
     few, many = ((overlap / factor, overlap * factor) for overlap in (slight, large))
     shallow = [n for n in SHALLOW if n < max_depth]
     softest = evidence.with_reading(stiffness=stiffness)
@@ -271,7 +259,7 @@ def _sensitive(evidence: Evidence, depth: float, stiffnesses: Pair) -> list[Chec
                 f"share of pairs with a deeper shear layer, {label}", depths[1], depths[0], pair
             ),
         ]
-        ranked = withhold(rank_checks, reason_unranked(pair))
+        ranked = withhold(rank_checks, reasons_unrankable(pair))
         checks += _limit_votes(ranked, stiffness == stiffnesses[0])
         checks += report_states(f"{SOFT} N/m, n = {depth:g}", [soft])
         checks += report_states(f"{stiffness:g} N/m, n = {depth:g}", [stiff])
@@ -293,7 +281,7 @@ def w22(
             )
             first, second = (_agitation(place, layer) for place in (stiff, soft))
             check = outranks(quantity, first, second, [stiff, soft])
-            ranked = withhold([check], reason_unranked([soft, stiff]))
+            ranked = withhold([check], reasons_unrankable([soft, stiff]))
             checks += _limit_votes(ranked, value == stiffness)
     return checks
 

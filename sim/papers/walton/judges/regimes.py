@@ -20,7 +20,7 @@ from sim.claims.checks import (
 from sim.claims.claim import fill
 from sim.claims.evidence import ANY, Evidence
 from sim.claims.inference import reported_share, share_above
-from sim.claims.place import Place, quotient, replicate_mean, with_interval
+from sim.claims.place import Place, quotient, replicate_mean, select_replicated, with_interval
 from sim.claims.verdict import LONGER_RUNS, NOT_REPRODUCED, REPRODUCED, Check, Unbounded, Untestable
 from sim.papers.walton.judges.chute import (
     CELLS,
@@ -30,7 +30,6 @@ from sim.papers.walton.judges.chute import (
     is_flowing,
     natural_speed,
     reason_unsettled,
-    select_replicated,
     waive_samples,
 )
 
@@ -145,10 +144,8 @@ def w19(
 ) -> list[Check]:
     """Flows over a sweep of friction: steady a little above tan θ (a), at rest beyond twice (b).
 
-    Frictions are ``somewhat`` above tan θ, or between two multiples of it, ``greatly``. The
-    velocity of a steady flow changes by less than ``max_slope`` times g sin θ; ``variety`` depths
-    need it. More than the share ``majority`` of all beds that start slowly (``starts``, √(gσ)) must
-    come to rest, for ``min_rest`` (√(σ/g)). Larger frictions and fast starts are reported.
+    Frictions are multiples of tan θ, ``starts`` in √(gσ), ``min_rest`` in √(σ/g). Larger frictions
+    and fast starts are reported.
     """
     return judge_parts(
         a=lambda: _check_steady_above(evidence, somewhat, max_slope, variety),
@@ -249,9 +246,7 @@ def _report_rest(place: Place, min_rest: float, with_time: bool) -> list[Check]:
 def w25(evidence: Evidence, *, min_width: float, required: Numbers, depth: float) -> list[Check]:
     """The window between angles at which flows rest and run away exceeds ``min_width`` (degrees).
 
-    The narrowest window of any seed decides. Its ends are the inner ones of the brackets: flows
-    move at the lower end, and do not accelerate at the upper one. It is needed at the ``required``
-    depths, and judged at one more where it was searched.
+    It is needed at the ``required`` depths, and judged at one more where it was searched.
     """
     checks, missing = [], []
     for n in (*required, depth):
