@@ -7,6 +7,7 @@ from typing import Any
 
 import pandas as pd
 
+from sim.base.errors import count_text
 from sim.figures.data import FigureData, Quantity, quantities
 from sim.figures.style import is_undecided
 from sim.parameters import SYSTEMS, field_info
@@ -144,10 +145,10 @@ def protocol_sentence(rows: pd.DataFrame, system: str) -> str:
         return ""
     limit, targets = quantity(system, "limit", converged["limit"]), sorted(set(converged["target"]))
     precisions = ", ".join(f"{100 * target:g}" for target in targets)
-    limited = int(converged["stopped"].str.contains("limit").sum())
+    limited = count_text(converged["stopped"].str.contains("limit").sum(), "point")
     return (
-        f"Converged protocol ({points_text(len(converged))}): until the mean is known to "
-        f"{precisions} % without a drift, at most {limit}, which {points_text(limited)} reached."
+        f"Converged protocol ({count_text(len(converged), 'point')}): until the mean is known to "
+        f"{precisions} % without a drift, at most {limit}, which {limited} reached."
     )
 
 
@@ -169,34 +170,28 @@ def foreign_sentence(foreign: Sequence[DataSet]) -> str:
         f"{label} ({'line' if joined else 'markers'}{', bars: its errors' * (len(points[0]) > 2)})"
         for label, points, joined in foreign
     ]
-    text = f"In grey, from elsewhere and not simulated here: {'; '.join(labels)}."
-    return text if labels else ""
+    return f"In grey, from elsewhere and not simulated here: {'; '.join(labels)}." if labels else ""
 
 
 def caveat_sentence(rows: pd.DataFrame) -> str:
     """Write each caveat with the number of its points; empty if there is none."""
-    counts = rows[rows["caveat"] != ""]["caveat"].value_counts()
-    return " ".join(f"Caveat for {points_text(count)}: {text}." for text, count in counts.items())
+    counts = rows[rows["caveat"] != ""]["caveat"].value_counts().items()
+    return " ".join(f"Caveat for {count_text(count, 'point')}: {text}." for text, count in counts)
 
 
 def failure_sentence(rows: pd.DataFrame) -> str:
     """Name the points whose run failed, and those that lost replicates; empty if there are none."""
-    lost = rows[rows["completed"] < rows["replicates"]]
-    texts: dict[str, list[str]] = {"Left out because the run failed": [], "Replicates lost": []}
-    failed, incomplete = texts.values()
-    for row in lost.itertuples():
-        left = f"{row.completed:g} of {row.replicates:g} replicates left: "
-        (incomplete if row.completed else failed).append(
-            f"{row.point} ({left * bool(row.completed)}{row.reason})"
-        )
+    failed, incomplete = [], []
+    for row in rows[rows["completed"] < rows["replicates"]].itertuples():
+        if row.completed:
+            left = f"{row.completed:g} of {row.replicates:g} replicates left"
+            incomplete.append(f"{row.point} ({left}: {row.reason})")
+        else:
+            failed.append(f"{row.point} ({row.reason})")
+    texts = {"Left out because the run failed": failed, "Replicates lost": incomplete}
     return " ".join(f"{what}: {'; '.join(points)}." for what, points in texts.items() if points)
 
 
 def not_drawn(count: int, why: str) -> list[str]:
     """Return the note on what a picture leaves out, and why; empty where it leaves out nothing."""
     return [f"Not drawn, {why}: {count:,}."] if count else []
-
-
-def points_text(count: int) -> str:
-    """Write ``1 point`` or ``2 points``."""
-    return f"{count} point" + ("" if count == 1 else "s")

@@ -14,13 +14,7 @@ import xarray as xr
 from sim.base.errors import InputError
 from sim.base.files import file_version
 from sim.base.statistics import student_half_width
-from sim.dataset.replicates import (
-    OUTCOME,
-    SCALARS,
-    answering_regime,
-    outcomes,
-    replicate_values,
-)
+from sim.dataset.replicates import OUTCOME, SCALARS, answering_regime, outcomes, replicate_values
 from sim.dataset.results import Results
 from sim.figures.units import parameter_heading
 from sim.parameters import NUMERICAL

@@ -9,6 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from sim.base.additions import additions
+from sim.base.errors import count_text
 from sim.base.statistics import student
 from sim.figures.data import FigureData, Quantity, split_curves
 from sim.figures.style import Look
@@ -149,56 +150,46 @@ def fit_curves(
     """
     value, half = quantity.value, quantity.half_width
     return [
-        fit_points(law_of(law), names, curve[along], value[curve.index], half[curve.index])
+        fit_points(law, names, curve[along], value[curve.index], half[curve.index])
         for names, every in split_curves(points, along, keys, ())
         for curve in [every[every["regime"] != "accelerating"]]
     ]
 
 
-def fit_places(law: str, names: Mapping[str, Any], x: pd.Series, y: pd.Series) -> Fit:
-    """Fit a law to places in a plane, with equal weights."""
-    return fit_points(law_of(law), names, x, y, pd.Series(np.nan, x.index))
-
-
 def fit_points(
-    law: Law, names: Mapping[str, Any], x: pd.Series, y: pd.Series, half: pd.Series
+    law: str, names: Mapping[str, Any], x: pd.Series, y: pd.Series, half: pd.Series | None = None
 ) -> Fit:
-    """Fit a law to the points (x, y) of a curve, by least squares.
+    """Fit a law, by its name, to points (x, y), by least squares.
 
     Weights are 1/error², from the intervals if all points have one. The intervals of the numbers
     are the larger of those that follow from these errors and from the scatter about the line.
     """
-    letters = law.letters
-    freedom = len(x) - len(letters)
+    fitted, index = law_of(law), x.index
+    letters, freedom = fitted.letters, len(x) - len(fitted.letters)
     if x.nunique() <= len(letters):
-        count = f"{x.nunique()} value{'s' * (x.nunique() != 1)} of x"
-        return Fit(names, x.index, f"{count} where {len(letters) + 1} are needed")
-    if any((values <= 0).any() for axis, values in (("x", x), ("y", y)) if axis in law.positive):
-        return Fit(names, x.index, "some values are not above 0")
-    errors = half / _NORMAL
-    weighted = bool((errors > 0).all())
+        count = count_text(x.nunique(), "value")
+        return Fit(names, index, f"{count} of x where {len(letters) + 1} are needed")
+    values = {"x": x.to_numpy(), "y": y.to_numpy()}
+    if any((values[axis] <= 0).any() for axis in fitted.positive.split()):
+        return Fit(names, index, "some values are not above 0")
+    weighted = half is not None and bool((half > 0).all())
+    weights = 1 / (half.to_numpy() / _NORMAL) if half is not None and weighted else None
     try:
-        model, start = _begun(law, x.to_numpy(), y.to_numpy())
-        result = model.fit(
-            y.to_numpy(),
-            start,
-            x=x.to_numpy(),
-            weights=1 / errors.to_numpy() if weighted else None,
-            scale_covar=False,
-        )
+        model, start = _begun(fitted, **values)
+        result = model.fit(values["y"], start, x=values["x"], weights=weights, scale_covar=False)
     except (ValueError, TypeError):
-        return Fit(names, x.index, "it did not converge")
-    if not (result.success and result.errorbars):
-        return Fit(names, x.index, "it did not converge")
+        result = None
+    if not (result and result.success and result.errorbars):
+        return Fit(names, index, "it did not converge")
     scale = max(student(freedom) * np.sqrt(result.redchi), _NORMAL if weighted else 0.0)
-    values = {
+    numbers = {
         letter: (float(result.params[name].value), float(scale * result.params[name].stderr))
         for letter, name in letters.items()
     }
     ends = np.geomspace if x.min() > 0 else np.linspace
     at = ends(x.min(), x.max(), _STEPS)
     line = pd.Series(np.asarray(result.eval(x=at), float), at)
-    return Fit(names, x.index, "", values, line, weighted)
+    return Fit(names, index, "", numbers, line, weighted)
 
 
 def _begun(law: Law, x: np.ndarray, y: np.ndarray) -> tuple[Any, Any]:

@@ -95,7 +95,7 @@ with attribute_additions_to(TALUS):
     )
 
     # Of papers alone.
-    _declare("row", systems=("chute",), particles=Shown.STATE)
+    _declare("row", "spheres", systems=("chute",), particles=Shown.STATE)
     _declare("paths", "beads:PATHS", systems=("belt",), particles=Shown.PATH)
     _declare("snapshots", "beads:SNAPSHOTS", systems=("belt",), particles=Shown.STATE)
     moves: dict[str, Any] = {"particles": Shown.PATH, "animated": True, "of_papers": "point"}

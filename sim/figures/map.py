@@ -17,12 +17,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 from matplotlib.tri import Triangulation
 
 from sim.figures.caption import not_drawn
-from sim.figures.data import (
-    FigureData,
-    quantity_table,
-    varying_parameters,
-    velocity_table,
-)
+from sim.figures.data import FigureData, quantity_table, varying_parameters, velocity_table
 from sim.figures.fit import fit_notes
 from sim.figures.plot import (
     Panels,
@@ -36,12 +31,7 @@ from sim.figures.plot import (
 )
 from sim.figures.regimes import boundary_sentences, draw_plane, fit_boundaries
 from sim.figures.scatter import draw_points
-from sim.figures.style import (
-    OPEN_MEANS,
-    PALE_MEANS,
-    is_undecided,
-    set_log,
-)
+from sim.figures.style import OPEN_MEANS, PALE_MEANS, is_undecided, set_log
 from sim.figures.variables import SHADES, Variable, legend, observable, parameter, rows_with_values
 from sim.parameters import SYSTEMS
 from sim.study.plot_contents import in_words, parameter_phrase

@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from sim.figures.data import FigureData, split_curves
-from sim.figures.fit import Fit, fit_places
+from sim.figures.fit import Fit, fit_points
 from sim.figures.style import THEORY, CurveStyle, cycle_style, escape_label, move_aside
 from sim.parameters import SYSTEMS
 from sim.parameters.words import setting
@@ -159,7 +159,7 @@ def fit_boundaries(data: FigureData) -> list[Fit]:
         middle = (bars["low"] + bars["high"]) / 2
         across, up = (bars[name].mask(bars["along"] == name, middle) for name in (x, y))
         others = {name: value for name, value in names.items() if name != "of"}
-        fits.append(fit_places(law, others, across, up))
+        fits.append(fit_points(law, others, across, up))
     return fits
 
 

@@ -23,8 +23,15 @@ from sim.base.seals import checked_read
 from sim.dataset.results import Results, load_results, require_known_options
 from sim.figures.caption import caption, point_notes
 from sim.figures.data import Drawing, FigureData, figure_data, point_table
-from sim.figures.figure_records import current_record, read_records, write_records
-from sim.figures.pictures import Animation, save_animation, save_picture, settle
+from sim.figures.pictures import (
+    Animation,
+    current_record,
+    read_records,
+    save_animation,
+    save_picture,
+    settle,
+    write_records,
+)
 from sim.figures.plot import message_figure
 from sim.figures.style import DOUBTFUL, SETTINGS, escape_label
 from sim.study.figure_spec import FIGURES, FigureSpec

@@ -16,7 +16,6 @@ from sim.dataset.results import Results
 from sim.parameters import SYSTEMS
 from sim.parameters.roles import reading_parameters as parameters_of
 from sim.parameters.words import PROTOCOLS
-from sim.report.numbers import bounds, strip, threshold, value_with_interval, value_with_p
 from sim.study.figure_spec import FIGURES
 from sim.study.model import Study
 from sim.study.papers import Paper, papers
@@ -141,7 +140,6 @@ def claim_rows(
     figure_names = set(figure_names)
     authors = {name: paper.author for name, paper in papers().items()}
     rows = {run["point"]: run for run in runs}
-    numbers = {point: run["number"] for point, run in rows.items()}
     return [
         {
             **claim,
@@ -156,11 +154,7 @@ def claim_rows(
                 if variant["reading"] in claim["headings"]
             },
             "depends": [name for name in ("protocol", "reading") if claim[f"{name}_dependent"]],
-            "by_number": [
-                {**entry, "checks": [_check(check, numbers) for check in entry["checks"]]}
-                for entry in claim["by_number"]
-            ],
-            "variants": [_variant(variant, claim, numbers) for variant in claim["variants"]],
+            "variants": [_variant(variant, claim) for variant in claim["variants"]],
             "cost": _cost(claim, rows),
         }
         for claim in claims
@@ -180,35 +174,11 @@ def _cost(claim: Mapping[str, Any], runs: Mapping[str, Mapping[str, Any]]) -> di
     return {"points": len(seconds), "seconds": float(sum(seconds))} if seconds else {}
 
 
-def _variant(
-    variant: Mapping[str, Any], claim: Mapping[str, Any], numbers: Mapping[str, int]
-) -> dict[str, Any]:
+def _variant(variant: Mapping[str, Any], claim: Mapping[str, Any]) -> dict[str, Any]:
     system = claim.get("system") or papers()[claim["paper"]].system
     title = PROTOCOLS[system].get(variant["protocol"], _MODEL).capitalize()
     reading = "" if variant["reading"] == "default" else f", {variant['reading']}"
-    return {
-        **variant,
-        "title": title + reading,
-        "usual": variant["reading"] in claim["headings"],
-        "unsteady": variant.get("unsteady", ""),
-        "checks": [_check(check, numbers) for check in variant["checks"]],
-    }
-
-
-def _check(check: Mapping[str, Any], numbers: Mapping[str, int]) -> dict[str, Any]:
-    text = check.get("text", "")
-    if check["tested"]:
-        measured = value_with_p(check["value"], check["p_holds"], text)
-    else:
-        measured = text or value_with_interval(check["value"], check["half_width"])
-    return {
-        **check,
-        "measured": measured,
-        "bounds": bounds(check),
-        "threshold": threshold(check["low"], check["high"]),
-        "strip": None if check["verdict"] == "reported" else strip(check),
-        "runs": [(point, numbers.get(point)) for point in check["points"]],
-    }
+    return variant | {"title": title + reading, "usual": variant["reading"] in claim["headings"]}
 
 
 def reading_tables(claims: Sequence[Mapping[str, Any]], results: Results) -> list[dict[str, Any]]:

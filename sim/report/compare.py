@@ -26,7 +26,7 @@ from sim.dataset.results import load_current
 from sim.parameters import SYSTEMS, Parameters, canonical_values, point_id
 from sim.parameters.laws import engine_of
 from sim.parameters.words import setting
-from sim.report.numbers import finite_or_none, value_with_interval
+from sim.report.numbers import finite_or_none, template, value_with_interval
 from sim.study.load import OWN, load_study, other_engines, twins
 from sim.study.model import Study
 
@@ -64,12 +64,12 @@ def show(
     comparison = compare(first_side, second_side, ignored)
     if format == "json":
         return as_json(comparison, quantity, unit)
-    files = [f"A: {first}", f"B: {second}"]
-    return "\n".join([*files, *text_lines(comparison, f"{quantity} ({unit})")])
+    heading = {"first": first, "second": second, "heading": f"{quantity} ({unit})"}
+    return template("compare.txt.j2").render(**heading, **_contents(comparison)).strip()
 
 
-def text_lines(comparison: Comparison, heading: str) -> list[str]:
-    """Return differing settings, a line per pair of points, and a summary."""
+def _contents(comparison: Comparison) -> dict[str, Any]:
+    """Return what the text tells of a comparison: a row per pair of points, and counts."""
     usual_values = _distinguishing_parameters(comparison.pairs)
     rows: list[tuple[str, ...]] = []
     for pair, differs in zip(comparison.pairs, comparison.is_real, strict=True):
@@ -86,9 +86,14 @@ def text_lines(comparison: Comparison, heading: str) -> list[str]:
                 "differs" if differs else "",
             )
         )
-    settings = [f"{name}: A {a}, B {b}" for name, (a, b) in comparison.differing_parameters.items()]
-    table = align_table(_HEADINGS, rows, _RIGHT)
-    return [*settings, "", f"{heading}, with 95 % intervals", *table, "", *_summary(comparison)]
+    ratios = [pair.second.value / pair.first.value for pair in comparison.pairs if pair.first.value]
+    return {
+        "comparison": comparison,
+        "table": align_table(_HEADINGS, rows, _RIGHT),
+        "differing": sum(comparison.is_real),
+        "unknown": sum(not np.isfinite(pair.chance) for pair in comparison.pairs),
+        "ratios": np.quantile(ratios, (0.1, 0.5, 0.9)).tolist() if len(ratios) > 1 else [],
+    }
 
 
 def _distinguishing_parameters(pairs: Sequence[Pair]) -> dict[str, Any]:
@@ -112,28 +117,6 @@ def _distinguishing_parameters(pairs: Sequence[Pair]) -> dict[str, Any]:
 def _mean_text(mean: Mean) -> str:
     error = f"± {mean.half_width:.2g}" if np.isfinite(mean.half_width) else "(error not known)"
     return f"{mean.value:.4g} {error}"
-
-
-def _summary(comparison: Comparison) -> list[str]:
-    number, differing = len(comparison.pairs), sum(comparison.is_real)
-    unknown = sum(not np.isfinite(pair.chance) for pair in comparison.pairs)
-    several = "points differ" if differing != 1 else "point differs"
-    lines = [
-        f"{differing} of {number} {several} by more than chance (Welch's test; 5 % of them false)"
-    ]
-    if unknown:
-        lines.append(f"{unknown} cannot be told: a single replicate without an error of its own")
-    ratios = [pair.second.value / pair.first.value for pair in comparison.pairs if pair.first.value]
-    if len(ratios) > 1:
-        low, middle, high = np.quantile(ratios, (0.1, 0.5, 0.9))
-        lines.append(f"B / A: median {middle:.4g}, 80 % of the points from {low:.4g} to {high:.4g}")
-    for (first, second), words in (
-        (comparison.unmatched_counts, "not in both"),
-        (comparison.shorter_counts, "left out, as the same was run for longer or more often"),
-    ):
-        if first or second:
-            lines.append(f"{words}: {first} of A, {second} of B")
-    return lines
 
 
 def as_json(comparison: Comparison, quantity: str, unit: str) -> str:

@@ -28,18 +28,23 @@ def finite_or_none(value: float) -> float | None:
     return value if isfinite(value) else None
 
 
-def value_with_p(value: float | None, chance: float | None, text: str = "") -> str:
-    """Write a statistic with the p-value of its test, or alone where there is none.
+def measured(check: Mapping[str, Any]) -> str:
+    """Write the statistic of a check, in words where it has some, with the p-value of its test.
 
-    ``text`` is the statistic in words, where a number does not say it.
+    Where there is no test, a number has its interval.
 
-    >>> value_with_p(0.8, 0.0123), value_with_p(0.8, 1e-9), value_with_p(0.33333, None)
-    ('0.8, p = 0.012', '0.8, p < 0.0001', '0.333')
+    >>> measured({"tested": True, "value": 0.8, "p_holds": 0.0123})
+    '0.8, p = 0.012'
+    >>> measured({"tested": True, "value": 0.8, "p_holds": 1e-9, "text": "all"})
+    'all, p < 0.0001'
     """
-    statistic = text or ("–" if value is None else f"{value:.3g}")
+    value, text = check["value"], check.get("text", "")
+    if not check["tested"]:
+        return text or value_with_interval(value, check["half_width"])
+    text, chance = text or ("–" if value is None else f"{value:.3g}"), check["p_holds"]
     if value is None or chance is None:
-        return statistic
-    return f"{statistic}, p " + (f"= {chance:.2g}" if chance >= _LEAST_P else f"< {_LEAST_P:g}")
+        return text
+    return f"{text}, p " + (f"= {chance:.2g}" if chance >= _LEAST_P else f"< {_LEAST_P:g}")
 
 
 def value_with_interval(value: float | None, half_width: float | None) -> str:
@@ -133,5 +138,6 @@ def template(name: str) -> jinja2.Template:
         lstrip_blocks=True,
     )
     environment.filters |= {"duration": duration, "percent": percent, "quoted": shlex.quote}
-    environment.filters["count_text"] = count_text
+    environment.filters |= {"measured": measured, "bounds": bounds, "threshold": threshold}
+    environment.filters |= {"count_text": count_text, "strip": strip}
     return environment.get_template(name)

@@ -18,7 +18,7 @@ from sim.base.seals import checked_read
 from sim.dataset.replicates import CLOSED_SHARE
 from sim.dataset.results import Results, load_current
 from sim.figures.caption import parted
-from sim.figures.figure_records import require_unchanged
+from sim.figures.pictures import require_unchanged
 from sim.figures.units import unit_of
 from sim.report.claims import (
     REPORTED,
@@ -65,7 +65,6 @@ _BROAD_ASPECT = 1.8
 #: Number of columns whose ranges an alternative text gives.
 _RANGES_SHOWN = 3
 
-
 #: Kinds with pictures of shaded spheres, which a dark page shows as they are, but darker.
 _SHADED = ("row",)
 
@@ -97,7 +96,9 @@ def figure_entry(
         caption, details = parted(files[".caption.txt"].read_text(encoding="utf-8"))
     with checked_read(files[".csv"], _KINDS[".csv"], replaceable=True):
         data_text = describe_ranges(pd.read_csv(files[".csv"]))
-    entry = {
+    group = spec.paper.partition(",")[0] or (spec.foreign and quote) or OWN_GROUP
+    moving = "first picture of an animation, " if spec.animated else ""
+    return {
         "name": name,
         "title": spec.title,
         "paper": spec.paper,
@@ -107,20 +108,11 @@ def figure_entry(
         "details": details,
         "data": address(files[".csv"]),
         "claims": [one["id"] for one in claims if name in (own["name"] for own in one["figures"])],
-    }
-    if spec.animated:
-        return entry | {
-            "group": "Animations",
-            "alt": f"{spec.title}: first picture of an animation, {data_text}.",
-            "broad": False,
-            "picture": address(files[".png"]),
-            "animation": address(files[".gif"]),
-        }
-    return entry | {
-        "group": spec.paper.partition(",")[0] or (spec.foreign and quote) or OWN_GROUP,
-        "alt": f"{spec.title}: {data_text}.",
-        "broad": _is_broad(files[".svg"]),
-        "picture": address(files[".svg"]),
+        "group": "Animations" if spec.animated else group,
+        "alt": f"{spec.title}: {moving}{data_text}.",
+        "broad": not spec.animated and _is_broad(files[".svg"]),
+        "picture": address(files[".png" if spec.animated else ".svg"]),
+        "animation": address(files[".gif"]) if spec.animated else "",
     }
 
 
@@ -257,6 +249,7 @@ def render(
         headline=headline_figures(entries),
         state=state_of(runs),
         runs=runs,
+        run_numbers={run["point"]: run["number"] for run in runs},
         explorer=compressed(explorer_data(dataset, runs, parameters, surrogates)),
         drawing_program=drawing_program(),
         varied=varied,
@@ -295,11 +288,8 @@ def _page_order(
     gallery = [entry for entry in entries if not (is_own and entry["own"])]
     parts = ["claims", "figures"] if has_tested else ["figures", "claims"]
     if is_own:
-        parts = [
-            "runs",
-            *(["figures"] if gallery else []),
-            *(["claims"] if gallery and has_tested else []),
-        ]
+        has_parts = {"runs": True, "figures": gallery, "claims": gallery and has_tested}
+        parts = [part for part, is_there in has_parts.items() if is_there]
     return {"own": is_own, "gallery": gallery, "parts": parts}
 
 

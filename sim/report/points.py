@@ -1,11 +1,12 @@
 """The points of a study, as a table and as JSON."""
 
 import json
+import re
 import sys
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from statistics import median
+from statistics import fmean, median
 from typing import Any
 
 import psutil
@@ -23,13 +24,10 @@ from sim.study.figure_spec import written
 from sim.study.load import Study, as_study, parse_study
 from sim.study.papers import paper_value_lines
 from sim.study.plot_contents import SCATTER_HINT, varying_parameters
-from sim.study.points import PARTS, Estimate, divide_range, estimate
+from sim.study.points import PARTS, Boundary, Estimate, divide_range, estimate
 
 CORES = 2
 MEGABYTE = 1e6
-
-#: Most points named in the line of a caveat.
-MOST_NAMED = 3
 
 #: Largest length (m) of a particle that is not taken for one in another unit.
 LARGEST_LENGTH = 0.1
@@ -67,18 +65,23 @@ def show(path: Path, format: str, as_point: bool = False, results: Path = Path("
     shared = find_runs(results / study.name / "runs", points, study.need)
     if format == "json":
         return as_json(study, shared)
-    table = as_table(study, shared, _run_line(study, results))
+    table = as_table(study, shared, _what_has_run(study, results))
     return "\n".join((table, *earlier_lines(study, results)))
 
 
-def as_table(study: Study, shared: Mapping[str, SharedRun] = _NOTHING, run: str = "") -> str:
+def as_table(
+    study: Study, shared: Mapping[str, SharedRun] = _NOTHING, run: Mapping[str, Any] = _NOTHING
+) -> str:
     """Return an aligned line per point, then what is known of the study, and totals.
 
     That is designs, plots, points that figures omit, and caveats. ``shared`` are the runs that
-    other studies have; ``run`` is a line on those of this study, with the time that is left.
-    ``steps`` and ``core time`` are sums over all replicates of a point.
+    other studies have; ``run`` is what `_what_has_run` tells of those of this study. ``steps`` and
+    ``core time`` are sums over all replicates of a point.
     """
-    costs, shown = _costs(study), _shown_ids(study)
+    # Imported here, as few commands write by templates.
+    from sim.report.numbers import template
+
+    costs, shown, points = _costs(study), _shown_ids(study), study.points.values()
     rows = [
         (
             shown[point.id],
@@ -89,24 +92,43 @@ def as_table(study: Study, shared: Mapping[str, SharedRun] = _NOTHING, run: str 
             ",".join(point.figures) or "-",
             ",".join(point.series),
         )
-        for point in study.points.values()
+        for point in points
     ]
-    plots = [
-        f"plot {name}: {spec.title} ({count_text(len(study.figures[name]), 'point')})"
-        + f"; {SCATTER_HINT}" * bool(spec.scattered)
-        for name, spec in study.plots.items()
+    designs = [
+        (name, design, len({tuple(row.values()) for row in design.rows(design.size)}))
+        for name, design in study.designs.items()
     ]
-    sections = [
-        align_table(_HEADINGS, rows, _RIGHT),
-        _design_lines(study),
-        plots,
-        study.omission_notes,
-        _caveat_lines(study),
-        paper_value_lines([one.parameters for one in study.points.values()], study.paper),
-        _restitution_lines(study),
-        [*_cost_lines(costs, shared, run), *_further_lines(study)],
-    ]
-    return "\n\n".join("\n".join(lines) for lines in sections if lines)
+    caveats: dict[str, list[str]] = {}
+    restitutions: dict[str, list[float]] = {}
+    for point in points:
+        if text := point.parameters.caveat:
+            caveats.setdefault(text, []).append(point.id)
+        for partner, value in getattr(point.parameters, "restitutions", {}).items():
+            restitutions.setdefault(partner, []).append(value)
+    seconds = {key: cost.core_seconds for key, cost in costs.items()}
+    total = sum(seconds.values())
+    text = template("points.txt.j2").render(
+        study=study,
+        table=align_table(_HEADINGS, rows, _RIGHT),
+        designs=designs,
+        hint=SCATTER_HINT,
+        caveats=caveats,
+        pairs=sum(point.parameters.replicates == 2 for point in points),
+        paper_values=paper_value_lines([one.parameters for one in points], study.paper),
+        restitutions=restitutions,
+        costs=list(costs.values()),
+        cores=CORES,
+        seconds=total,
+        seconds_on_cores=max(total / CORES, *seconds.values()),
+        seconds_not_shared=total - sum(seconds[key] for key in shared if shared[key].is_enough),
+        shared=describe(shared.values()),
+        sizes=[cost.trajectory for cost in costs.values() if cost.trajectory],
+        further=(PARTS - 1) * sum(boundary.rounds for boundary in study.boundaries),
+        seconds_further=sum(map(_further_seconds, study.boundaries)),
+        program=program(),
+        run=run,
+    )
+    return re.sub(r"\n{3,}", "\n\n", text).strip()
 
 
 def _shown_ids(study: Study) -> dict[str, str]:
@@ -196,120 +218,28 @@ def _costs(study: Study) -> dict[str, Estimate]:
     return {key: estimate(point.parameters) for key, point in study.points.items()}
 
 
-def _design_lines(study: Study) -> list[str]:
-    return [
-        f"design {name}: {design.kind}, {count_text(design.size, 'point')} over "
-        f"{', '.join(design.names)}"
-        + (f", of which {different:,} differ and are run once" if different < design.size else "")
-        + f"; more points later {'replace' if design.kind == 'latin_hypercube' else 'keep'} these"
-        for name, design in study.designs.items()
-        for different in [len({tuple(row.values()) for row in design.rows(design.size)})]
-    ]
+def _further_seconds(boundary: Boundary) -> float:
+    """Return the core time (s) of the points that rounds of a boundary add, each dividing one gap.
 
-
-def _caveat_lines(study: Study) -> list[str]:
-    """Return a line per caveat that is known before any run, and one on pairs of replicates."""
-    ids_by_caveat: dict[str, list[str]] = {}
-    for point in study.points.values():
-        if point.parameters.caveat:
-            ids_by_caveat.setdefault(point.parameters.caveat, []).append(point.id)
-    lines = [
-        f"caveat for {len(ids):,} of {count_text(len(study.points), 'point')}: {text} "
-        f"({', '.join(ids[:MOST_NAMED])}"
-        + (f" and {len(ids) - MOST_NAMED:,} more)" if len(ids) > MOST_NAMED else ")")
-        for text, ids in ids_by_caveat.items()
-    ]
-    if pairs := sum(point.parameters.replicates == 2 for point in study.points.values()):
-        lines.append(
-            f"warning of replicates: 2 at {count_text(pairs, 'point')}: the 95 % interval of two "
-            "is 12.7 standard errors to either side, of three 4.3; three or more are better"
-        )
-    return lines
-
-
-def _restitution_lines(study: Study) -> list[str]:
-    """Return the restitutions that are not given but follow from a damping, by partner."""
-    found: dict[str, list[float]] = {}
-    for point in study.points.values():
-        for partner, value in getattr(point.parameters, "restitutions", {}).items():
-            found.setdefault(partner, []).append(value)
-    return [
-        f"restitution of a sphere of the mean mass with {partner}, by its damping: "
-        + " to ".join(dict.fromkeys(f"{end:.3f}" for end in (min(values), max(values))))
-        for partner, values in found.items()
-    ]
-
-
-def _cost_lines(
-    costs: Mapping[str, Estimate], shared: Mapping[str, SharedRun], run: str
-) -> list[str]:
-    """Return lines on core time, on what other studies have, and on the size of trajectories.
-
-    Where points have been run, the time of the others is known from these.
+    The estimate assumes that no run is undecided.
     """
-    seconds = {key: cost.core_seconds for key, cost in costs.items()}
-    total, steps = sum(seconds.values()), sum(cost.steps for cost in costs.values())
-    estimated = (
-        f"estimated core time {duration(total)}, on {CORES} cores "
-        f"{duration(max(total / CORES, *seconds.values()))}; "
-        "computing alone, without compilation, Snakemake and figures"
-    )
-    lines = [f"{count_text(len(costs), 'point')}, {steps:,} steps, {run or estimated}"]
-    if line := describe(shared.values()):
-        enough = sum(seconds[key] for key, run in shared.items() if run.is_enough)
-        left = f"; core time of the others {duration(total - enough)}" * (not run)
-        lines.append(f"{line}{left}")
-    if sizes := [cost.trajectory for cost in costs.values() if cost.trajectory]:
-        frames = sum(cost.frames for cost in costs.values())
-        lines.append(
-            f"trajectories of {count_text(len(sizes), 'point')}: at most "
-            f"{count_text(frames, 'frame')}, {sum(sizes):,.1f} MB on the disk, "
-            f"{max(sizes):,.1f} MB of one point"
-        )
-    return lines
+    values = divide_range(boundary.low, boundary.high)
+    each = fmean(estimate(boundary.parameters_at(value)).core_seconds for value in values)
+    return (PARTS - 1) * boundary.rounds * each
 
 
-def _further_lines(study: Study) -> Iterator[str]:
-    """Yield lines on the points that rounds add; each of a boundary divides one gap.
-
-    The estimate of a boundary assumes that no run is undecided.
-    """
-    count, total = 0, 0.0
-    for boundary in study.boundaries:
-        estimates = [
-            estimate(boundary.parameters_at(value)).core_seconds
-            for value in divide_range(boundary.low, boundary.high)
-        ]
-        count += (added := (PARTS - 1) * boundary.rounds)
-        total += added * sum(estimates) / len(estimates)
-    if study.boundaries:
-        yield (
-            f"{max(boundary.rounds for boundary in study.boundaries)} rounds of refinement for "
-            f"{len(study.boundaries):,} boundaries: about {count:,} further points, estimated "
-            f"core time {duration(total)}"
-        )
-    for one in study.surrogates:
-        if one.has_rounds:
-            yield (
-                f"surrogate {one.name}: rounds of {count_text(one.batch, 'point')} may add up to "
-                f"{one.budget:g} core hours, until its error is {100 * one.error:g} %"
-            )
-    if study.decide:
-        budget = study.decide.budget
-        yield f"decisions ({program()} decide) may add up to {budget:g} core hours"
-
-
-def _run_line(study: Study, results: Path) -> str:
+def _what_has_run(study: Study, results: Path) -> Mapping[str, Any]:
+    """Return how many points have ended, if any, where, and the core time (s) of the others."""
     folder = results / study.name
     if not (folder / "runs").is_dir():
-        return ""
+        return _NOTHING
     # It needs the libraries of run files.
     from sim.report.status import survey
 
     status = survey(study, results)
     ended = sum(status.points[point].state in ("done", "failed") for point in study.points)
-    left = f"of which {ended:,} have been run in {folder}; core time of the others, at the pace of "
-    return f"{left}these, {duration(status.core_seconds_left)}" * (ended > 0)
+    left = {"ended": ended, "folder": folder, "seconds_left": status.core_seconds_left}
+    return left if ended else _NOTHING
 
 
 def earlier_lines(study: Study, results: Path) -> list[str]:

@@ -20,7 +20,7 @@ from sim.base.seals import checked_read
 from sim.base.yaml import read_yaml
 from sim.dataset.boundaries import format_csv
 from sim.dataset.results import Results, load_current
-from sim.figures.figure_records import require_unchanged
+from sim.figures.pictures import require_unchanged
 from sim.report.claims import read_claims, require_table
 from sim.report.page import relative_link, render
 from sim.study.load import Study, extra_amounts_file, load_study

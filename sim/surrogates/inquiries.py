@@ -39,12 +39,7 @@ from sim.surrogates.likelihood import Calibration
 from sim.surrogates.posterior import calibrate
 from sim.surrogates.propagation import spread_of_runs, spread_of_surrogate
 from sim.surrogates.sample import points_of_mean, sample_points, unscaled
-from sim.surrogates.storage import (
-    load_surrogate,
-    save_posterior,
-    save_surrogate,
-    summary_lines,
-)
+from sim.surrogates.storage import load_surrogate, save_posterior, save_surrogate, summary_lines
 from sim.surrogates.surrogate import Surrogate
 
 #: Most draws of a posterior that are compared with the places of runs.

@@ -19,7 +19,7 @@ from sim.dataset.rounds import read_round
 from sim.engine.replicate import stored_replicate
 from sim.engine.run import run_point
 from sim.engine.states import States
-from sim.figures.figure_records import RECORD_FILE, require_unchanged
+from sim.figures.pictures import RECORD_FILE, require_unchanged
 from sim.parameters import canonical_values, point_id
 from sim.report.claims import read_claims, require_table
 from sim.study.file import QUESTIONS

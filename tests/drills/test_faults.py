@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import pytest
 
-from sim.figures.figure_records import RECORD_FILE
+from sim.figures.pictures import RECORD_FILE
 from sim.parameters import canonical_values, point_id
 from sim.study.load import load_study
 from sim.surrogates.answers import refusal_in

@@ -11,7 +11,7 @@ from sim.dataset.build import build
 from sim.dataset.results import COLUMNS
 from sim.figures.caption import answer_sentence
 from sim.figures.data import figure_data
-from sim.figures.figure_records import current_record
+from sim.figures.pictures import current_record
 from sim.figures.render import render
 from sim.report.results import load
 from sim.study.figure_spec import Answer, FigureSpec

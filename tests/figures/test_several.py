@@ -4,7 +4,7 @@ import pytest
 
 from sim.base.errors import InputError
 from sim.figures import render
-from sim.figures.figure_records import RECORD_FILE
+from sim.figures.pictures import RECORD_FILE
 from sim.figures.render import draw_figures
 from sim.study.figure_spec import FIGURES
 

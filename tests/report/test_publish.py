@@ -10,7 +10,7 @@ import pytest
 from sim.__main__ import main
 from sim.base.errors import InputError
 from sim.base.seals import DamagedError
-from sim.figures.figure_records import RECORD_FILE
+from sim.figures.pictures import RECORD_FILE
 from sim.report import publish
 from sim.study.figure_spec import FIGURES
 from sim.study.load import ExtraAmounts, load_study, write_extra_amounts

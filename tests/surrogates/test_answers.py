@@ -293,7 +293,7 @@ VIEWS = {
     "sim/figures/render.py": lambda folder: (
         _pictures(folder, ".caption.txt") + _pictures(folder, ".csv")
     ),
-    "sim/figures/surrogate_rows.py": lambda folder: _pictures(folder, ".svg"),
+    "sim/figures/surrogates.py": lambda folder: _pictures(folder, ".svg"),
     "sim/figures/calibration.py": lambda folder: _pictures(folder, ".caption.txt"),
     "sim/figures/sensitivity.py": lambda folder: _pictures(folder, ".csv"),
 }
