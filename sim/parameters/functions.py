@@ -9,7 +9,7 @@ from pydantic import Field
 
 from sim.base.additions import plugin_options
 from sim.parameters.choices import Choice, Option
-from sim.parameters.common import STEP_WORK, Parameters, require_default
+from sim.parameters.common import STEP_WORK, Parameters
 from sim.parameters.roles import rows_of
 
 #: The system, and the parameter that names the function.
@@ -60,11 +60,10 @@ class FunctionParameters(Parameters):
         return STEP_WORK / self.option(NAME).seconds
 
     def require_rules(self) -> None:
-        """Refuse several replicates, and seeds, of a function that does not depend on chance."""
         super().require_rules()
         if not self.option(NAME).is_random:
             for name in ("replicates", "seed"):
-                require_default(self, name, f"the function has an argument {RNG}")
+                self.require_default(name, f"the function has an argument {RNG}")
 
 
 #: The choice of a function.

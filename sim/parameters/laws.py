@@ -3,9 +3,9 @@
 import math
 from collections.abc import Callable, Iterable
 from importlib.util import find_spec
-from typing import Annotated, Any, Self
+from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field
 
 from sim.base.additions import attribute_errors_to, plain_name
 from sim.base.errors import InputError
@@ -45,23 +45,17 @@ class Law(Option):
     turns: int = Field(0, ge=0)
     variants: dict[type, tuple[Callable[..., Any], int] | tuple[Callable[..., Any], int, int]] = {}
 
-    @model_validator(mode="after")
-    def _has_its_vectors_in_memory(self) -> Self:
+    def require_rules(self) -> None:
         for _, remembers, turns in map(self.of, (object, *self.variants)):
             if not 0 <= 3 * turns <= remembers:
                 raise broken_rule("turns", turns, f"3 numbers each of the {remembers} remembered")
-        return self
+        if unknown := set(self.ignores) - ChuteParameters.model_fields.keys():
+            raise broken_rule("ignores", min(unknown), "names of parameters of the chute")
 
     def of(self, kind: type) -> tuple[Callable[..., Any] | None, int, int]:
         """Return the force of a type that ``make`` gives, what it remembers and how much turns."""
         force, remembers, *turns = self.variants.get(kind, (self.force, self.remembers))
         return force, remembers, turns[0] if turns else self.turns
-
-    @model_validator(mode="after")
-    def _ignores_what_there_is(self) -> Self:
-        if unknown := set(self.ignores) - ChuteParameters.model_fields.keys():
-            raise broken_rule("ignores", min(unknown), "names of parameters of the chute")
-        return self
 
     def has_functions(self, kind: type) -> bool:
         """Return whether a type that ``make`` gives has a ``force``, or a body compiled by hand."""

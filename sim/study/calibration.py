@@ -1,11 +1,10 @@
 """Entries under ``calibrate`` of a study file: which parameters measurements allow."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
 from pydantic import Field
-from pydantic_core import PydanticCustomError
 
 from sim.base.additions import plain_name
 from sim.base.errors import InputError
@@ -73,11 +72,11 @@ class CalibrateFile(Question):
     )
     surrogate_error: Real = optional(ACCEPTED_ERROR, gt=0, le=10)
 
-    def rules(self) -> Iterator[PydanticCustomError]:
+    def require_rules(self) -> None:
         for name, ends in self.parameters.items():
             is_pair = isinstance(ends, list) and [type(end) in (int, float) for end in ends]
             if is_pair != [True, True] or not ends[0] < ends[1]:
-                yield broken_rule(f"parameters.{name}", ends, TWO_NUMBERS)
+                raise broken_rule(f"parameters.{name}", ends, TWO_NUMBERS)
 
     def resolve(self, study: Any, place: Place) -> Self:
         """Return the question with its surrogate and its measurements."""

@@ -1,11 +1,10 @@
 """Entries under ``plots`` of a study file: observables, parameters, and data beside them."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, WithJsonSchema
-from pydantic_core import PydanticCustomError
 
 from sim.base.additions import NAME as PLUGIN_NAME
 from sim.base.measured import ALLOWED_FILE, FILE
@@ -118,17 +117,16 @@ class BesideFile(Strict):
     yerr: str = optional("of a file: column with the errors of y, half the length of their bars")
     line: bool = Field(False, description="a line through the points, in their order, not markers")
 
-    def rules(self) -> Iterator[PydanticCustomError]:
+    def require_rules(self) -> None:
         has_file = self.file is not None
         for key, allowed in _NEEDED[has_file].items():
-            if getattr(self, key) is None:
-                yield broken_rule(key, None, allowed)
+            self.require(key, getattr(self, key) is not None, allowed)
         for key in _OTHERS[has_file]:
-            if (value := getattr(self, key)) is not None:
-                yield broken_rule(key, value, "points, or columns of a file, not both")
+            is_left = getattr(self, key) is None
+            self.require(key, is_left, "points, or columns of a file, not both")
         require_printable(self.name, "label", _MAX_LABEL_LENGTH)
-        if self.points and self.line and len(self.points) < 2:
-            yield broken_rule("points", self.points, "at least two points for a line")
+        is_enough = has_file or not self.line or len(self.points) > 1
+        self.require("points", is_enough, "at least two points for a line")
 
     @property
     def name(self) -> str:
@@ -215,35 +213,34 @@ class PlotFile(Strict):
         json_schema_extra={"allowed": "a list of 'x', 'y' or 'colour'"},
     )
 
-    def rules(self) -> Iterator[PydanticCustomError]:
+    def require_rules(self) -> None:
         require_printable(self.title)
         keys = ("x", "y", "colour", "parameters", "curves", "panels", "between", "beside", "fit")
         for key in keys:
             value = getattr(self, key)
             if value is not None and key not in self.keys_of_kind:
                 allowed = f"a key of {self.kind}: {', '.join(self.keys_of_kind)}"
-                yield broken_rule(key, value[0].name if key == "beside" else value, allowed)
+                raise broken_rule(key, value[0].name if key == "beside" else value, allowed)
             if value is None and key in self.keys.axes:
                 alternative = ", or an observable" if self.keys.second == key else ""
-                yield broken_rule(key, value, f"a parameter that the points vary{alternative}")
+                raise broken_rule(key, value, f"a parameter that the points vary{alternative}")
         for number, axis in enumerate(self.log):
             if axis not in self.log_axes:
-                yield broken_rule(f"log[{number}]", axis, "one of " + ", ".join(self.log_axes))
-        if self.fit and self.keys.is_map and self.show != REGIME:
-            yield broken_rule("fit", self.fit, "a map of regimes, with boundaries")
+                raise broken_rule(f"log[{number}]", axis, "one of " + ", ".join(self.log_axes))
+        has_lines = not self.keys.is_map or self.show == REGIME
+        self.require("fit", has_lines or not self.fit, "a map of regimes, with boundaries")
         low, high = self.between or (0, 1)
-        if not 0 <= low < high:
-            yield broken_rule("between", self.between, _ALLOWED_BETWEEN)
+        self.require("between", 0 <= low < high, _ALLOWED_BETWEEN)
         labels: set[str] = set()
         for number, data in enumerate(self.beside or []):
             if data.name in labels:
-                yield broken_rule(f"beside[{number}].label", data.name, "a label of its own")
+                raise broken_rule(f"beside[{number}].label", data.name, "a label of its own")
             labels.add(data.name)
             for index, point in enumerate(data.points or []):
                 place = f"beside[{number}].points[{index}]"
                 for letter, value in zip("xy", point, strict=True):
                     if value < self.least(letter):
-                        yield broken_rule(place, point, allowed_on_logarithmic(letter))
+                        raise broken_rule(place, point, allowed_on_logarithmic(letter))
 
     def least(self, axis: str) -> float:
         """Return the least number that can be drawn on the axis ``"x"`` or ``"y"``."""

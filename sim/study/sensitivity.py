@@ -3,17 +3,16 @@
 Both are asked of a surrogate, or of the runs of a design made for them.
 """
 
-from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, ValidationError
 from pydantic_core import PydanticCustomError
 
 from sim.base.messages import one_of
-from sim.parameters.common import Real, broken_rule
+from sim.parameters.common import Real
 from sim.parameters.density import DENSITY
 from sim.study.design import Axis, block_size
-from sim.study.design_file import ALLOWED_VALUES, Distribution, read_values
+from sim.study.design_file import ALLOWED_VALUES, distribution, read_values
 from sim.study.entries import optional
 from sim.study.plottable import find_observable
 from sim.study.surrogate import (
@@ -53,15 +52,15 @@ class _OfSurrogateOrRuns(Question):
     )
     surrogate_error: Real = optional(f"of a surrogate: {ACCEPTED_ERROR}", gt=0, le=10)
 
-    def rules(self) -> Iterator[PydanticCustomError]:
-        if self.surrogate is None and self.series is None:
-            yield broken_rule("surrogate", None, "the name of a surrogate, or series: a series")
-        for key in ("series", "observable", "regimes") if self.surrogate is not None else ():
-            if (value := getattr(self, key)) is not None:
-                yield broken_rule(key, value, "none with surrogate, which has its own")
-        if self.surrogate is None and (value := self.surrogate_error) is not None:
-            rule = "none with series, whose runs need no surrogate"
-            yield broken_rule("surrogate_error", value, rule)
+    def require_rules(self) -> None:
+        if self.surrogate is not None:
+            for key in ("series", "observable", "regimes"):
+                is_left = getattr(self, key) is None
+                self.require(key, is_left, "none with surrogate, which has its own")
+            return
+        self.require("surrogate", self.series, "the name of a surrogate, or series: a series")
+        allowed = "none with series, whose runs need no surrogate"
+        self.require("surrogate_error", self.surrogate_error is None, allowed)
 
     def fewest(self, design: Any) -> int:
         """Return the fewest points of a design whose runs give an answer."""
@@ -146,10 +145,10 @@ class PropagationFile(_OfSurrogateOrRuns):
         [], description="values, in SI units, of which the probability to exceed them is asked for"
     )
 
-    def rules(self) -> Iterator[PydanticCustomError]:
-        yield from super().rules()
-        if self.surrogate is None and self.over is not None:
-            yield broken_rule("over", self.over, "none with series, whose design has them")
+    def require_rules(self) -> None:
+        super().require_rules()
+        is_possible = self.surrogate is not None or self.over is None
+        self.require("over", is_possible, "none with series, whose design has them")
 
     def fewest(self, design: Any) -> int:
         """Return the fewest runs."""
@@ -178,13 +177,10 @@ class PropagationFile(_OfSurrogateOrRuns):
 def _spread(axis: Axis, value: Any, place: Place) -> Axis:
     """Return how a parameter of a surrogate is spread by a value under ``over``."""
     try:
-        given = Distribution(between=value) if isinstance(value, list) else read_values(value)
+        spread = distribution(read_values(value)).axis(axis.name, axis.is_integer)
     except (ValidationError, PydanticCustomError):
         raise place.error(f"over.{axis.name}", value, ALLOWED_VALUES) from None
-    spread: Axis = given.axis(axis.name, axis.is_integer)
     if not axis.low <= spread.low < spread.high <= axis.high or not spread.is_number:
-        ends = f"[{axis.low:g}, {axis.high:g}]"
-        raise place.error(
-            f"over.{axis.name}", value, f"values within {ends}, that of its surrogate"
-        )
+        allowed = f"values within [{axis.low:g}, {axis.high:g}], that of its surrogate"
+        raise place.error(f"over.{axis.name}", value, allowed)
     return spread

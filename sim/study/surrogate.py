@@ -7,12 +7,11 @@ from pathlib import Path
 from typing import Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import Field
-from pydantic_core import PydanticCustomError
 
 from sim.base.errors import Allowed, InputError
 from sim.base.messages import did_you_mean
 from sim.parameters import NUMERICAL, Parameters, point_id
-from sim.parameters.common import Real, broken_rule
+from sim.parameters.common import Real
 from sim.parameters.forms import require_observables
 from sim.study.design import Axis
 from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional
@@ -134,10 +133,10 @@ class SurrogateFile(Question):
     budget: Real = optional("core hours that rounds may add, of processor time", gt=0, le=1e6)
     batch: int = Field(4, description="points that a round adds", ge=1, le=1000)
 
-    def rules(self) -> Iterator[PydanticCustomError]:
+    def require_rules(self) -> None:
         for key, other in (("error", "budget"), ("budget", "error")):
-            if getattr(self, key) is None and getattr(self, other) is not None:
-                yield broken_rule(key, None, f"a number, as {other} is given: rounds need both")
+            has_both = getattr(self, key) is not None or getattr(self, other) is None
+            self.require(key, has_both, f"a number, as {other} is given: rounds need both")
 
     def about(
         self, system: str, axes: tuple[Axis, ...], design: Any = None, figures: Iterable[str] = ()
