@@ -17,8 +17,15 @@ from sim.parameters.common import (
     given_sizes,
 )
 from sim.parameters.dashpot import damping_ratio, restitution_of
-from sim.parameters.images import LEAST_CELL, SIDES, largest_diameter, usual_cell, wider_cell
-from sim.parameters.packed_base import LEAST_SIDE, spheres_in_slice
+from sim.parameters.images import (
+    LEAST_CELL,
+    LEAST_SIDE,
+    SIDES,
+    largest_diameter,
+    spheres_in_slice,
+    usual_cell,
+    wider_cell,
+)
 from sim.parameters.roles import rows_of
 from sim.parameters.schedule import Schedule, require_schedule, with_ends
 
@@ -248,10 +255,10 @@ class SphereParameters(Parameters):
         if not self.normal_damping:
             return {}
         masses = {"another": 0.5 * self.mass, "what is fixed": self.mass}
-        ratios = (damping_ratio(self.normal_damping, self.stiffness, m) for m in masses.values())
+        rate, attraction = self.normal_damping, self.attraction
         return {
-            name: restitution_of(ratio, self.attraction)
-            for name, ratio in zip(masses, ratios, strict=True)
+            name: restitution_of(damping_ratio(rate, self.stiffness, mass), attraction)
+            for name, mass in masses.items()
         }
 
     @property
