@@ -168,6 +168,8 @@ class Parameters(Ruled):
         def period(self) -> float: ...
         @property
         def rate(self) -> float: ...
+        @property
+        def breadth(self) -> float: ...
 
     seed: int = row("seed")
     replicates: int = row("replicates")
@@ -233,6 +235,11 @@ class Parameters(Ruled):
     def ground(self) -> float:
         """Height of what is below the particles when a flow starts, m."""
         return 0.0
+
+    @property
+    def is_flat(self) -> bool:
+        """True where all particles lie in one plane, y = 0."""
+        return self.axes == 2
 
     @property
     def is_alike(self) -> bool:

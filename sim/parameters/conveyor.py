@@ -93,7 +93,7 @@ class ConveyorParameters(SphereParameters):
 
     @property
     def is_flat(self) -> bool:
-        """True for discs: all particles lie in one plane, y = 0."""
+        """True for discs."""
         return self.shape == "disc"
 
     @property

@@ -314,11 +314,6 @@ class SphereParameters(Parameters):
         return self.particles + self.glued_particles * max(1.0, pairs / USUAL_NEIGHBORS)
 
     @property
-    def is_flat(self) -> bool:
-        """True where all particles lie in one plane, y = 0."""
-        return False
-
-    @property
     def breadth(self) -> float:
         """Side of the cell across the flow, in diameters."""
         return self.cell_across or self.cell
