@@ -19,9 +19,8 @@ if TYPE_CHECKING:
     from sim.engine.flow import Flow, simulate
     from sim.engine.impact import impact
     from sim.parameters.choices import parameter
-    from sim.parameters.forms import form
     from sim.parameters.laws import flow_engine, law, motion
-    from sim.parameters.observables import function, observable
+    from sim.parameters.observables import form, function, observable
     from sim.report.results import load
     from sim.study.fits import fit
     from sim.study.load import points
@@ -63,7 +62,7 @@ _PLACES = {
     "load": "sim.report.results:load",
     "load_plugins": "sim.base.plugins:load_plugins",
     "motion": "sim.parameters.laws:motion",
-    "form": "sim.parameters.forms:form",
+    "form": "sim.parameters.observables:form",
     "function": "sim.parameters.observables:function",
     "observable": "sim.parameters.observables:observable",
     "paper": "sim.study.papers:paper",

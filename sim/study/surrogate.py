@@ -12,7 +12,7 @@ from sim.base.errors import Allowed, InputError
 from sim.base.messages import did_you_mean
 from sim.parameters import NUMERICAL, Parameters, point_id
 from sim.parameters.common import Real
-from sim.parameters.forms import require_observables
+from sim.parameters.observables import require_observables
 from sim.study.design import Axis
 from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional
 from sim.study.plottable import find_observable, numbers, require_stored
