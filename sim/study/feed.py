@@ -10,7 +10,6 @@ from sim.base.errors import InputError, count_text
 from sim.base.messages import one_of
 from sim.parameters import NUMERICAL, SYSTEMS, Parameters, canonical_number, field_info, roles
 from sim.parameters.given import state_of
-from sim.study.calibration import CalibrateFile
 from sim.study.figure_spec import FIGURES, Answer, FigureSpec, written
 from sim.study.file import QUESTIONS, StudyFile
 from sim.study.model import Point, Study
@@ -24,7 +23,7 @@ from sim.study.plot_contents import (
 )
 from sim.study.plot_file import PlotFile
 from sim.study.plottable import numbers, plugin_code
-from sim.study.sensitivity import PropagationFile, SensitivityFile
+from sim.study.questions import CalibrateFile, PropagationFile, SensitivityFile
 from sim.study.surrogate import Place, Question, SurrogateFile
 
 _Plot = TypeVar("_Plot", bound=PlotFile)

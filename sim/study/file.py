@@ -14,7 +14,6 @@ from sim.parameters import AMOUNTS, SYSTEMS, Parameters
 from sim.parameters.common import PREVIOUS, TWO_NUMBERS, Real, broken_rule, sphere_volume
 from sim.parameters.density import DENSITY
 from sim.parameters.roles import fixed_parameters
-from sim.study.calibration import CalibrateFile
 from sim.study.design import Axis, axis_of
 from sim.study.design_file import DesignFile
 from sim.study.entries import (
@@ -33,7 +32,7 @@ from sim.study.figure_spec import FIGURES
 from sim.study.papers import papers
 from sim.study.plot_file import PlotFile
 from sim.study.points import MAX_ROUNDS, PARTS, further_rounds
-from sim.study.sensitivity import PropagationFile, SensitivityFile
+from sim.study.questions import CalibrateFile, PropagationFile, SensitivityFile
 from sim.study.surrogate import Question, SurrogateFile
 
 #: Maximum number of points of a study.
