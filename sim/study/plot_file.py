@@ -1,18 +1,87 @@
-"""Entries under ``plots`` of a study file: observables, parameters, and data beside them."""
+"""Entries under ``plots`` of a study file, and the call that adds a law to fit to their curves."""
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Mapping
+from inspect import Parameter, Signature
+from math import isfinite
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
 from sim.base.additions import NAME as PLUGIN_NAME
+from sim.base.additions import add, additions, attribute_errors_to
 from sim.base.measured import ALLOWED_FILE, FILE
 from sim.base.messages import one_of
+from sim.base.plugins import Declared, Words, allowed, declared, require_function
 from sim.parameters.common import Real, broken_rule
 from sim.study.entries import Name, Strict, optional, require_printable
-from sim.study.fits import SHIPPED, fits
-from sim.study.plottable import REGIME, Keys, every_name, find_kind, study_kinds
+from sim.study.plottable import REGIME, Keys, every_name, kinds, study_kinds
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+
+#: Kind of the additions that are laws to fit.
+FIT = "fit"
+
+#: Names of the laws that ship; `sim.figures.fit` has them.
+FITS = ("linear", "quadratic", "power", "exponential", "pouliquen", "mu_of_i")
+
+
+def _are_numbers(start: Any) -> bool:
+    return (
+        isinstance(start, Mapping)
+        and bool(start)
+        and all(isinstance(name, str) and name.isidentifier() for name in start)
+        and all(type(one) in (int, float) and isfinite(one) for one in start.values())
+    )
+
+
+class FitLaw(Declared):
+    """A law of a plug-in: its ``formula`` in words, first values of its numbers by letter."""
+
+    formula: Words
+    start: Annotated[dict[str, float], allowed("a mapping of letters to numbers", _are_numbers)]
+    function: Callable[..., Any]
+
+
+def fit(name: str, *, formula: str, start: Mapping[str, float]) -> Callable[[_Function], _Function]:
+    """Declare a law that plots of studies fit to curves: ``fit: name``.
+
+    The decorated function gets the values along x, an array (n,), then the numbers of the law, each
+    by its letter; it returns the values along y, (n,), in the units of the axes.
+
+    Parameters
+    ----------
+    name : str
+        What study files call it.
+    formula : str
+        The law, for captions: ``"y = a (1 - exp(-x/b))"``.
+    start : mapping
+        Letter of each number -> the value from which least squares begin.
+    """
+
+    def register(function: _Function) -> _Function:
+        fields = {"formula": formula, "start": start, "function": function}
+        law = declared(FitLaw, f"fit {name}", **fields)
+        require_function(f"fit {name}", function, takes=1, named=law.start)
+
+        def attributed(x: Any, **numbers: float) -> Any:
+            with attribute_errors_to(FIT, name):
+                return function(x, **numbers)
+
+        # That of the function may be wider than what least squares call it with.
+        names = ("x", *law.start)
+        attributed.__signature__ = Signature(  # type: ignore[attr-defined]
+            [Parameter(one, Parameter.POSITIONAL_OR_KEYWORD) for one in names]
+        )
+        add(FIT, name, law.model_copy(update={"function": attributed}), FITS)
+        return function
+
+    return register
+
+
+def fits() -> tuple[str, ...]:
+    """Return the names of all laws: those that ship, then those of plug-ins."""
+    return (*FITS, *additions(FIT))
 
 
 def require_kind(kind: str, kinds: Collection[str] = ()) -> str:
@@ -36,7 +105,7 @@ Kind = Annotated[
 FitName = Annotated[
     str,
     AfterValidator(lambda name: require_kind(name, fits())),
-    WithJsonSchema({"anyOf": [{"enum": [*SHIPPED]}, {"type": "string", "pattern": PLUGIN_NAME}]}),
+    WithJsonSchema({"anyOf": [{"enum": [*FITS]}, {"type": "string", "pattern": PLUGIN_NAME}]}),
 ]
 
 #: Allowed values of ``between``, for messages.
@@ -119,8 +188,8 @@ class BesideFile(Strict):
 
     def require_rules(self) -> None:
         has_file = self.file is not None
-        for key, allowed in _NEEDED[has_file].items():
-            self.require(key, getattr(self, key) is not None, allowed)
+        for key, needed in _NEEDED[has_file].items():
+            self.require(key, getattr(self, key) is not None, needed)
         for key in _OTHERS[has_file]:
             is_left = getattr(self, key) is None
             self.require(key, is_left, "points, or columns of a file, not both")
@@ -249,7 +318,7 @@ class PlotFile(Strict):
     @property
     def keys(self) -> Keys:
         """The keys of its kind."""
-        return find_kind(self.kind).keys
+        return kinds()[self.kind].keys
 
     @property
     def keys_of_kind(self) -> tuple[str, ...]:
