@@ -17,8 +17,7 @@ from sim.dataset.earlier import earlier_rows
 from sim.dataset.gather import read_run
 from sim.dataset.rows import OF_PROFILES, Row, reader_hash
 from sim.parameters import amounts
-from sim.study.model import Need, Study
-from sim.study.points import Point
+from sim.study.model import Need, Point, Study
 
 #: Most run files that are read before their rows are handed over.
 BATCH = 40

@@ -29,9 +29,9 @@ from sim.study.entries import (
     require_printable,
 )
 from sim.study.figure_spec import FIGURES
+from sim.study.model import MAX_ROUNDS, PARTS, further_rounds
 from sim.study.papers import papers
 from sim.study.plot_file import PlotFile
-from sim.study.points import MAX_ROUNDS, PARTS, further_rounds
 from sim.study.questions import CalibrateFile, PropagationFile, SensitivityFile
 from sim.study.surrogate import Question, SurrogateFile
 

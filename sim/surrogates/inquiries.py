@@ -22,8 +22,8 @@ from sim.dataset.rounds import read_round
 from sim.parameters import Parameters, canonical_values, point_id
 from sim.study.design_file import DesignFile
 from sim.study.load import Study, load_study
+from sim.study.model import estimate
 from sim.study.plottable import numbers
-from sim.study.points import estimate
 from sim.study.questions import CalibrateFile, PropagationFile, SensitivityFile
 from sim.study.surrogate import LARGE_ERROR, Question, SurrogateFile
 from sim.surrogates import answers
