@@ -65,9 +65,8 @@ def spread_of_runs(
     values, count, total = runs.values[is_known], int(is_known.sum()), len(is_known)
     if count < max(FEWEST_BLOCKS, (1 - _MOST_LEFT_OUT) * total):
         raise Refusal(
-            f"no spread, as {count} of {total} points have a value, and "
-            f"{FEWEST_BLOCKS} and half of them are needed; other ranges or the key regimes may "
-            "give others"
+            f"no spread, as {count} of {total} points have a value, and {FEWEST_BLOCKS} and half "
+            "of them are needed; other ranges or the key regimes may give others"
         )
     variance, noise = float(values.var(ddof=1)), float(runs.noise[is_known].mean())
     share = noise / variance if variance else 0.0
