@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from sim.base.statistics import MANY, student
-from sim.parameters.forms import forms
+from sim.parameters.observables import forms
 from sim.study.design import Axis
 from sim.surrogates.fit import fit_process
 from sim.surrogates.sample import Frame, unit_cube

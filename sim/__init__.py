@@ -6,6 +6,8 @@ study, and `load` reads the results of a study (docs/api.md). Plug-ins extend it
 `paper` (docs/extending.md).
 """
 
+# ruff: noqa: F401
+
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
 
@@ -19,43 +21,19 @@ if TYPE_CHECKING:
     from sim.engine.flow import Flow, simulate
     from sim.engine.impact import impact
     from sim.parameters.choices import parameter
-    from sim.parameters.forms import form
     from sim.parameters.laws import flow_engine, law, motion
-    from sim.parameters.observables import function, observable
+    from sim.parameters.observables import form, function, observable
     from sim.report.results import load
-    from sim.study.fits import fit
     from sim.study.load import points
     from sim.study.papers import paper
+    from sim.study.plot_file import fit
     from sim.study.plottable import plot_kind
-
-__all__ = [
-    "BlowUp",
-    "Flow",
-    "InputError",
-    "__version__",
-    "fit",
-    "flow_engine",
-    "form",
-    "function",
-    "impact",
-    "judge",
-    "law",
-    "load",
-    "load_plugins",
-    "motion",
-    "observable",
-    "paper",
-    "parameter",
-    "plot_kind",
-    "points",
-    "simulate",
-]
 
 #: Name -> module and object, imported on first use: the engine takes half a second.
 _PLACES = {
     "BlowUp": "sim.engine.dynamics.cells:BlowUp",
     "Flow": "sim.engine.flow:Flow",
-    "fit": "sim.study.fits:fit",
+    "fit": "sim.study.plot_file:fit",
     "flow_engine": "sim.parameters.laws:flow_engine",
     "impact": "sim.engine.impact:impact",
     "judge": "sim.claims.claim:judge",
@@ -63,7 +41,7 @@ _PLACES = {
     "load": "sim.report.results:load",
     "load_plugins": "sim.base.plugins:load_plugins",
     "motion": "sim.parameters.laws:motion",
-    "form": "sim.parameters.forms:form",
+    "form": "sim.parameters.observables:form",
     "function": "sim.parameters.observables:function",
     "observable": "sim.parameters.observables:observable",
     "paper": "sim.study.papers:paper",
@@ -72,6 +50,9 @@ _PLACES = {
     "points": "sim.study.load:points",
     "simulate": "sim.engine.flow:simulate",
 }
+
+
+__all__ = ["InputError", "__version__", *_PLACES]
 
 
 def __getattr__(name: str) -> Any:

@@ -18,7 +18,7 @@ from sim.figures.render import render
 from sim.parameters import parse_point, point_id
 from sim.report.runs import describe_run
 from sim.study.load import load_study
-from sim.study.points import MAX_BATCH_POINTS, plan_batches
+from sim.study.plan import MAX_BATCH_POINTS, plan_batches
 from sim.surrogates import inquiries
 from sim.surrogates.sample import sample_points
 from tests.made.plugins import restore_plugins, without_plugins

@@ -22,7 +22,7 @@ from sim.parameters import SYSTEMS, parse_point, point_id
 from sim.report.claims import VERDICTS, count_verdicts, read_claims
 from sim.report.publish import MOST_BYTES, PUBLISHED, folder_size
 from sim.study.load import load_study
-from sim.study.points import estimate
+from sim.study.model import estimate
 from tests.made.processes import ROOT
 
 STUDIES = sorted(path.parent for path in (ROOT / PUBLISHED).glob("*/dataset.nc"))

@@ -215,21 +215,11 @@ COMMANDS: dict[str, tuple[str, str, Sequence[Parameter]]] = {
 JOBS: dict[str, tuple[str, Sequence[Parameter]]] = {
     "warm": (
         "sim.__main__:warm",
-        [
-            ANY_STUDY,
-            PROCESSES,
-            _option("--clean", help="remove compiled code instead"),
-        ],
+        [ANY_STUDY, PROCESSES, _option("--clean", help="remove compiled code instead")],
     ),
     "batch": ("sim.engine.command:batch", [_argument("results", "FOLDER")]),
-    "refine": (
-        "sim.surrogates.inquiries:write_round",
-        [STUDY, _argument("number", "ROUND", int)],
-    ),
-    "adopt": (
-        "sim.dataset.adopted:adopt",
-        [STUDY, DATASET],
-    ),
+    "refine": ("sim.surrogates.inquiries:write_round", [STUDY, _argument("number", "ROUND", int)]),
+    "adopt": ("sim.dataset.adopted:adopt", [STUDY, DATASET]),
     "dataset": (
         "sim.dataset.build:build",
         [

@@ -96,22 +96,21 @@ def file_version(path: Path) -> tuple[int, ...]:
 
 def remove_leftovers(path: Path) -> None:
     """Remove what killed processes have left of writing ``path``, and empty folders of others."""
-    pattern = re.compile(rf"\.{re.escape(path.name)}\.(\d+)\.(?:\w+\.)?part")
+    pattern = re.compile(rf"\.{re.escape(path.name)}\.(\d{{1,9}})\.\w+\.part")
     with os.scandir(path.parent) as entries:
         parts = [entry for entry in entries if entry.name.endswith(".part")]
+    if parts:
+        # Imported here: it takes a while, and parts are rare.
+        from psutil import pid_exists
     for entry in parts:
         match = pattern.fullmatch(entry.name)
-        if not match or _is_alive(match[1]):
-            # Perhaps of a process of another machine: a day later it has no use for an empty one.
-            with suppress(OSError):
-                if entry.stat(follow_symlinks=False).st_mtime < time.time() - _DAY:
-                    Path(entry.path).rmdir()
-            continue
-        if entry.is_dir(follow_symlinks=False):
+        if match and not pid_exists(int(match[1])):
             shutil.rmtree(entry.path, ignore_errors=True)
-        else:
-            with suppress(FileNotFoundError):
-                Path(entry.path).unlink()
+            continue
+        # Perhaps of a process of another machine: a day later it has no use for an empty one.
+        with suppress(OSError):
+            if entry.stat(follow_symlinks=False).st_mtime < time.time() - _DAY:
+                Path(entry.path).rmdir()
 
 
 def _shortage(folder: Path) -> int:
@@ -123,13 +122,12 @@ def _shortage(folder: Path) -> int:
     return 0
 
 
-def open_regular(path: Path, follow: bool = True) -> BinaryIO:
-    """Open a regular file for reading bytes; where not to ``follow`` links, they are none.
+def open_regular(path: Path) -> BinaryIO:
+    """Open a regular file for reading bytes.
 
     Raises ``OSError`` for anything else: a pipe or a device may never end.
     """
-    flags = os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC
-    number = os.open(path, flags if follow else flags | os.O_NOFOLLOW)
+    number = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
     if not stat.S_ISREG(os.fstat(number).st_mode):
         os.close(number)
         raise OSError(errno.EINVAL, "not a regular file", str(path))
@@ -198,16 +196,6 @@ def _wait_for(lock: FileLock, wait: bool) -> bool:
         lock.acquire()
         return True
     return False
-
-
-def _is_alive(number: str) -> bool:
-    try:
-        os.kill(int(number), 0)
-    except (ProcessLookupError, ValueError, OverflowError):
-        return False
-    except PermissionError:
-        return True
-    return True
 
 
 def _flush(path: Path) -> None:

@@ -7,21 +7,21 @@ import csv
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from io import StringIO, TextIOWrapper
+from io import StringIO
 from math import isfinite
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any
 
 from sim.base.errors import Allowed, InputError
-from sim.base.files import open_regular
 from sim.base.messages import conversion, did_you_mean
+from sim.base.yaml import read_text
 
 #: Pattern of the name of such a file, and what is allowed, for messages: it is published with the
 #: study, so it lies in the folder of the study file.
 FILE, ALLOWED_FILE = r"^[^/\\]+\.csv$", "the name of a CSV file in the folder of the study file"
 
-#: Largest number of rows; and unit of pure numbers, which a heading may leave out.
-MAX_ROWS, PURE = 10_000, "1"
+#: Largest number of rows, and of bytes; and unit of pure numbers, which a heading may leave out.
+MAX_ROWS, MAX_BYTES, PURE = 10_000, 10**8, "1"
 
 _HEADING = re.compile(r"\s*([^()\[\]]*[^()\[\]\s])\s*(?:[(\[]([^()\[\]]*(?:\([^()]*\))?)[)\]])?\s*")
 
@@ -88,31 +88,20 @@ class MeasuredTable:
 
 
 def read_measured(path: Path) -> MeasuredTable:
-    """Read a CSV file: a heading per column, as ``velocity (m/s)``, and a row per measurement.
-
-    Empty lines, and those that begin with ``#``, are left out. Raises ``InputError`` for a file
-    that is missing, empty, larger than allowed or no table.
-    """
-    try:
-        if not path.is_file():
-            raise InputError(f"{path}: no such file")
-        if path.resolve().parent != path.parent.resolve():
-            raise InputError(f"{path}: a link to elsewhere; allowed: {ALLOWED_FILE}")
-        with TextIOWrapper(open_regular(path), encoding="utf-8-sig", newline="") as file:
-            return _parse(file, path)
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror or error}") from None
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: not a text file (UTF-8 expected)") from None
+    """Read a CSV file, as `parse_table` does; raise ``InputError`` also for one that is missing."""
+    text = read_text(path, "CSV file", MAX_BYTES)
+    if path.resolve().parent != path.parent.resolve():
+        raise InputError(f"{path}: a link to elsewhere; allowed: {ALLOWED_FILE}")
+    return parse_table(text, path)
 
 
 def parse_table(text: str, path: Path) -> MeasuredTable:
-    """Return the table of the text of such a file; messages name ``path``."""
-    return _parse(StringIO(text, newline=""), path)
+    """Return a table: a heading per column, as ``velocity (m/s)``, and a row per measurement.
 
-
-def _parse(file: TextIO, path: Path) -> MeasuredTable:
-    reader = csv.reader(file, strict=True, skipinitialspace=True)
+    Empty lines, and those that begin with ``#``, are left out. Raises ``InputError``, which names
+    ``path``, for a text that is empty, longer than allowed or no table.
+    """
+    reader = csv.reader(StringIO(text, newline=""), strict=True, skipinitialspace=True)
     rows = []
     try:
         for row in reader:

@@ -22,41 +22,33 @@ def package_folder(name: str) -> Path:
     return inside if inside.is_dir() else PACKAGE.parent / name
 
 
-# The rooms of the package: the rooms that each may import, and hashes of their code.
-#
-# Data flow from the first room to the last: parameters make points, a study lists them, the engine
-# runs them, the dataset gathers the runs, figures and claims read it, and the report shows all.
-# Laws, engines and papers come in as plug-ins do: no room imports them.
-
-
-ROOMS: dict[str, tuple[str, ...]] = {
-    "base": (),
-    "parameters": ("base",),
-    "study": ("parameters", "base"),
-    "engine": ("parameters", "base"),
-    "laws": ("engine", "parameters", "base"),
-    "engines": ("laws", "engine", "parameters", "base"),
-    "measures": ("parameters", "base"),
-    "dataset": ("measures", "engine", "study", "parameters", "base"),
-    "surrogates": ("dataset", "measures", "engine", "study", "parameters", "base"),
-    "figures": ("surrogates", "dataset", "measures", "engine", "study", "parameters", "base"),
-    "claims": ("dataset", "measures", "engine", "study", "parameters", "base"),
-    "verify": (
-        *("figures", "surrogates", "dataset", "measures", "engine", "study", "parameters", "base"),
-    ),
-    "papers": ("claims", "dataset", "measures", "engine", "study", "parameters", "base"),
-    "report": (
-        "claims",
-        "figures",
-        "surrogates",
-        "dataset",
-        "measures",
-        "engine",
-        "study",
-        "parameters",
-        "base",
-    ),
+#: The rooms of the package, each with those just below it; see `ROOMS`.
+#:
+#: Data flow from the first room to the last: parameters make points, a study lists them, the engine
+#: runs them, the dataset gathers the runs, figures and claims read it, and the report shows all.
+#: Laws, engines and papers come in as plug-ins do: no room imports them.
+_BELOW = {
+    "base": "",
+    "parameters": "base",
+    "study": "parameters",
+    "engine": "parameters",
+    "laws": "engine",
+    "engines": "laws",
+    "measures": "parameters",
+    "dataset": "measures engine study",
+    "surrogates": "dataset",
+    "figures": "surrogates",
+    "claims": "dataset",
+    "verify": "figures",
+    "papers": "claims",
+    "report": "claims figures",
 }
+
+#: The rooms that each may import: those below it, and theirs.
+ROOMS: dict[str, tuple[str, ...]] = {}
+for _room, _below in _BELOW.items():
+    _near = _below.split()
+    ROOMS[_room] = tuple({*_near, *(far for near in _near for far in ROOMS[near])})
 
 #: Room whose edits invalidate no output: runs depend on the number of the numerics instead.
 UNTRACKED = "engine"

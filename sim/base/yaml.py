@@ -1,20 +1,16 @@
-"""Strict reading of YAML: YAML 1.2 scalars, no duplicate keys, one-line errors."""
+"""Strict reading of text and YAML: YAML 1.2 scalars, no duplicate keys, one-line errors."""
 
 import re
-import stat
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import yaml
 
 from sim.base.errors import InputError, key_path
 
-if TYPE_CHECKING:
-    # The two loaders read the same YAML; the one written in C may be missing.
-    _Base = yaml.SafeLoader
-else:
-    _Base = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+# The two loaders read the same YAML; the one written in C may be missing.
+_Base: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 _Path = tuple[str | int, ...]
 
@@ -118,38 +114,46 @@ def parse_yaml(text: str, source: str) -> Any:
 
 
 def _read_text(path: str | Path, source: str) -> str:
-    try:
-        data = _read_bytes(path, source)
-        if len(data) > MAX_BYTES:
-            raise InputError(f"{source}: larger than {MAX_BYTES / 1e6:g} MB")
-        text = data.decode("utf-8-sig")
-    except FileNotFoundError:
-        raise InputError(f"{source}: no such file") from None
-    except IsADirectoryError:
-        raise InputError(f"{source}: a folder, where a YAML file is expected") from None
-    except UnicodeDecodeError:
-        if Path(source).suffix == ".nc":
+    if source != "<stdin>":
+        if Path(path).suffix == ".nc":
             problem = "a netCDF file, where a YAML file is expected"
-            raise InputError(f"{source}: {problem}; talus points describes a run") from None
-        raise InputError(f"{source}: not a text file (UTF-8 expected)") from None
+            raise InputError(f"{source}: {problem}; talus points describes a run")
+        return read_text(Path(path), "YAML file", MAX_BYTES)
+    data = sys.stdin.buffer.read(MAX_BYTES + 1) if sys.stdin else b""
+    return decoded(data, source, MAX_BYTES)
+
+
+def read_text(path: Path, kind: str, most: int) -> str:
+    """Return the text of a file that a user names; ``kind`` is what it should be, for messages.
+
+    Raises ``InputError`` for a file that is missing, no regular one, or cannot be read, and as
+    `decoded` does.
+    """
+    try:
+        # Opening a device may have an effect, and reading a device or pipe may never end.
+        if path.exists() and not path.is_file():
+            what = "a folder" if path.is_dir() else "a device or pipe"
+            raise InputError(f"{path}: {what}, where a {kind} is expected")
+        with path.open("rb") as file:
+            return decoded(file.read(most + 1), str(path), most)
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
-        raise InputError(f"{source}: cannot be read: {reason}") from None
+        raise InputError(f"{path}: cannot be read: {reason}") from None
+
+
+def decoded(data: bytes, source: str, most: int) -> str:
+    """Return bytes as text; raise ``InputError`` for more than ``most``, and for no text."""
+    if len(data) > most:
+        raise InputError(f"{source}: larger than {most / 1e6:g} MB")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = "\0"
     if "\0" in text:
         raise InputError(f"{source}: not a text file (UTF-8 expected)")
     return text
-
-
-def _read_bytes(path: str | Path, source: str) -> bytes:
-    if source == "<stdin>":
-        return sys.stdin.buffer.read(MAX_BYTES + 1) if sys.stdin else b""
-    path = Path(path)
-    mode = path.stat().st_mode
-    # Opening a device may have an effect, and reading a device or pipe may never end.
-    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
-        raise InputError(f"{source}: a device or pipe, where a YAML file is expected")
-    with path.open("rb") as file:
-        return file.read(MAX_BYTES + 1)
 
 
 def _refuse_deep_nesting(text: str, source: str) -> None:

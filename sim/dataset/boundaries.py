@@ -11,7 +11,7 @@ from sim.dataset.rounds import RESULT_COLUMNS, side_of_run
 from sim.parameters import Parameters, complete_values, field_info, point_id
 from sim.study.expand import point_with_membership
 from sim.study.load import Boundary, Study, load_study
-from sim.study.points import Sides, divide_range, locate_boundary, next_values
+from sim.study.model import Sides, divide_range, locate_boundary, next_values
 
 if TYPE_CHECKING:
     # Imported in functions otherwise: rounds of refinement need no table library.
@@ -100,7 +100,7 @@ def tabulate(study: Study, sides_of_boundaries: Sequence[Sides]) -> "pd.DataFram
     pandas.DataFrame
         ``name``, ``system``, ``of``, ``along``, ``unit`` (of ``low`` and ``high``), ``figures``,
         ``low`` and ``high`` (NaN without a boundary in the range), ``below``, ``above``,
-        ``verdict`` (see `sim.study.points.BoundaryEstimate`), ``points`` (their number), then the
+        ``verdict`` (see `sim.study.model.BoundaryEstimate`), ``points`` (their number), then the
         parameters of the point at the low end of the range; NaN or ``""`` for parameters that only
         other systems have.
     """

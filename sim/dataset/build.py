@@ -47,8 +47,8 @@ from sim.parameters import SYSTEMS, Parameters, complete_values, field_info, in_
 from sim.parameters.variables import variables_of
 from sim.study.expand import point_with_membership
 from sim.study.load import Boundary, Point, Study, load_study
+from sim.study.model import Sides
 from sim.study.plottable import Shown
-from sim.study.points import Sides
 
 #: NetCDF compression of arrays.
 COMPRESSION = {"zlib": True, "complevel": 9, "shuffle": True}

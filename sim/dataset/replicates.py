@@ -19,8 +19,8 @@ from sim.measures.layers import missing_energy
 from sim.parameters import Parameters
 from sim.parameters.chute import negligible_acceleration
 from sim.parameters.common import drift_bound
-from sim.parameters.functions import NAME as FUNCTION
 from sim.parameters.images import WIDE_CELL
+from sim.parameters.laws import FUNCTION_NAME as FUNCTION
 from sim.parameters.variables import OF_FAILURES, observables
 from sim.study.plottable import Observable
 from sim.study.surrogate import SLOWING

@@ -20,7 +20,7 @@ from sim.dataset.grids import GRIDS, number_density_name, open_group, regrid
 from sim.dataset.rounds import RESULT_COLUMNS
 from sim.dataset.rows import CENTRES, PARTICLES
 from sim.parameters import SYSTEMS, Parameters, amounts, defaults_of_added, parse_point
-from sim.parameters.functions import FunctionParameters
+from sim.parameters.laws import FunctionParameters
 from sim.study.model import Study
 
 #: Parameters of all systems, including `system` itself.

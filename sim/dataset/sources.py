@@ -33,9 +33,8 @@ from sim.dataset.rows import (
     stored_names,
 )
 from sim.parameters import SYSTEMS, Parameters, amounts
-from sim.study.model import Need, Study
+from sim.study.model import Need, Point, Study
 from sim.study.plottable import Shown
-from sim.study.points import Point
 
 #: Most run files that are read before their rows are handed over.
 BATCH = 40

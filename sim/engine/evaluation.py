@@ -9,7 +9,7 @@ import numpy as np
 from sim.base.additions import attribute_errors_to, plain_name
 from sim.engine.systems.recorder import Record
 from sim.parameters import Parameters, point_id
-from sim.parameters.functions import NAME, RNG
+from sim.parameters.laws import FUNCTION_NAME, RNG
 
 
 class Evaluation:
@@ -25,7 +25,7 @@ class Evaluation:
 
     def run(self, report_steps: Callable[[int], None], *_: Any) -> Record:
         """Call the function; an error in it names the plug-in and its line there."""
-        p, option = self.parameters, self.parameters.option(NAME)
+        p, option = self.parameters, self.parameters.option(FUNCTION_NAME)
         arguments = {name: getattr(p, name) for name in option.parameters}
         if option.is_random:
             # Of its own for each point: noise that all points share would be no noise.
@@ -33,7 +33,7 @@ class Evaluation:
             arguments[RNG] = np.random.default_rng((p.seed, self.number, code))
         wall, work = time.monotonic(), time.process_time()
         name = plain_name(p.function)
-        with attribute_errors_to(NAME, name):
+        with attribute_errors_to(FUNCTION_NAME, name):
             values = self._by_name(option.make(**arguments), option.returns)
         report_steps(1)
         outcome = {"status": "completed", "reason": "", "regime": "steady", "quality": "reliable"}

@@ -26,7 +26,7 @@ from sim.engine.states import States, checkpoint_interval
 from sim.engine.stored_run import current_status, is_alike, length_of, read_origin_samples
 from sim.engine.systems.recorder import Record
 from sim.parameters import Parameters, amounts, point_id, with_larger_amounts
-from sim.parameters.functions import NAME as FUNCTION
+from sim.parameters.laws import FUNCTION_NAME as FUNCTION
 from sim.parameters.variables import observable_variables
 
 log = logging.getLogger("talus")

@@ -22,8 +22,8 @@ from sim.engine.stored_run import (
 from sim.engine.systems.recorder import Record
 from sim.engine.systems.replica import Replica
 from sim.parameters import Parameters, amounts, canonical_values, field_info, in_si
-from sim.parameters.functions import NAME as FUNCTION
 from sim.parameters.given import state_of
+from sim.parameters.laws import FUNCTION_NAME as FUNCTION
 from sim.parameters.variables import SCALARS, Variable, observable_variables, variables_of
 
 #: How numbers are stored: compressed, and with a checksum of every chunk.

@@ -14,7 +14,7 @@ from sim.base.statistics import student
 from sim.figures.data import FigureData, Quantity, split_curves
 from sim.figures.style import Look
 from sim.parameters.words import setting
-from sim.study.fits import FIT, FitLaw
+from sim.study.plot_file import FIT, FitLaw
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,7 @@ from sim.figures.plot import message_figure
 from sim.figures.style import DOUBTFUL, SETTINGS, escape_label
 from sim.study.figure_spec import FIGURES, FigureSpec
 from sim.study.load import load_study
-from sim.study.plottable import ROLES, find_kind
+from sim.study.plottable import ROLES, kinds
 from sim.surrogates.answers import sentence, with_caveats
 
 #: Letters of a caveat beneath a picture, for each inch of its width.
@@ -49,7 +49,7 @@ _TOO_LARGE = f"a number of its data is beyond {LARGEST:g}"
 
 def drawing_of(kind: str) -> Drawing:
     """Return what draws a kind of plot: its own functions, or those that draw all else."""
-    one = find_kind(kind)
+    one = kinds()[kind]
     found: Any = resolve_name(one.drawing) if one.drawing else None
     roles = {role: getattr(found, role) for role in ROLES if hasattr(found, role)}
     return Drawing(**{"table": point_table, "notes": point_notes, **roles, **one.own})

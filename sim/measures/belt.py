@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.parameters.forms import form
-from sim.parameters.observables import declare_observables, observable
+from sim.parameters.observables import declare_observables, form, observable
 
 #: Cycles after the start in which density waves are reported to be strongest.
 EARLY_CYCLES = 10

@@ -3,14 +3,7 @@
 import math
 from typing import Any, ClassVar, Literal
 
-from sim.parameters.common import (
-    MAX_PARTICLES,
-    MAX_STEPS,
-    Parameters,
-    Real,
-    broken_rule,
-    require_default,
-)
+from sim.parameters.common import MAX_PARTICLES, MAX_STEPS, Parameters, Real
 from sim.parameters.roles import rows_of
 
 row = rows_of("belt")
@@ -226,28 +219,23 @@ class BeltParameters(Parameters):
         return round(time / self.settling_step) + prior
 
     def require_rules(self) -> None:
-        """Raise for values that do not go together."""
         super().require_rules()
         if self.initial_state:
-            require_default(self, "diameter_spread", "there is no initial_state")
-        if self.obstacle > 0 and not self.obstacle < self.width - 3:
-            allowed = f"a number in [0, width - 3) = [0, {self.width - 3:g})"
-            raise broken_rule("obstacle", self.obstacle, allowed)
-        if self.steps_per_cycle % self.samples_per_cycle:
-            allowed = f"a divisor of steps_per_cycle = {self.steps_per_cycle}"
-            raise broken_rule("samples_per_cycle", self.samples_per_cycle, allowed)
-        if SETTLING_TIME / self.settling_step > MAX_STEPS:
-            if self.settling_step == self._collision / 20:
-                key = "stiffness"
-            else:
-                strong = self.damping * self._softening > self.shear_damping
-                key = "damping" if strong else "shear_damping"
-            allowed = f"a value that lets the run begin after at most {MAX_STEPS:.0e} time steps"
-            raise broken_rule(key, getattr(self, key), allowed)
-        if self.ghost_mass == "mean" and self.damping_mass == "own":
-            allowed = "'infinite' with damping_mass: own, where no partner's mass counts"
-            raise broken_rule("ghost_mass", self.ghost_mass, allowed)
+            self.require_default("diameter_spread", "there is no initial_state")
+        allowed = f"a number in [0, width - 3) = [0, {self.width - 3:g})"
+        self.require("obstacle", self.obstacle == 0 or self.obstacle < self.width - 3, allowed)
+        allowed = f"a divisor of steps_per_cycle = {self.steps_per_cycle}"
+        divides = self.steps_per_cycle % self.samples_per_cycle == 0
+        self.require("samples_per_cycle", divides, allowed)
+        strong = self.damping * self._softening > self.shear_damping
+        key = "damping" if strong else "shear_damping"
+        if self.settling_step == self._collision / 20:
+            key = "stiffness"
+        allowed = f"a value that lets the run begin after at most {MAX_STEPS:.0e} time steps"
+        self.require(key, SETTLING_TIME / self.settling_step <= MAX_STEPS, allowed)
+        allowed = "'infinite' with damping_mass: own, where no partner's mass counts"
+        counts = self.damping_mass != "own"
+        self.require("ghost_mass", counts or self.ghost_mass == "infinite", allowed)
         for name, only in (("corrector_order", 5), ("corrections", 1)):
-            if self.integrator == "verlet" and getattr(self, name) != only:
-                allowed = f"{only} with integrator: verlet, which has no corrector"
-                raise broken_rule(name, getattr(self, name), allowed)
+            is_usual = self.integrator != "verlet" or getattr(self, name) == only
+            self.require(name, is_usual, f"{only} with integrator: verlet, which has no corrector")

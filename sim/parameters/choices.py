@@ -12,7 +12,7 @@ from keyword import iskeyword
 from math import inf
 from typing import Annotated, Any, Literal, Self, get_args
 
-from pydantic import BeforeValidator, Field, create_model, model_validator
+from pydantic import BeforeValidator, Field, create_model
 
 from sim.base.additions import (
     NAME,
@@ -24,7 +24,7 @@ from sim.base.additions import (
     shipped,
 )
 from sim.base.plugins import Declared, Line, Names, Unit, Words, allowed, declared
-from sim.parameters.common import CHOICES, Parameters, Real, broken_rule
+from sim.parameters.common import CHOICES, Parameters, Real, Ruled
 from sim.parameters.roles import Declaration, Role, declare
 from sim.parameters.variables import reserved_names
 
@@ -39,7 +39,7 @@ _MADE = allowed(
 )
 
 
-class _Parameter(Declared):
+class _Parameter(Declared, Ruled):
     default: float = Field(allow_inf_nan=False)
     unit: Unit
     description: Words
@@ -49,11 +49,9 @@ class _Parameter(Declared):
     lt: float = inf
     le: float = inf
 
-    @model_validator(mode="after")
-    def _has_default_in_range(self) -> Self:
-        if not (self.gt < self.default < self.lt and self.ge <= self.default <= self.le):
-            raise broken_rule("default", self.default, "a number in its own range")
-        return self
+    def require_rules(self) -> None:
+        is_within = self.gt < self.default < self.lt and self.ge <= self.default <= self.le
+        self.require("default", is_within, "a number in its own range")
 
 
 def parameter(
@@ -83,7 +81,7 @@ def _said(field: Any) -> tuple[Any, ...]:
     return field.default, field.metadata, field.description, extra
 
 
-class Option(Declared):
+class Option(Declared, Ruled):
     """An option of a choice.
 
     ``description`` says what it is, in a few words. ``make`` gives the engine its numbers;

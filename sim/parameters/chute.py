@@ -3,7 +3,7 @@
 import math
 from typing import ClassVar, Literal
 
-from sim.parameters.common import Real, broken_rule
+from sim.parameters.common import Real
 from sim.parameters.roles import rows_of
 from sim.parameters.spheres import SphereParameters
 
@@ -83,11 +83,8 @@ class ChuteParameters(SphereParameters):
         return self._caveat_at(speed, "half its start velocity")
 
     def require_rules(self) -> None:
-        """Raise for values that do not go together."""
         super().require_rules()
-        if not self.average >= self.sample_interval:
-            allowed = f"at least sample_interval = {self.sample_interval:g}"
-            raise broken_rule("average", self.average, allowed)
-        if not self.time_step <= (self.transient + self.average) * self.time_unit:
-            allowed = "a value that gives a time step shorter than the run"
-            raise broken_rule("stiffness", self.stiffness, allowed)
+        allowed = f"at least sample_interval = {self.sample_interval:g}"
+        self.require("average", self.average >= self.sample_interval, allowed)
+        is_short = self.time_step <= (self.transient + self.average) * self.time_unit
+        self.require("stiffness", is_short, "a value that gives a time step shorter than the run")

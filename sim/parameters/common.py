@@ -78,12 +78,27 @@ def broken_rule(key: str, value: Any, allowed: str | Allowed) -> PydanticCustomE
     return PydanticCustomError("rule", "{allowed}", context)
 
 
-def require_default(parameters: "Parameters", name: str, unless: str) -> None:
-    """Refuse another value of a parameter than its default, ``unless`` something is."""
-    value, usual = getattr(parameters, name), type(parameters).model_fields[name].default
-    if value != usual:
+class Ruled(BaseModel):
+    """A model of values that do not all go together."""
+
+    @model_validator(mode="after")
+    def _require_rules(self) -> Self:
+        self.require_rules()
+        return self
+
+    def require_rules(self) -> None:
+        """Refuse values that do not go together; a model adds its own rules."""
+
+    def require(self, key: str, holds: object, allowed: str | Allowed) -> None:
+        """Refuse the value of a key unless something holds; ``allowed`` says what it may be."""
+        if not holds:
+            raise broken_rule(key, getattr(self, key), allowed)
+
+    def require_default(self, key: str, unless: str) -> None:
+        """Refuse another value of a key than its default, ``unless`` something is."""
+        usual = type(self).model_fields[key].default
         text = usual if isinstance(usual, str) else f"{usual:g}"
-        raise broken_rule(name, value, f"{text} unless {unless}")
+        self.require(key, getattr(self, key) == usual, f"{text} unless {unless}")
 
 
 class GivenSizes(NamedTuple):
@@ -99,7 +114,7 @@ def given_sizes(p: "Parameters") -> GivenSizes:
     return GivenSizes(*map(float, p.initial_state.split("_")[1:]))
 
 
-class Parameters(BaseModel):
+class Parameters(Ruled):
     """Parameters shared by all systems, and the lengths of a run counted in steps.
 
     Instances are immutable, complete (every omitted parameter has its value) and canonical.
@@ -153,6 +168,8 @@ class Parameters(BaseModel):
         def period(self) -> float: ...
         @property
         def rate(self) -> float: ...
+        @property
+        def breadth(self) -> float: ...
 
     seed: int = row("seed")
     replicates: int = row("replicates")
@@ -218,6 +235,11 @@ class Parameters(BaseModel):
     def ground(self) -> float:
         """Height of what is below the particles when a flow starts, m."""
         return 0.0
+
+    @property
+    def is_flat(self) -> bool:
+        """True where all particles lie in one plane, y = 0."""
+        return self.axes == 2
 
     @property
     def is_alike(self) -> bool:
@@ -324,30 +346,16 @@ class Parameters(BaseModel):
         numbers += self.trajectory_room * (2 + self.axes)
         return self.trajectory_frames * SINGLE * numbers
 
-    @model_validator(mode="after")
-    def _require_rules(self) -> Self:
-        self.require_rules()
-        # The last rule, as the rules before it bound the numbers of particles.
-        self._require_feasible_trajectory()
-        return self
-
     def require_rules(self) -> None:
-        """Raise for values that do not go together; a system adds its own rules."""
-        if self.start_from == PREVIOUS:
-            allowed = "a point's id or a run file, and previous along a grid or cases of a series"
-            raise broken_rule("start_from", self.start_from, allowed)
+        allowed = "a point's id or a run file, and previous along a grid or cases of a series"
+        self.require("start_from", self.start_from != PREVIOUS, allowed)
         self._require_option_of_parameters()
-        self._require_one_start()
+        allowed = "nothing beside initial_state, which is another start"
+        self.require("start_from", not (self.initial_state and self.start_from), allowed)
+        allowed = "1 with this initial_state, from which all replicates are alike"
+        self.require("replicates", not self.is_alike or self.replicates == 1, allowed)
         self._require_feasible_magnitude()
         self._require_feasible_size()
-
-    def _require_one_start(self) -> None:
-        if self.initial_state and self.start_from:
-            allowed = "nothing beside initial_state, which is another start"
-            raise broken_rule("start_from", self.start_from, allowed)
-        if self.is_alike and self.replicates > 1:
-            allowed = "1 with this initial_state, from which all replicates are alike"
-            raise broken_rule("replicates", self.replicates, allowed)
 
     def _require_option_of_parameters(self) -> None:
         for choice in CHOICES:
@@ -359,48 +367,46 @@ class Parameters(BaseModel):
             for key, names in owners.items():
                 if key in type(self).model_fields and chosen not in names:
                     owner = " or ".join(map(plain_name, names))
-                    require_default(self, key, f"{choice} is {owner}, whose it is")
+                    self.require_default(key, f"{choice} is {owner}, whose it is")
 
     def _require_feasible_magnitude(self) -> None:
         for name, field in type(self).model_fields.items():
-            value = getattr(self, name)
-            least = _least_feasible(field)
-            if isinstance(value, float) and not least <= value <= LARGEST:
-                raise broken_rule(name, value, f"a number in [{least:g}, {LARGEST:g}]")
+            if isinstance(value := getattr(self, name), float):
+                least = _least_feasible(field)
+                allowed = f"a number in [{least:g}, {LARGEST:g}]"
+                self.require(name, least <= value <= LARGEST, allowed)
 
     def _require_feasible_size(self) -> None:
         # Comparisons are written so that inf and nan, from extreme inputs, fail them too.
-        if not 0 < self.time_step < float("inf"):
-            raise broken_rule("stiffness", self.stiffness, "a value that gives a finite time step")
+        has_time_step = 0 < self.time_step < float("inf")
+        self.require("stiffness", has_time_step, "a value that gives a finite time step")
         shortest = self.transient + self.average
         longest = shortest if self.protocol == "published" else max(shortest, self.limit)
         steps = longest * self.time_unit / self.time_step
-        if not steps <= MAX_STEPS or self.steps > MAX_STEPS:
-            longer = "transient" if self.transient > self.average else "average"
-            key = longer if longest == shortest else "limit"
-            allowed = f"a run of at most {MAX_STEPS:.0e} time steps"
-            raise broken_rule(key, getattr(self, key), allowed)
-        if not steps / self.sample_steps <= MAX_SAMPLES:
-            key = self.sampling_key
-            allowed = f"a value that gives at most {MAX_SAMPLES:.0e} samples"
-            raise broken_rule(key, getattr(self, key), allowed)
-        if self.protocol == "converged" and self.limit < shortest:
-            allowed = f"at least transient + average = {shortest:g}"
-            raise broken_rule("limit", self.limit, allowed)
+        longer = "transient" if self.transient > self.average else "average"
+        key = longer if longest == shortest else "limit"
+        is_short = steps <= MAX_STEPS and self.steps <= MAX_STEPS
+        self.require(key, is_short, f"a run of at most {MAX_STEPS:.0e} time steps")
+        allowed = f"a value that gives at most {MAX_SAMPLES:.0e} samples"
+        self.require(self.sampling_key, steps / self.sample_steps <= MAX_SAMPLES, allowed)
+        allowed = f"at least transient + average = {shortest:g}"
+        self.require("limit", self.protocol != "converged" or self.limit >= shortest, allowed)
 
-    def _require_feasible_trajectory(self) -> None:
-        if self.trajectory_contacts and not self.trajectory:
-            allowed = "false without a trajectory, whose frames have them"
-            raise broken_rule("trajectory_contacts", self.trajectory_contacts, allowed)
-        if self.trajectory_samples > self.shortest_samples:
-            allowed = f"0 or at most transient + average = {self.transient + self.average:g}"
-            raise broken_rule("trajectory", self.trajectory, allowed)
-        if self.trajectory_bytes > MAX_TRAJECTORY:
-            interval = self.trajectory_samples * self.sample_steps * self.time_step / self.time_unit
-            # 1 % more, as the message shows three digits.
-            least = 1.01 * interval * self.trajectory_bytes / MAX_TRAJECTORY
-            limit = f"the frames of a run take at most {MAX_TRAJECTORY / 1e9:g} GB"
-            raise broken_rule("trajectory", self.trajectory, f"0 or at least {least:.3g}: {limit}")
+    # The last rule, as the rules before it bound the numbers of particles.
+    @model_validator(mode="after")
+    def _require_feasible_trajectory(self) -> Self:
+        allowed = "false without a trajectory, whose frames have them"
+        has_frames = self.trajectory or not self.trajectory_contacts
+        self.require("trajectory_contacts", has_frames, allowed)
+        allowed = f"0 or at most transient + average = {self.transient + self.average:g}"
+        self.require("trajectory", self.trajectory_samples <= self.shortest_samples, allowed)
+        interval = self.trajectory_samples * self.sample_steps * self.time_step / self.time_unit
+        # 1 % more, as the message shows three digits.
+        least = 1.01 * interval * self.trajectory_bytes / MAX_TRAJECTORY
+        limit = f"the frames of a run take at most {MAX_TRAJECTORY / 1e9:g} GB"
+        allowed = f"0 or at least {least:.3g}: {limit}"
+        self.require("trajectory", self.trajectory_bytes <= MAX_TRAJECTORY, allowed)
+        return self
 
 
 def _least_feasible(field: FieldInfo) -> float:

@@ -3,7 +3,7 @@
 import math
 from typing import Any, ClassVar, Literal
 
-from sim.parameters.common import Real, broken_rule
+from sim.parameters.common import Real
 from sim.parameters.roles import rows_of
 from sim.parameters.spheres import SlidingDirection, SphereParameters
 
@@ -93,7 +93,7 @@ class ConveyorParameters(SphereParameters):
 
     @property
     def is_flat(self) -> bool:
-        """True for discs: all particles lie in one plane, y = 0."""
+        """True for discs."""
         return self.shape == "disc"
 
     @property
@@ -107,11 +107,8 @@ class ConveyorParameters(SphereParameters):
         return self.bumps if self.is_flat else super()._bump_area
 
     def require_rules(self) -> None:
-        """Raise for values that do not go together."""
         super().require_rules()
-        if self.is_flat and self.cell_across:
-            allowed = "0 with shape: disc, which lie in one plane"
-            raise broken_rule("cell_across", self.cell_across, allowed)
-        if self.is_flat and self.stress_profiles:
-            allowed = "false with shape: disc: none of its stresses is per area"
-            raise broken_rule("stress_profiles", self.stress_profiles, allowed)
+        allowed = "0 with shape: disc, which lie in one plane"
+        self.require("cell_across", not (self.is_flat and self.cell_across), allowed)
+        allowed = "false with shape: disc: none of its stresses is per area"
+        self.require("stress_profiles", not (self.is_flat and self.stress_profiles), allowed)

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from pydantic import BaseModel
+from pydantic.fields import FieldInfo
 
 from sim.base.errors import InputError, count_text
 from sim.parameters.common import Parameters, Real, sphere_volume
@@ -13,14 +13,11 @@ from sim.parameters.roles import declare
 DENSITY = "density"
 
 
-class _InPlaceOfMass(BaseModel):
-    density: Real = declare(
-        0, unit="kg m-3", description="density of the particles, in place of mass", gt=0
-    )
-
-
 #: Declaration of the density for models of study files.
-DENSITY_FIELD = _InPlaceOfMass.model_fields[DENSITY]
+DENSITY_FIELD = FieldInfo.from_annotated_attribute(
+    Real,
+    declare(0, unit="kg m-3", description="density of the particles, in place of mass", gt=0),
+)
 
 #: Least and largest density (kg/m³) of what flows in one piece: aerogel to osmium.
 LEAST, LARGEST = 100.0, 25_000.0

@@ -41,10 +41,6 @@ _DIAMETERS = ("d", "σ", "⟨d⟩")
 #: Columns that particles in a plane lack.
 _OUT_OF_PLANE = ("y", "vy", "wx", "wz")
 
-#: A state as points have it: its hash, and where they are not 1 the least mass over ``mass`` and
-#: the least diameter over ``diameter``, on which the time step depends.
-VALUE = re.compile(r"[0-9a-f]{12}(_[0-9.e+-]+_[0-9.e+-]+)?")
-
 
 class GivenState(NamedTuple):
     """A ``table`` as it was read, the ``columns`` by name in the ``units`` m, d, m/s, 1/s, kg and
@@ -92,7 +88,9 @@ def with_state(
     given = given if isinstance(given, str) else ""
     is_table = "\n" in given or re.match(FILE, given)
     cell = values.get("cell", usual_cell(0, 0))
-    if not is_table or type(cell) not in (int, float) or not cell > 0:
+    sides = cell if isinstance(cell, list | tuple) else [cell, values.get("cell_across") or cell]
+    are_sides = len(sides) == 2 and all(type(one) in (int, float) and one > 0 for one in sides)
+    if not is_table or not are_sides:
         return dict(values)
     if "\n" in given:
         place = f"{source}: {paths.get('initial_state', 'initial_state')}"
@@ -104,7 +102,8 @@ def with_state(
     if "beads" in model.model_fields:
         key, value, count = "beads", number, values.get("beads", number)
     else:
-        area = canonical_number(cell) * (1 if values.get("shape") == "disc" else cell)
+        along, across = map(canonical_number, sides)
+        area = along * (1 if values.get("shape") == "disc" else across)
         key, value = "depth", canonical_number(number / area)
         depth = values.get("depth", value)
         count = round(depth * area) if type(depth) in (int, float) and abs(depth) < 1e15 else depth
@@ -194,13 +193,9 @@ class Particles(NamedTuple):
     mass: "np.ndarray"
 
 
-def _sides(p: Parameters) -> tuple[float, float]:
-    """Return the sides (m) of the periodic cell along and across the flow."""
-    return p.period, getattr(p, "breadth", 0.0) * p.diameter
-
-
-def _is_flat(p: Parameters) -> bool:
-    return p.axes == 2 or getattr(p, "is_flat", False)
+def _sides(p: Parameters) -> list[float]:
+    """Return the sides (m) of the periodic cell: along the flow, and across where it has one."""
+    return [p.period] if p.is_flat else [p.period, p.breadth * p.diameter]
 
 
 def given_particles(p: Parameters) -> Particles:
@@ -224,7 +219,7 @@ def given_particles(p: Parameters) -> Particles:
     def vectors(names: str, prefix: str = "") -> np.ndarray:
         return np.stack([column(prefix + name) for name in names], axis=1)
 
-    flat, radius = _is_flat(p), column("radius", 0.5 * p.diameter)
+    flat, radius = p.is_flat, column("radius", 0.5 * p.diameter)
     position = vectors("xyz")
     if "y" not in state.columns and not flat:
         position[:, 1] = 0.5 * _sides(p)[1]
@@ -249,13 +244,13 @@ def require_possible(p: Parameters) -> str:
     _require_columns(p, state)
     _require_places(p, state, x)
     if p.axes == 3 and p.option("law").one_mass:
-        wrong = _other_mass(p, x)
+        wrong = abs(x.mass - p.mass) > 1e-9 * p.mass
         if wrong.any():
             allowed = f"particles of {p.mass:g} kg each with this law"
             raise _error(state, wrong, _SIZES[::-1], allowed)
     bumps = getattr(p, "bumps", 0.0)
     largest = x.radius.max()
-    narrow = min(_sides(p)[: 1 if _is_flat(p) else 2]) / p.diameter
+    narrow = min(_sides(p)) / p.diameter
     reach = getattr(p, "law_reach", 0.0) / p.diameter
     if wider := wider_cell(narrow, float(2.0 * largest / p.diameter), bumps, reach):
         raise _error(state, x.radius == largest, _SIZES, f"smaller ones, or a cell that is {wider}")
@@ -269,10 +264,6 @@ def require_possible(p: Parameters) -> str:
     return p.initial_state[:12] + ("" if is_usual else "".join(f"_{one:.12g}" for one in least))
 
 
-def _other_mass(p: Parameters, x: Particles) -> Any:
-    return abs(x.mass - p.mass) > 1e-9 * p.mass
-
-
 def _error(state: GivenState, wrong: Any, names: Iterable[str], allowed: str) -> InputError:
     """Return the error of the first wrong row in the first of some columns that the table has."""
     row, texts = int(wrong.argmax()), state.table.texts
@@ -284,7 +275,7 @@ def _require_columns(p: Parameters, state: GivenState) -> None:
     """Refuse motion out of the plane of discs, and spins of particles that do not rotate."""
     rotates = p.axes == 3 and getattr(p, "rotation", True)
     for name, values in state.columns.items():
-        is_lacking = (_is_flat(p) and name in _OUT_OF_PLANE) or (name[0] == "w" and not rotates)
+        is_lacking = (p.is_flat and name in _OUT_OF_PLANE) or (name[0] == "w" and not rotates)
         if is_lacking and any(values):
             row = next(row for row, value in enumerate(values) if value)
             raise state.table.error(row, name, state.table.texts[name][row], "0, or no column")
@@ -292,12 +283,11 @@ def _require_columns(p: Parameters, state: GivenState) -> None:
 
 def _require_places(p: Parameters, state: GivenState, x: Particles) -> None:
     """Refuse particles outside the periodic cell, and below the ground by too large an overlap."""
-    for axis, name in enumerate("x" if _is_flat(p) else "xy"):
-        side = _sides(p)[axis]
+    for axis, side in enumerate(_sides(p)):
         outside = ~((x.position[:, axis] >= 0.0) & (x.position[:, axis] < side))
         if outside.any():
             allowed = f"a place in the periodic cell, in [0, {side:g}) m"
-            raise _error(state, outside, (name,), allowed)
+            raise _error(state, outside, "xy"[axis], allowed)
     overlap = 0.5 * (x.radius - (x.position[:, 2] - p.ground)) / x.radius
     below = ~(overlap < p.overlap_limit)
     if below.any():
@@ -317,7 +307,7 @@ def overlapping_pair(
     import numpy as np
     from scipy.spatial import cKDTree
 
-    box = np.array([p.period, p.period if _is_flat(p) else _sides(p)[1], 0.0])
+    box = np.array([p.period, _sides(p)[-1], 0.0])
     place = position % np.where(box > 0.0, box, np.inf)
     tree = cKDTree(np.where(place < np.where(box > 0.0, box, np.inf), place, 0.0), boxsize=box)
     pairs = tree.query_pairs(2.0 * radius.max(), output_type="ndarray")

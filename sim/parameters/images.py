@@ -1,9 +1,11 @@
-"""Periodic cells: their usual width, and the least for a particle to meet one image of another.
+"""Periodic cells: usual width, least one for a particle to meet one image of another, packed base.
 
 The engine lets two particles meet as the nearest periodic images of each other alone. Particles of
 diameters d and d' touch where their centres are closer than (d + d')/2. So one can touch two images
 of the other where the period is less than d + d', and nowhere else.
 """
+
+from math import pi
 
 #: Least side of a cell, in diameters.
 LEAST_CELL = 3.0
@@ -64,3 +66,21 @@ def usual_cell(depth: float, bumps: float) -> float:
     if depth <= 10:
         return 10
     return WIDE_CELL if bumps else 5
+
+
+#: Of a base that is a slice of a random packing: packing fraction; thickness, the distance of the
+#: highest from the lowest centre, in diameters of its spheres, as in Silbert et al., Phys. Rev. E
+#: 64, 051302 (2001).
+PACKING, SLICE = 0.58, 1.2
+
+#: Height that no slice reaches above its lowest point, and least side of its cell, in these
+#: diameters.
+TOP, LEAST_SIDE = 2.4, 3.0
+
+
+def spheres_in_slice(along: float, across: float) -> int:
+    """Return the number of spheres in the slice of a cell, whose sides are in their diameters.
+
+    It is that of the packing in a layer with the thickness of the slice.
+    """
+    return max(1, round(PACKING * SLICE * along * across / (pi / 6.0)))

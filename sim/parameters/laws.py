@@ -1,11 +1,13 @@
-"""Contact laws: what a law is, and the call that adds one."""
+"""Laws, engines, motions and functions: what each is, and the calls that add them."""
 
 import math
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from importlib.util import find_spec
-from typing import Annotated, Any, Self
+from inspect import signature
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, ConfigDict, Field
 
 from sim.base.additions import attribute_errors_to, plain_name
 from sim.base.errors import InputError
@@ -13,8 +15,9 @@ from sim.base.plugins import Line, Names, module_names, takes
 from sim.parameters.belt import BeltParameters
 from sim.parameters.choices import Choice, Option
 from sim.parameters.chute import ChuteParameters
-from sim.parameters.common import CHOICES, broken_rule
+from sim.parameters.common import CHOICES, STEP_WORK, Parameters, broken_rule
 from sim.parameters.conveyor import ConveyorParameters
+from sim.parameters.roles import rows_of
 from sim.parameters.spheres import SMALL_OVERLAP
 
 __all__ = ["LAW", "SMALL_OVERLAP", "Law", "law"]
@@ -45,23 +48,17 @@ class Law(Option):
     turns: int = Field(0, ge=0)
     variants: dict[type, tuple[Callable[..., Any], int] | tuple[Callable[..., Any], int, int]] = {}
 
-    @model_validator(mode="after")
-    def _has_its_vectors_in_memory(self) -> Self:
+    def require_rules(self) -> None:
         for _, remembers, turns in map(self.of, (object, *self.variants)):
             if not 0 <= 3 * turns <= remembers:
                 raise broken_rule("turns", turns, f"3 numbers each of the {remembers} remembered")
-        return self
+        if unknown := set(self.ignores) - ChuteParameters.model_fields.keys():
+            raise broken_rule("ignores", min(unknown), "names of parameters of the chute")
 
     def of(self, kind: type) -> tuple[Callable[..., Any] | None, int, int]:
         """Return the force of a type that ``make`` gives, what it remembers and how much turns."""
         force, remembers, *turns = self.variants.get(kind, (self.force, self.remembers))
         return force, remembers, turns[0] if turns else self.turns
-
-    @model_validator(mode="after")
-    def _ignores_what_there_is(self) -> Self:
-        if unknown := set(self.ignores) - ChuteParameters.model_fields.keys():
-            raise broken_rule("ignores", min(unknown), "names of parameters of the chute")
-        return self
 
     def has_functions(self, kind: type) -> bool:
         """Return whether a type that ``make`` gives has a ``force``, or a body compiled by hand."""
@@ -259,3 +256,61 @@ def motion(name: str, **fields: Any) -> None:
         Parameters of Talus that have an effect with it alone: under other motions they are refused.
     """
     MOTION.add(name, Motion, **fields)
+
+
+#: The system, and the parameter that names the function.
+FUNCTION_NAME = "function"
+
+#: Argument of a function that depends on chance: a generator of its own for each replicate.
+RNG = "rng"
+
+
+class FunctionParameters(Parameters):
+    """A point of a function: no flow, but the same ids, run files, datasets and questions."""
+
+    model_config = ConfigDict(ignored_types=(int, float))
+    is_flow: ClassVar[bool] = False
+    sampling_key: ClassVar[str] = FUNCTION_NAME
+    boundaries: ClassVar[tuple[str, ...]] = ()
+    smallest_values: ClassVar[dict[str, Any]] = {}
+    state_numbers = axes = most_contacts = 0
+
+    # A function has neither particles nor a length: these are no parameters of it.
+    start_from: ClassVar[str] = ""  # type: ignore[misc]
+    trajectory_contacts: ClassVar[bool] = False  # type: ignore[misc]
+    target: ClassVar[float] = math.nan  # type: ignore[misc]
+    diameter = mass = gravity = stiffness = math.nan  # type: ignore[pydantic-field]
+    transient = trajectory = 0.0  # type: ignore[pydantic-field]
+    average = limit = time_unit = time_step = period = 1.0  # type: ignore[pydantic-field]
+    sample_steps, particles = 1, 0  # type: ignore[pydantic-field]
+
+    system: Literal["function"] = rows_of(FUNCTION_NAME)("system")
+    function: str = rows_of(FUNCTION_NAME)("function")
+    protocol: Literal["published"] = rows_of("all")("protocol")
+
+    @property
+    def rate(self) -> float:
+        """Particle-steps per second that make a call, a step of no particle, take its time."""
+        return STEP_WORK / self.option(FUNCTION_NAME).seconds
+
+    def require_rules(self) -> None:
+        super().require_rules()
+        if not self.option(FUNCTION_NAME).is_random:
+            for name in ("replicates", "seed"):
+                self.require_default(name, f"the function has an argument {RNG}")
+
+
+#: The choice of a function.
+FUNCTION = replace(Choice.declared(FUNCTION_NAME, FunctionParameters), shares=True)
+
+
+class Function(Option):
+    """A function: see `sim.parameters.observables.function`. ``make`` is the function itself."""
+
+    returns: tuple[str, ...] = Field(min_length=1)
+    seconds: float = Field(gt=0)
+
+    @property
+    def is_random(self) -> bool:
+        """Whether it depends on chance."""
+        return RNG in signature(self.make).parameters

@@ -27,9 +27,8 @@ from sim.parameters.chute import ChuteParameters
 from sim.parameters.common import Parameters, canonical_number, given_sizes
 from sim.parameters.conveyor import ConveyorParameters
 from sim.parameters.density import DENSITY, doubts, with_mass
-from sim.parameters.functions import FUNCTION, FunctionParameters
 from sim.parameters.given import require_possible, state_of, with_state
-from sim.parameters.laws import ENGINE, LAW, MOTION
+from sim.parameters.laws import ENGINE, FUNCTION, LAW, MOTION, FunctionParameters
 from sim.parameters.roles import (
     Declaration,
     added_parameters,

@@ -93,8 +93,8 @@ def require_schedule(p: Parameters, text: str, driven: tuple[str, ...]) -> None:
     of the average.
     """
     for name, rows in courses(text).items():
-        if name not in driven:
-            raise broken_rule("schedule", text, f"a schedule of {' and '.join(driven)} alone")
+        allowed = f"a schedule of {' and '.join(driven)} alone"
+        p.require("schedule", name in driven, allowed)
         field = type(p).model_fields[name]
         check = TypeAdapter(Annotated[float, *field.metadata])
         for _, value in rows:
@@ -104,9 +104,6 @@ def require_schedule(p: Parameters, text: str, driven: tuple[str, ...]) -> None:
                 allowed = f"for {name}, {allowed_values(field)}"
                 raise broken_rule("schedule", text, allowed) from None
         time, last = rows[-1]
-        if getattr(p, name) != last:
-            allowed = f"{last:g}, with which its schedule ends, or omitted"
-            raise broken_rule(name, getattr(p, name), allowed)
-        if p.transient < time:
-            allowed = f"at least {time:g}, when the schedule ends"
-            raise broken_rule("transient", p.transient, allowed)
+        allowed = f"{last:g}, with which its schedule ends, or omitted"
+        p.require(name, getattr(p, name) == last, allowed)
+        p.require("transient", p.transient >= time, f"at least {time:g}, when the schedule ends")

@@ -15,11 +15,17 @@ from sim.parameters.common import (
     broken_rule,
     canonical_number,
     given_sizes,
-    require_default,
 )
 from sim.parameters.dashpot import damping_ratio, restitution_of
-from sim.parameters.images import LEAST_CELL, SIDES, largest_diameter, usual_cell, wider_cell
-from sim.parameters.packed_base import LEAST_SIDE, spheres_in_slice
+from sim.parameters.images import (
+    LEAST_CELL,
+    LEAST_SIDE,
+    SIDES,
+    largest_diameter,
+    spheres_in_slice,
+    usual_cell,
+    wider_cell,
+)
 from sim.parameters.roles import rows_of
 from sim.parameters.schedule import Schedule, require_schedule, with_ends
 
@@ -249,10 +255,10 @@ class SphereParameters(Parameters):
         if not self.normal_damping:
             return {}
         masses = {"another": 0.5 * self.mass, "what is fixed": self.mass}
-        ratios = (damping_ratio(self.normal_damping, self.stiffness, m) for m in masses.values())
+        rate, attraction = self.normal_damping, self.attraction
         return {
-            name: restitution_of(ratio, self.attraction)
-            for name, ratio in zip(masses, ratios, strict=True)
+            name: restitution_of(damping_ratio(rate, self.stiffness, mass), attraction)
+            for name, mass in masses.items()
         }
 
     @property
@@ -308,11 +314,6 @@ class SphereParameters(Parameters):
         return self.particles + self.glued_particles * max(1.0, pairs / USUAL_NEIGHBORS)
 
     @property
-    def is_flat(self) -> bool:
-        """True where all particles lie in one plane, y = 0."""
-        return False
-
-    @property
     def breadth(self) -> float:
         """Side of the cell across the flow, in diameters."""
         return self.cell_across or self.cell
@@ -364,72 +365,60 @@ class SphereParameters(Parameters):
             return list(self.option("engine").refuses(self))
 
     def _require_packing(self) -> None:
-        if self.is_flat:
-            allowed = "random or ordered with shape: disc"
-            raise broken_rule("bump_arrangement", self.bump_arrangement, allowed)
-        require_default(self, "bump_coverage", "bump_arrangement is random or ordered")
+        self.require("bump_arrangement", not self.is_flat, "random or ordered with shape: disc")
+        self.require_default("bump_coverage", "bump_arrangement is random or ordered")
         least = LEAST_SIDE * self.bumps
-        for name in ("cell", "cell_across"):
-            if (side := getattr(self, name) or self.cell) < least:
-                allowed = (
-                    f"at least {LEAST_SIDE:g} bumps = {least:g} with bump_arrangement: packing"
-                )
+        allowed = f"at least {LEAST_SIDE:g} bumps = {least:g} with bump_arrangement: packing"
+        for name, side in self._sides.items():
+            if side < least:
                 raise broken_rule(name, side, allowed)
 
+    @property
+    def _sides(self) -> dict[str, float]:
+        """Sides of the cell in diameters, by parameter."""
+        return {"cell": self.cell, "cell_across": self.cell_across or self.cell}
+
     def require_rules(self) -> None:
-        """Raise for values that do not go together."""
         # Before the rules on time steps, which an impact that never ends would not have.
         self._require_damping()
         super().require_rules()
         require_schedule(self, self.schedule, self.driven)
         for name in DRAWN if self.initial_state else ():
-            require_default(self, name, "there is no initial_state")
+            self.require_default(name, "there is no initial_state")
         most = MOST_DAMPING / self.time_step
-        if not self.tangential_damping <= most:
-            allowed = f"at most {most:.4g}; more steps_per_collision allow more"
-            raise broken_rule("tangential_damping", self.tangential_damping, allowed)
+        allowed = f"at most {most:.4g}; more steps_per_collision allow more"
+        self.require("tangential_damping", self.tangential_damping <= most, allowed)
         for name, allowed in self.refusals:
             allowed += f" with engine: {plain_name(self.engine)}"
             raise broken_rule(name, getattr(self, name), allowed)
-        if self.option("law").one_mass:
-            for name in ("diameter_spread", "bumps"):
-                if getattr(self, name):
-                    raise broken_rule(
-                        name, getattr(self, name), f"0 with law: {plain_name(self.law)}"
-                    )
-        if self.bump_arrangement != "random" and not self.bumps:
-            allowed = "random, unless there are bumps"
-            raise broken_rule("bump_arrangement", self.bump_arrangement, allowed)
+        for name in ("diameter_spread", "bumps") if self.option("law").one_mass else ():
+            self.require(name, not getattr(self, name), f"0 with law: {plain_name(self.law)}")
+        is_possible = self.bumps or self.bump_arrangement == "random"
+        self.require("bump_arrangement", is_possible, "random, unless there are bumps")
         if self.bump_arrangement == "packing":
             self._require_packing()
         largest = largest_diameter(self.diameter_spread, self.is_flat)
-        if 0 < self.cell_across < LEAST_CELL:
-            raise broken_rule("cell_across", self.cell_across, f"0, or a number >= {LEAST_CELL:g}")
+        is_wide = not 0 < self.cell_across < LEAST_CELL
+        self.require("cell_across", is_wide, f"0, or a number >= {LEAST_CELL:g}")
         reach = self.law_reach / self.diameter
-        for name in ("cell", "cell_across"):
-            side = getattr(self, name) or self.cell
+        for name, side in self._sides.items():
             if allowed := wider_cell(side, largest, self.bumps, reach):
                 raise broken_rule(name, side, allowed)
-        if not self.depth * self._area <= MAX_PARTICLES:
-            allowed = f"a value that gives at most {MAX_PARTICLES:.0e} particles in the cell"
-            raise broken_rule("depth", self.depth, allowed)
+        allowed = f"a value that gives at most {MAX_PARTICLES:.0e} particles"
+        self.require("depth", self.depth * self._area <= MAX_PARTICLES, f"{allowed} in the cell")
         room = (MAX_PARTICLES - self.particles) * self._bump_area
         has_room = not self.bumps or self.bump_coverage * self._area <= room
-        if not (has_room and self.effective_particles <= MAX_PARTICLES):
-            allowed = (
-                f"a value that gives at most {MAX_PARTICLES:.0e} particles, glued ones included; "
-                "dense ones count more"
-            )
-            raise broken_rule("bumps", self.bumps, allowed)
+        has_room = has_room and self.effective_particles <= MAX_PARTICLES
+        self.require("bumps", has_room, f"{allowed}, glued ones included; dense ones count more")
 
     def _require_damping(self) -> None:
         """Raise for values beside those that stand in their place, and for impacts without end."""
         for key, names in self.option("law").replaces.items():
             for name in names if getattr(self, key) else ():
-                require_default(self, name, f"{key} is 0, which else stands in its place")
+                self.require_default(name, f"{key} is 0, which else stands in its place")
         if not self.youngs_modulus:
-            require_default(self, "poisson_ratio", "youngs_modulus is given")
+            self.require_default("poisson_ratio", "youngs_modulus is given")
         critical = 2 * math.sqrt(self.stiffness / self.heaviest_mass)
-        if self.attraction == "kept" and not self.normal_damping < critical:
-            allowed = f"below {critical:.4g}, from where on what meets the plane never leaves it"
-            raise broken_rule("normal_damping", self.normal_damping, allowed)
+        allowed = f"below {critical:.4g}, from where on what meets the plane never leaves it"
+        ends = self.attraction != "kept" or self.normal_damping < critical
+        self.require("normal_damping", ends, allowed)

@@ -22,9 +22,9 @@ from sim.parameters.density import doubts_of
 from sim.parameters.points import ID_LENGTH
 from sim.study.figure_spec import written
 from sim.study.load import Study, as_study, parse_study
+from sim.study.model import PARTS, Boundary, Estimate, divide_range, estimate
 from sim.study.papers import paper_value_lines
 from sim.study.plot_contents import SCATTER_HINT, varying_parameters
-from sim.study.points import PARTS, Boundary, Estimate, divide_range, estimate
 
 CORES = 2
 MEGABYTE = 1e6

@@ -20,10 +20,10 @@ from sim.parameters import NUMERICAL, SYSTEMS
 from sim.parameters.variables import mask_failed
 from sim.study.feed import plot_entry
 from sim.study.figure_spec import FigureSpec, written
+from sim.study.model import Point
 from sim.study.plot_contents import PlotContents
 from sim.study.plot_file import PlotFile
 from sim.study.plottable import find_observable, numbers
-from sim.study.points import Point
 from sim.surrogates.answers import answer_name, caveats_in, refusal_in, sentence
 from sim.surrogates.storage import answer_files, find_surrogate, load_table
 from sim.surrogates.surrogate import Surrogate

@@ -15,7 +15,7 @@ from sim.dataset.replicates import UNSOUND_SHARE, caveats, layer_orders, outcome
 from sim.engine.stored_run import open_run_file, parameters_of, summary_of
 from sim.figures.units import label_with_unit, unit_of
 from sim.parameters import SYSTEMS, Parameters, as_yaml, complete_values, default_of, field_info
-from sim.parameters.functions import NAME as FUNCTION
+from sim.parameters.laws import FUNCTION_NAME as FUNCTION
 from sim.parameters.roles import amount_parameters, numerical_parameters
 from sim.parameters.variables import SCALARS, VARIABLES, observable_variables
 from sim.parameters.words import setting

@@ -38,8 +38,7 @@ from sim.study.load import (
     twins,
     with_extra_amounts,
 )
-from sim.study.model import Need
-from sim.study.points import estimate
+from sim.study.model import Need, estimate
 from sim.surrogates.storage import summary_lines
 
 STATES = ("done", "failed", "running", "interrupted", "waiting")

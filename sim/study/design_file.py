@@ -9,7 +9,6 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
-from pydantic_core import PydanticCustomError
 
 from sim.base.errors import InputError
 from sim.base.messages import allowed_values
@@ -51,27 +50,25 @@ class Distribution(Strict):
         "the values, each equally often", {"allowed": _ALLOWED_CHOICES}, min_length=2
     )
 
-    def rules(self) -> Iterator[PydanticCustomError]:
+    def require_rules(self) -> None:
         given = self.model_dump(exclude_unset=True)
         if " ".join(sorted(given)) not in _KEYS:
-            yield broken_rule("", given, ALLOWED_VALUES)
+            raise broken_rule("", given, ALLOWED_VALUES)
         if self.between:
             low, high = self.between
-            if not low < high:
-                yield broken_rule("between", self.between, TWO_NUMBERS)
-            if self.scale == "log" and low <= 0:
-                yield broken_rule("between", self.between, "two numbers > 0 where the scale is log")
-            if self.mean is not None and not low <= self.mean <= high:
-                allowed = f"a number in [{low:g}, {high:g}], as of between"
-                yield broken_rule("mean", self.mean, allowed)
-            if self.deviation is not None and self.deviation > MOST_RANGES * (high - low):
-                allowed = f"a number <= {MOST_RANGES:g} times the range; what is wider is even"
-                yield broken_rule("deviation", self.deviation, allowed)
+            self.require("between", low < high, TWO_NUMBERS)
+            is_possible = self.scale != "log" or low > 0
+            self.require("between", is_possible, "two numbers > 0 where the scale is log")
+            is_within = self.mean is None or low <= self.mean <= high
+            self.require("mean", is_within, f"a number in [{low:g}, {high:g}], as of between")
+            is_narrow = self.deviation is None or self.deviation <= MOST_RANGES * (high - low)
+            allowed = f"a number <= {MOST_RANGES:g} times the range; what is wider is even"
+            self.require("deviation", is_narrow, allowed)
         choices = self.choices or []
         are_values = all(isinstance(value, bool | int | float | str) for value in choices)
         different = {str(canonical_number(value)) for value in choices}
-        if not are_values or len(different) < len(choices):
-            yield broken_rule("choices", choices, _ALLOWED_CHOICES)
+        is_list = are_values and len(different) == len(choices)
+        self.require("choices", is_list, _ALLOWED_CHOICES)
 
     def axis(self, name: str, is_integer: bool) -> Axis:
         """Return the axis of a parameter that is spread like this."""
@@ -90,6 +87,11 @@ def read_values(value: Any) -> Any:
     if not isinstance(value, list) or not value:
         raise broken_rule("", value, ALLOWED_VALUES)
     return value
+
+
+def distribution(values: Any) -> Distribution:
+    """Return how values are spread that `read_values` gives: a list has the lowest and highest."""
+    return Distribution(between=values) if isinstance(values, list) else values
 
 
 class Over(Lists):
@@ -126,34 +128,33 @@ class DesignFile(Strict):
         min_length=1,
     )
 
-    def rules(self) -> Iterator[PydanticCustomError]:
-        yield from self._wrong_values()
-        yield from self._wrong_number()
-        if self.where and self.kind not in ("sobol", "random", "zip"):
-            allowed = f"none with {self.kind}, whose points belong together"
-            yield broken_rule("where", self.where, allowed)
+    def require_rules(self) -> None:
+        self._require_values()
+        self._require_number()
+        is_possible = not self.where or self.kind in ("sobol", "random", "zip")
+        self.require("where", is_possible, f"none with {self.kind}, whose points belong together")
         numeric = {axis.name for axis in self.axes if axis.is_number}
         for index, text in enumerate(self.where or []):
             comparison = read_comparison(text)
             if not comparison or not comparison.names or not numeric.issuperset(comparison.names):
-                yield broken_rule(f"where[{index}]", text, _ALLOWED_COMPARISON)
+                raise broken_rule(f"where[{index}]", text, _ALLOWED_COMPARISON)
 
-    def _wrong_values(self) -> Iterator[PydanticCustomError]:
+    def _require_values(self) -> None:
         values = self._values
         first = next(iter(values))
         for name, given in values.items():
             if self.kind != "zip":
                 spread = self._distribution(name)
-                yield from self._not_allowed(name, spread.choices or spread.between)
+                self._require_allowed(name, spread.choices or spread.between)
             elif not isinstance(given, list):
                 got = given.model_dump(exclude_unset=True)
-                yield broken_rule(f"over.{name}", got, "a list of values, as kind is zip")
+                raise broken_rule(f"over.{name}", got, "a list of values, as kind is zip")
             elif len(given) != (wanted := len(values[first])):
-                yield broken_rule(f"over.{name}", given, f"{wanted} values, as {first} has")
+                raise broken_rule(f"over.{name}", given, f"{wanted} values, as {first} has")
             else:
-                yield from self._not_allowed(name, given)
+                self._require_allowed(name, given)
 
-    def _not_allowed(self, name: str, values: Iterable[Any]) -> Iterator[PydanticCustomError]:
+    def _require_allowed(self, name: str, values: Iterable[Any]) -> None:
         field = self._field(name)
         kind: Any = Annotated[(field.annotation, *field.metadata, None)]
         adapter = TypeAdapter(kind, config=ConfigDict(strict=True, allow_inf_nan=False))
@@ -163,16 +164,13 @@ class DesignFile(Strict):
             try:
                 adapter.validate_python(value)
             except ValidationError:
-                yield broken_rule(f"over.{name}", value, allowed_values(field))
+                raise broken_rule(f"over.{name}", value, allowed_values(field)) from None
 
-    def _wrong_number(self) -> Iterator[PydanticCustomError]:
+    def _require_number(self) -> None:
         if self.kind == "zip":
-            if self.points is not None:
-                yield broken_rule("points", self.points, "none, as the lists of zip say how many")
+            self.require("points", self.points is None, "none, as the lists of zip say how many")
             return
-        if self.points is None:
-            yield broken_rule("points", None, "an integer >= 1")
-            return
+        self.require("points", self.points, "an integer >= 1")
         block = block_size(self.kind, len(self._values))
         blocks = max(2, self.points // block)
         match self.kind:
@@ -183,22 +181,18 @@ class DesignFile(Strict):
                 fitting, factor = (blocks * block, (blocks + 1) * block), "two or more"
             case _:
                 return
-        if self.points not in fitting:
-            allowed = f"{fitting[0]:,} or {fitting[1]:,}, as {block} times {factor}"
-            yield broken_rule("points", self.points, allowed)
+        allowed = f"{fitting[0]:,} or {fitting[1]:,}, as {block} times {factor}"
+        self.require("points", self.points in fitting, allowed)
 
     @property
     def _values(self) -> dict[str, Any]:
         return {name: values for name, values in self.over if values is not None}
 
     def _distribution(self, name: str) -> Distribution:
-        values = self._values[name]
-        if not isinstance(values, list):
-            return values
         try:
-            return Distribution(between=values)
+            return distribution(self._values[name])
         except ValidationError:
-            raise broken_rule(f"over.{name}", values, ALLOWED_VALUES) from None
+            raise broken_rule(f"over.{name}", self._values[name], ALLOWED_VALUES) from None
 
     def _field(self, name: str) -> FieldInfo:
         return (self.over.parameters.model_fields | self.over.in_place)[name]

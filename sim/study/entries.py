@@ -1,18 +1,17 @@
 """Keys of a study file, whatever their system: parameters, lists and ranges, overrides, names."""
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from math import floor
-from typing import Annotated, Any, ClassVar, Self, TypeVar
+from typing import Annotated, Any, ClassVar, TypeVar
 from unicodedata import category
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
-from pydantic_core import PydanticCustomError
 
 from sim.base.messages import input_error
 from sim.parameters import Parameters, canonical_number, hint_on_key
-from sim.parameters.common import Real, broken_rule
+from sim.parameters.common import Real, Ruled, broken_rule
 from sim.parameters.density import DENSITY, DENSITY_FIELD
 
 #: Unicode categories without letters, some of which move the cursor or reverse the line where a
@@ -55,18 +54,8 @@ def read_into(model: type[_Model], contents: Any, source: str) -> _Model:
         raise input_error(error, model, source) from None
 
 
-class Strict(BaseModel):
+class Strict(Ruled):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
-
-    @model_validator(mode="after")
-    def _require_rules(self) -> Self:
-        for error in self.rules():
-            raise error
-        return self
-
-    def rules(self) -> Iterator[PydanticCustomError]:
-        """Yield the errors of values that do not go together; a model adds its own."""
-        yield from ()
 
 
 def optional(
@@ -124,9 +113,9 @@ class Lists(Some):
 
     model_config = ConfigDict(json_schema_extra={"minProperties": 1})
 
-    def rules(self) -> Iterator[PydanticCustomError]:
+    def require_rules(self) -> None:
         if not self.model_fields_set:
-            yield broken_rule("", {}, "at least one parameter with a list of values")
+            raise broken_rule("", {}, "at least one parameter with a list of values")
 
 
 class Readings(Lists):
@@ -229,6 +218,5 @@ class DecideFile(Strict):
         8, description="most times as long as the study has it that a run may become", ge=1, le=1000
     )
 
-    def rules(self) -> Iterator[PydanticCustomError]:
-        if self.claims is None and self.precision is None:
-            yield broken_rule("claims", None, "claims, precision, or both")
+    def require_rules(self) -> None:
+        self.require("claims", self.claims or self.precision, "claims, precision, or both")

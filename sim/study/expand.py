@@ -27,9 +27,8 @@ from sim.study.design_file import DesignFile
 from sim.study.entries import NATURAL
 from sim.study.figure_spec import FIGURES
 from sim.study.file import MAX_POINTS, BoundaryFile, SeriesFile, StudyFile
-from sim.study.model import Boundary, Point, Study
+from sim.study.model import Boundary, Point, Study, divide_range
 from sim.study.papers import papers
-from sim.study.points import divide_range
 
 #: Number of last letters of an id that tell it apart, from the hyphen before its hash on.
 _HASH = 9

@@ -6,11 +6,11 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any, TypeVar
 
-from sim.base.errors import InputError, count_text
+from sim.base.additions import additions
+from sim.base.errors import InputError, count_text, upper_first
 from sim.base.messages import one_of
 from sim.parameters import NUMERICAL, SYSTEMS, Parameters, canonical_number, field_info, roles
 from sim.parameters.given import state_of
-from sim.study.calibration import CalibrateFile
 from sim.study.figure_spec import FIGURES, Answer, FigureSpec, written
 from sim.study.file import QUESTIONS, StudyFile
 from sim.study.model import Point, Study
@@ -22,9 +22,9 @@ from sim.study.plot_contents import (
     parameter_phrase,
     varying_parameters,
 )
-from sim.study.plot_file import PlotFile
-from sim.study.plottable import numbers, plugin_code
-from sim.study.sensitivity import PropagationFile, SensitivityFile
+from sim.study.plot_file import FIT, PlotFile
+from sim.study.plottable import PLOT, numbers
+from sim.study.questions import CalibrateFile, PropagationFile, SensitivityFile
 from sim.study.surrogate import Place, Question, SurrogateFile
 
 _Plot = TypeVar("_Plot", bound=PlotFile)
@@ -100,6 +100,7 @@ def _require_names(contents: PlotContents, series: Sequence[str], entries: Itera
 def plot_entry(contents: PlotContents, series: Sequence[str]) -> FigureSpec:
     """Return the figure entry of a plot of some series; raise ``InputError`` as `feed` does."""
     contents.require_drawable()
+    own = additions(PLOT).get(contents.plot.kind), additions(FIT).get(contents.plot.fit or "")
     follows = {
         "title": contents.plot.title or default_title(contents),
         "lead": caption_lead(contents),
@@ -108,7 +109,7 @@ def plot_entry(contents: PlotContents, series: Sequence[str]) -> FigureSpec:
         "log": contents.log,
         "foreign": contents.beside,
         "scattered": contents.suits_scatter,
-        "plugin": plugin_code(contents.plot.kind, contents.plot.fit),
+        "plugin": " ".join(one.plugin.code for one in own if one),
     }
     spec = contents.spec.model_copy(update=follows)
     _require_own_places(spec, contents.points, contents.source, contents.place)
@@ -171,27 +172,27 @@ def _caption_parameters(system: str, points: Sequence[Parameters]) -> list[str]:
 
 #: Titles of pictures of answers, and the first sentences of their captions.
 TITLES = {
-    "section": "{What} against {x}",
-    "surface": "{What} over {x} and {y}",
-    "agreement": "{What} predicted and run",
+    "section": "{what} against {x}",
+    "surface": "{what} over {x} and {y}",
+    "agreement": "{what} predicted and run",
     "screening": "Screening of what changes the {what}",
     "indices": "What the {what} depends on",
     "interactions": "What acts together on the {what}",
     "spread": "How the {what} is spread",
     "posterior": "Which {names} the measurements allow",
-    "predictions": "{What} measured and calibrated",
+    "predictions": "{what} measured and calibrated",
     "experiment": "The next experiment",
 }
 LEADS = {
-    "section": "{About} against {x_phrase}, as the {source} gives it with its 95 % band.",
-    "surface": "{About} over {x_phrase} and {y_phrase}, as the {source} gives it.",
-    "agreement": "{About} of each run, against what the {source} predicts from all the others.",
+    "section": "{about} against {x_phrase}, as the {source} gives it with its 95 % band.",
+    "surface": "{about} over {x_phrase} and {y_phrase}, as the {source} gives it.",
+    "agreement": "{about} of each run, against what the {source} predicts from all the others.",
     "screening": "Elementary effects of each parameter on {about}, from the runs of the {source}.",
     "indices": "Sobol' indices of {about}, from the {source}.",
     "interactions": "Second-order Sobol' indices of {about}, from the {source}.",
     "spread": "Distribution of {about}, from the {source}.",
     "posterior": "Posterior of {names} from {count} of {about}, by the {source}.",
-    "predictions": "{About}: measurements, and what the calibrated {source} says of each.",
+    "predictions": "{about}: measurements, and what the calibrated {source} says of each.",
     "experiment": "Where a further measurement of {what} would narrow the posterior of {names}.",
 }
 
@@ -258,7 +259,6 @@ def _picture(question: Question, kind: str, x: str = "", y: str = "", **words: s
     what, meaning = name_in_words(observable.name), observable.meaning
     words = {"source": f"surrogate {of.name}", **words}
     words |= {"what": what, "about": f"{what} ({meaning})"}
-    words |= {"What": what.capitalize(), "About": f"{what.capitalize()} ({meaning})"}
     for key, name in (("x", x), ("y", y)):
         if name:
             words |= {key: name_in_words(name), f"{key}_phrase": parameter_phrase(of.system, name)}
@@ -268,8 +268,8 @@ def _picture(question: Question, kind: str, x: str = "", y: str = "", **words: s
         name="-".join((question.name, *filter(None, (x, y)))) if x else f"{question.name}-{kind}",
         kind=kind,
         system=of.system,
-        title=f"{TITLES[kind].format_map(words)}, {noun}{question.name}",
-        lead=LEADS[kind].format_map(words),
+        title=f"{upper_first(TITLES[kind].format_map(words))}, {noun}{question.name}",
+        lead=upper_first(LEADS[kind].format_map(words)),
         series=[of.series],
         answer=Answer(question.file, *about, x, y),
     )

@@ -1,13 +1,12 @@
 """A figure as it is drawn: the keys of its file, and what follows from its points."""
 
 from collections import UserDict
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import AfterValidator, Field
-from pydantic_core import PydanticCustomError
 
 from sim.base.additions import on_change
 from sim.base.errors import InputError
@@ -227,18 +226,17 @@ class FigureFile(FigureSpec):
 
     kind: Annotated[str, AfterValidator(lambda kind: require_kind(kind, kinds()))] = "curves"
 
-    def rules(self) -> Iterator[PydanticCustomError]:
-        yield from super().rules()
+    def require_rules(self) -> None:
+        super().require_rules()
         systems = self.keys.systems or SYSTEMS
-        if self.system not in systems:
-            allowed = f"a kind of the {self.system}; this is one of the {', '.join(systems)}"
-            yield broken_rule("kind", self.kind, allowed)
+        allowed = f"a kind of the {self.system}; this is one of the {', '.join(systems)}"
+        self.require("kind", self.system in systems, allowed)
         for key in ("title", "about", "lead", "named", "says"):
             if key not in self.model_fields_set:
-                yield broken_rule(key, None, "text")
+                raise broken_rule(key, None, "text")
         for key in sorted(self.model_fields_set - {*self.keys_of_kind}):
             allowed = f"a key of {self.kind}: {', '.join(self.keys_of_kind)}"
-            yield broken_rule(key, getattr(self, key), allowed)
+            raise broken_rule(key, getattr(self, key), allowed)
         shown = self.keys.observable
         if shown and shown in self.model_fields_set:
             find_observable(self.kind, shown, self.show, self.system, broken_rule)

@@ -7,7 +7,6 @@ from math import prod
 from typing import Annotated, Any, Literal, get_args
 
 from pydantic import ConfigDict, Field
-from pydantic_core import PydanticCustomError
 
 from sim.base.additions import additions
 from sim.base.plugins import ALLOWED, PATTERN
@@ -15,7 +14,6 @@ from sim.parameters import AMOUNTS, SYSTEMS, Parameters
 from sim.parameters.common import PREVIOUS, TWO_NUMBERS, Real, broken_rule, sphere_volume
 from sim.parameters.density import DENSITY
 from sim.parameters.roles import fixed_parameters
-from sim.study.calibration import CalibrateFile
 from sim.study.design import Axis, axis_of
 from sim.study.design_file import DesignFile
 from sim.study.entries import (
@@ -31,10 +29,10 @@ from sim.study.entries import (
     require_printable,
 )
 from sim.study.figure_spec import FIGURES
+from sim.study.model import MAX_ROUNDS, PARTS, further_rounds
 from sim.study.papers import papers
 from sim.study.plot_file import PlotFile
-from sim.study.points import MAX_ROUNDS, PARTS, further_rounds
-from sim.study.sensitivity import PropagationFile, SensitivityFile
+from sim.study.questions import CalibrateFile, PropagationFile, SensitivityFile
 from sim.study.surrogate import Question, SurrogateFile
 
 #: Maximum number of points of a study.
@@ -66,17 +64,17 @@ class _Family(Strict):
     grid: Lists = optional("one point (boundary) for every combination of the values listed")
     overrides: list[Override] = Field([], description="changes at certain values")
 
-    def rules(self) -> Iterator[PydanticCustomError]:
+    def require_rules(self) -> None:
         for key, section in self.varied.items():
             for index, override in enumerate(self.overrides):
                 for name in sorted(section.model_fields_set & override.set.model_fields_set):
                     value = getattr(override.set, name)
                     allowed = f"parameters other than {key}.{name} of the series"
-                    yield broken_rule(f"overrides[{index}].set.{name}", value, allowed)
+                    raise broken_rule(f"overrides[{index}].set.{name}", value, allowed)
         for name in sorted(AMOUNTS & self.grid_lists.keys()):
             if len(values := self.grid_lists[name]) > 1:
                 allowed = "one value, as it makes no other point"
-                yield broken_rule(f"grid.{name}", values, allowed)
+                raise broken_rule(f"grid.{name}", values, allowed)
 
     @property
     def varied(self) -> dict[str, Lists]:
@@ -97,16 +95,16 @@ class SeriesFile(_Family):
     figures: list[str] = Field([], description="figures that the series feeds")
     profiles: bool = Field(True, description="whether the dataset has the profiles of its points")
 
-    def rules(self) -> Iterator[PydanticCustomError]:
-        yield from super().rules()
+    def require_rules(self) -> None:
+        super().require_rules()
         for key in ("grid", "cases"):
             if self.design and getattr(self, key):
                 allowed = f"no {key} beside it; a series has a design or a grid or cases"
-                yield broken_rule("design", "a design", allowed)
+                raise broken_rule("design", "a design", allowed)
         start = getattr(self.base, "start_from", "")
         if start == PREVIOUS and (self.design or self.max_points < 2):
             allowed = f"{PREVIOUS} in a series with a grid or cases of several points"
-            yield broken_rule("base.start_from", start, allowed)
+            raise broken_rule("base.start_from", start, allowed)
 
     @property
     def varied(self) -> dict[str, Lists]:
@@ -170,26 +168,25 @@ class BoundaryFile(_Family):
     tolerance: Real = Field(description="width of the interval to find the boundary in", gt=0)
     figures: list[str] = Field([], description="figures that are fed")
 
-    def rules(self) -> Iterator[PydanticCustomError]:
-        yield from super().rules()
+    def require_rules(self) -> None:
+        super().require_rules()
         low, high = self.range
-        if not low < high:
-            yield broken_rule("range", self.range, TWO_NUMBERS)
-        if self.kind == "stop" and self.of != "flow":
-            yield broken_rule("of", self.of, "flow with kind: stop")
-        if self.kind == "stop" and self.along in fixed_parameters(SYSTEMS[self.system]):
+        self.require("range", low < high, TWO_NUMBERS)
+        if self.kind == "stop":
+            self.require("of", self.of == "flow", "flow with kind: stop")
+            may_change = self.along not in fixed_parameters(SYSTEMS[self.system])
             allowed = "with kind: stop, a parameter that may change while a flow goes on"
-            yield broken_rule("along", self.along, allowed)
-        if further_rounds(low, high, self.tolerance) > MAX_ROUNDS:
-            finest = (high - low) / PARTS ** (MAX_ROUNDS + 1)
-            yield broken_rule("tolerance", self.tolerance, f"a number >= {1.01 * finest:.3g}")
+            self.require("along", may_change, allowed)
+        finest = (high - low) / PARTS ** (MAX_ROUNDS + 1)
+        is_possible = further_rounds(low, high, self.tolerance) <= MAX_ROUNDS
+        self.require("tolerance", is_possible, f"a number >= {1.01 * finest:.3g}")
         sections = {"base": self.base, "grid": self.grid}
         sections |= {f"overrides[{i}].set": one.set for i, one in enumerate(self.overrides)}
         for path, section in sections.items():
             if section and self.along in section.model_fields_set:
                 value = getattr(section, self.along)
                 allowed = f"parameters other than {self.along}, which the boundary is along"
-                yield broken_rule(f"{path}.{self.along}", value, allowed)
+                raise broken_rule(f"{path}.{self.along}", value, allowed)
 
     @property
     def max_points(self) -> int:
@@ -272,20 +269,19 @@ class StudyFile(Strict):
         min_length=1,
     )
 
-    def rules(self) -> Iterator[PydanticCustomError]:
-        if self.study == _RESERVED_NAME:
-            allowed = f"a name other than {_RESERVED_NAME}, where published studies lie"
-            yield broken_rule("study", self.study, allowed)
+    def require_rules(self) -> None:
+        allowed = f"a name other than {_RESERVED_NAME}, where published studies lie"
+        self.require("study", self.study != _RESERVED_NAME, allowed)
         require_printable(self.title)
-        if self.paper is not None and self.paper not in papers():
-            yield broken_rule("paper", self.paper, f"one of {', '.join(papers())}")
-        if not self.series and not self.boundaries and not self.parts:
-            yield broken_rule("series", None, "at least one series, boundaries, or parts")
-        yield from self._unknown_claims()
+        if self.paper is not None:
+            self.require("paper", self.paper in papers(), f"one of {', '.join(papers())}")
+        has_points = self.series or self.boundaries or self.parts
+        self.require("series", has_points, "at least one series, boundaries, or parts")
+        self._require_known_claims()
         names, total = set[str](), 0
         for key, entry in self.entries:
             if entry.name in names:
-                yield broken_rule(f"{key}.name", entry.name, "a name that no other series has")
+                raise broken_rule(f"{key}.name", entry.name, "a name that no other series has")
             names.add(entry.name)
         for key, entry in self.entries:
             lists = self.reading_lists(entry.system) if isinstance(entry, SeriesFile) else {}
@@ -293,9 +289,9 @@ class StudyFile(Strict):
             if total > MAX_POINTS:
                 allowed = f"at most {MAX_POINTS:,} points in the study"
                 section = "design" if getattr(entry, "design", None) else "grid"
-                yield broken_rule(f"{key}.{section}", f"{total:,} points", allowed)
+                raise broken_rule(f"{key}.{section}", f"{total:,} points", allowed)
 
-    def _unknown_claims(self) -> Iterator[PydanticCustomError]:
+    def _require_known_claims(self) -> None:
         claims = (self.decide and self.decide.claims) or []
         if set(claims) <= {"all"}:
             return
@@ -304,7 +300,7 @@ class StudyFile(Strict):
         for index, name in enumerate(claims):
             if name not in {"all", *chain(*ids), *additions(JUDGE)}:
                 allowed = f"{ranges}, all, or the name of a judge of a plug-in"
-                yield broken_rule(f"decide.claims[{index}]", name, allowed)
+                raise broken_rule(f"decide.claims[{index}]", name, allowed)
 
     @property
     def is_natural(self) -> bool:

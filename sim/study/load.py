@@ -21,9 +21,8 @@ from sim.parameters.laws import ENGINE
 from sim.study.expand import expand
 from sim.study.feed import ask, feed
 from sim.study.file import PART_NAME
-from sim.study.model import Boundary, Point, Study
+from sim.study.model import Boundary, Point, Study, estimate
 from sim.study.papers import paper_values
-from sim.study.points import estimate
 from sim.study.validate import validate
 
 if TYPE_CHECKING:

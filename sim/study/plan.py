@@ -6,6 +6,8 @@ import os
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
+from heapq import heappop, heappush
+from math import ceil
 from operator import attrgetter
 from pathlib import Path
 from typing import Any
@@ -17,8 +19,41 @@ from sim.base.files import age, atomic_write, lock_of, read_regular
 from sim.parameters import RUN_FILE, Parameters, canonical_json
 from sim.parameters.given import STATES, write_states
 from sim.parameters.laws import engine_of
-from sim.study.model import Need, Study
-from sim.study.points import Estimate, estimate, plan_batches
+from sim.study.model import Estimate, Need, Study, estimate
+
+#: Limits on the computing time (s) of a batch. Between them, there is one batch for every core.
+#: A point that takes more than half of the maximum has a process of its own. And maximum number of
+#: points in a batch: for each point, Snakemake looks through the whole batch.
+MIN_BATCH_SECONDS, MAX_BATCH_SECONDS, MAX_BATCH_POINTS = 3.0, 60.0, 50
+
+
+def plan_batches(points: Mapping[str, Parameters], cores: float | None) -> dict[str, list[str]]:
+    """Return a map from the name of each batch of short points to their ids, longest first.
+
+    A point is in no batch if it takes long, needs several threads or would be the only one of its
+    batch. If the number of ``cores`` is unknown, as on a cluster, batches are as long as allowed:
+    there, each batch is a job, which takes seconds to start.
+    """
+    seconds = {}
+    for name, point in points.items():
+        cost = estimate(point)
+        if cost.threads == 1 and cost.core_seconds <= MAX_BATCH_SECONDS / 2:
+            seconds[name] = cost.core_seconds
+    total = sum(seconds.values())
+    share = max(total / cores, MIN_BATCH_SECONDS) if cores else MAX_BATCH_SECONDS
+    batch_seconds = min(share, MAX_BATCH_SECONDS)
+    number = max(ceil(total / batch_seconds), ceil(len(seconds) / MAX_BATCH_POINTS))
+    batches: list[list[str]] = [[] for _ in range(number)]
+    open_batches = [(0.0, index) for index in range(number)]
+    # Longest points first, each to the shortest batch: all batches end at about the same time.
+    for name in sorted(seconds, key=lambda name: (-seconds[name], name)):
+        seconds_taken, index = heappop(open_batches)
+        batches[index].append(name)
+        if len(batches[index]) < MAX_BATCH_POINTS:
+            heappush(open_batches, (seconds_taken + seconds[name], index))
+    shared = [members for members in batches if len(members) > 1]
+    hashes = (hashlib.sha256(" ".join(members).encode()).hexdigest() for members in shared)
+    return {f"batch_{one[:8]}": members for one, members in zip(hashes, shared, strict=True)}
 
 
 class Plan:

@@ -12,6 +12,7 @@ from sim.base.messages import near
 from sim.parameters import NUMERICAL, SYSTEMS, Parameters, field_info
 from sim.study.design import axis_of
 from sim.study.figure_spec import DataSet, FigureSpec, written
+from sim.study.model import Point
 from sim.study.plot_file import MAX_MAGNITUDE, BesideFile, PlotFile, allowed_on_logarithmic
 from sim.study.plottable import (
     REGIME,
@@ -21,7 +22,6 @@ from sim.study.plottable import (
     require_parameter,
     require_stored,
 )
-from sim.study.points import Point
 
 #: Maximum number of panels of a plot, and what is said of curves that have points of a design.
 MAX_PANELS, SCATTER_HINT = 12, "kind: scatter suits a design better"

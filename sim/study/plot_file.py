@@ -1,19 +1,87 @@
-"""Entries under ``plots`` of a study file: observables, parameters, and data beside them."""
+"""Entries under ``plots`` of a study file, and the call that adds a law to fit to their curves."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Mapping
+from inspect import Parameter, Signature
+from math import isfinite
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, WithJsonSchema
-from pydantic_core import PydanticCustomError
 
 from sim.base.additions import NAME as PLUGIN_NAME
+from sim.base.additions import add, additions, attribute_errors_to
 from sim.base.measured import ALLOWED_FILE, FILE
 from sim.base.messages import one_of
+from sim.base.plugins import Declared, Words, allowed, declared, require_function
 from sim.parameters.common import Real, broken_rule
 from sim.study.entries import Name, Strict, optional, require_printable
-from sim.study.fits import SHIPPED, fits
-from sim.study.plottable import REGIME, Keys, every_name, find_kind, study_kinds
+from sim.study.plottable import REGIME, Keys, every_name, kinds, study_kinds
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+
+#: Kind of the additions that are laws to fit.
+FIT = "fit"
+
+#: Names of the laws that ship; `sim.figures.fit` has them.
+FITS = ("linear", "quadratic", "power", "exponential", "pouliquen", "mu_of_i")
+
+
+def _are_numbers(start: Any) -> bool:
+    return (
+        isinstance(start, Mapping)
+        and bool(start)
+        and all(isinstance(name, str) and name.isidentifier() for name in start)
+        and all(type(one) in (int, float) and isfinite(one) for one in start.values())
+    )
+
+
+class FitLaw(Declared):
+    """A law of a plug-in: its ``formula`` in words, first values of its numbers by letter."""
+
+    formula: Words
+    start: Annotated[dict[str, float], allowed("a mapping of letters to numbers", _are_numbers)]
+    function: Callable[..., Any]
+
+
+def fit(name: str, *, formula: str, start: Mapping[str, float]) -> Callable[[_Function], _Function]:
+    """Declare a law that plots of studies fit to curves: ``fit: name``.
+
+    The decorated function gets the values along x, an array (n,), then the numbers of the law, each
+    by its letter; it returns the values along y, (n,), in the units of the axes.
+
+    Parameters
+    ----------
+    name : str
+        What study files call it.
+    formula : str
+        The law, for captions: ``"y = a (1 - exp(-x/b))"``.
+    start : mapping
+        Letter of each number -> the value from which least squares begin.
+    """
+
+    def register(function: _Function) -> _Function:
+        fields = {"formula": formula, "start": start, "function": function}
+        law = declared(FitLaw, f"fit {name}", **fields)
+        require_function(f"fit {name}", function, takes=1, named=law.start)
+
+        def attributed(x: Any, **numbers: float) -> Any:
+            with attribute_errors_to(FIT, name):
+                return function(x, **numbers)
+
+        # That of the function may be wider than what least squares call it with.
+        names = ("x", *law.start)
+        attributed.__signature__ = Signature(  # type: ignore[attr-defined]
+            [Parameter(one, Parameter.POSITIONAL_OR_KEYWORD) for one in names]
+        )
+        add(FIT, name, law.model_copy(update={"function": attributed}), FITS)
+        return function
+
+    return register
+
+
+def fits() -> tuple[str, ...]:
+    """Return the names of all laws: those that ship, then those of plug-ins."""
+    return (*FITS, *additions(FIT))
 
 
 def require_kind(kind: str, kinds: Collection[str] = ()) -> str:
@@ -37,7 +105,7 @@ Kind = Annotated[
 FitName = Annotated[
     str,
     AfterValidator(lambda name: require_kind(name, fits())),
-    WithJsonSchema({"anyOf": [{"enum": [*SHIPPED]}, {"type": "string", "pattern": PLUGIN_NAME}]}),
+    WithJsonSchema({"anyOf": [{"enum": [*FITS]}, {"type": "string", "pattern": PLUGIN_NAME}]}),
 ]
 
 #: Allowed values of ``between``, for messages.
@@ -118,17 +186,16 @@ class BesideFile(Strict):
     yerr: str = optional("of a file: column with the errors of y, half the length of their bars")
     line: bool = Field(False, description="a line through the points, in their order, not markers")
 
-    def rules(self) -> Iterator[PydanticCustomError]:
+    def require_rules(self) -> None:
         has_file = self.file is not None
-        for key, allowed in _NEEDED[has_file].items():
-            if getattr(self, key) is None:
-                yield broken_rule(key, None, allowed)
+        for key, needed in _NEEDED[has_file].items():
+            self.require(key, getattr(self, key) is not None, needed)
         for key in _OTHERS[has_file]:
-            if (value := getattr(self, key)) is not None:
-                yield broken_rule(key, value, "points, or columns of a file, not both")
+            is_left = getattr(self, key) is None
+            self.require(key, is_left, "points, or columns of a file, not both")
         require_printable(self.name, "label", _MAX_LABEL_LENGTH)
-        if self.points and self.line and len(self.points) < 2:
-            yield broken_rule("points", self.points, "at least two points for a line")
+        is_enough = has_file or not self.line or len(self.points) > 1
+        self.require("points", is_enough, "at least two points for a line")
 
     @property
     def name(self) -> str:
@@ -215,35 +282,34 @@ class PlotFile(Strict):
         json_schema_extra={"allowed": "a list of 'x', 'y' or 'colour'"},
     )
 
-    def rules(self) -> Iterator[PydanticCustomError]:
+    def require_rules(self) -> None:
         require_printable(self.title)
         keys = ("x", "y", "colour", "parameters", "curves", "panels", "between", "beside", "fit")
         for key in keys:
             value = getattr(self, key)
             if value is not None and key not in self.keys_of_kind:
                 allowed = f"a key of {self.kind}: {', '.join(self.keys_of_kind)}"
-                yield broken_rule(key, value[0].name if key == "beside" else value, allowed)
+                raise broken_rule(key, value[0].name if key == "beside" else value, allowed)
             if value is None and key in self.keys.axes:
                 alternative = ", or an observable" if self.keys.second == key else ""
-                yield broken_rule(key, value, f"a parameter that the points vary{alternative}")
+                raise broken_rule(key, value, f"a parameter that the points vary{alternative}")
         for number, axis in enumerate(self.log):
             if axis not in self.log_axes:
-                yield broken_rule(f"log[{number}]", axis, "one of " + ", ".join(self.log_axes))
-        if self.fit and self.keys.is_map and self.show != REGIME:
-            yield broken_rule("fit", self.fit, "a map of regimes, with boundaries")
+                raise broken_rule(f"log[{number}]", axis, "one of " + ", ".join(self.log_axes))
+        has_lines = not self.keys.is_map or self.show == REGIME
+        self.require("fit", has_lines or not self.fit, "a map of regimes, with boundaries")
         low, high = self.between or (0, 1)
-        if not 0 <= low < high:
-            yield broken_rule("between", self.between, _ALLOWED_BETWEEN)
+        self.require("between", 0 <= low < high, _ALLOWED_BETWEEN)
         labels: set[str] = set()
         for number, data in enumerate(self.beside or []):
             if data.name in labels:
-                yield broken_rule(f"beside[{number}].label", data.name, "a label of its own")
+                raise broken_rule(f"beside[{number}].label", data.name, "a label of its own")
             labels.add(data.name)
             for index, point in enumerate(data.points or []):
                 place = f"beside[{number}].points[{index}]"
                 for letter, value in zip("xy", point, strict=True):
                     if value < self.least(letter):
-                        yield broken_rule(place, point, allowed_on_logarithmic(letter))
+                        raise broken_rule(place, point, allowed_on_logarithmic(letter))
 
     def least(self, axis: str) -> float:
         """Return the least number that can be drawn on the axis ``"x"`` or ``"y"``."""
@@ -252,7 +318,7 @@ class PlotFile(Strict):
     @property
     def keys(self) -> Keys:
         """The keys of its kind."""
-        return find_kind(self.kind).keys
+        return kinds()[self.kind].keys
 
     @property
     def keys_of_kind(self) -> tuple[str, ...]:

@@ -16,7 +16,6 @@ from sim.base.messages import MOST_NAMES, did_you_mean, near, one_of
 from sim.base.plugins import require_function, require_one_of, with_declared_types
 from sim.parameters import SYSTEMS
 from sim.parameters.variables import Variable, observable_variables, plotted_name, variables_of
-from sim.study.fits import FIT
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -140,7 +139,7 @@ def plot_kind(
     """
     if keys is None:
         require_one_of(f"plot {name}: like", like, study_kinds())
-        base = find_kind(like)
+        base = kinds()[like]
     elif like or not isinstance(keys, Keys):
         got = in_short(keys)
         raise AdditionError(f"plot {name}: keys is of type Keys, without like: got {got}")
@@ -187,21 +186,10 @@ def kinds() -> Mapping[str, PlotKind]:
     return dict(sorted(shipped(PLOT).items())) | own
 
 
-def find_kind(name: str) -> PlotKind:
-    """Return the kind of plot with a name."""
-    return kinds()[name]
-
-
 def study_kinds(*, own: bool = False) -> list[str]:
     """Return the names of the kinds of studies' plots, with ``own`` those of plug-ins, too."""
     every, ours = kinds(), shipped(PLOT)
     return [name for name in every if every[name].keys.observable and (own or name in ours)]
-
-
-def plugin_code(kind: str, fit: str | None) -> str:
-    """Return the hashes of the plug-ins of a kind and of a law that is fitted; empty for Talus."""
-    own = additions(PLOT).get(kind), additions(FIT).get(fit or "")
-    return " ".join(one.plugin.code for one in own if one)
 
 
 #: Greatest depth n whose pictures show a portion of the cell: the half near the viewer.
@@ -268,7 +256,7 @@ def _observable(name: str, row: Variable) -> Observable:
 
 def shown_by() -> dict[str, dict[str, Mapping[str, Observable]]]:
     """Return the observables that each kind of a study's plots can show, by kind and system."""
-    shows = {kind: find_kind(kind).keys.shows for kind in study_kinds()}
+    shows = {kind: kinds()[kind].keys.shows for kind in study_kinds()}
     return {kind: {system: show(system) for system in SYSTEMS} for kind, show in shows.items()}
 
 
@@ -304,7 +292,7 @@ def find_observable(kind: str, key: str, name: str, system: str, error: ErrorMak
 
     Raises what ``error`` makes for a name that it cannot show.
     """
-    shows = find_kind(kind).keys.shows
+    shows = kinds()[kind].keys.shows
     observables = shows(system)
     if name in observables:
         return observables[name]

@@ -1,19 +1,18 @@
 """Questions of a study: what all have in common, and entries under ``surrogate`` of its file."""
 
-from collections.abc import Container, Iterable, Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from functools import partial
 from itertools import islice, takewhile
 from pathlib import Path
 from typing import Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import Field
-from pydantic_core import PydanticCustomError
 
 from sim.base.errors import Allowed, InputError
-from sim.base.messages import did_you_mean
+from sim.base.messages import one_of
 from sim.parameters import NUMERICAL, Parameters, point_id
-from sim.parameters.common import Real, broken_rule
-from sim.parameters.forms import require_observables
+from sim.parameters.common import Real
+from sim.parameters.observables import require_observables
 from sim.study.design import Axis
 from sim.study.entries import ALLOWED_NAME, NAME, Strict, optional
 from sim.study.plottable import find_observable, numbers, require_stored
@@ -109,12 +108,12 @@ class SurrogateFile(Question):
 
     folder: ClassVar[str] = "surrogates"
 
-    #: What `about` adds: the system of the series; the parameters that its points vary; its design,
-    #: whose further points are those of rounds; and the figures of papers that these feed.
+    #: What `resolve` adds: the system of the series; the parameters that its points vary; its
+    #: design, whose further points are those of rounds; and the figures of papers that these feed.
     system: ClassVar[str]
     axes: ClassVar[tuple[Axis, ...]]
-    design: ClassVar[Any]
-    figures: ClassVar[tuple[str, ...]]
+    design: ClassVar[Any] = None
+    figures: ClassVar[tuple[str, ...]] = ()
 
     name: str = name_field("surrogate", "in the study")
     series: str = Field(description="series whose points it goes through")
@@ -134,16 +133,10 @@ class SurrogateFile(Question):
     budget: Real = optional("core hours that rounds may add, of processor time", gt=0, le=1e6)
     batch: int = Field(4, description="points that a round adds", ge=1, le=1000)
 
-    def rules(self) -> Iterator[PydanticCustomError]:
+    def require_rules(self) -> None:
         for key, other in (("error", "budget"), ("budget", "error")):
-            if getattr(self, key) is None and getattr(self, other) is not None:
-                yield broken_rule(key, None, f"a number, as {other} is given: rounds need both")
-
-    def about(
-        self, system: str, axes: tuple[Axis, ...], design: Any = None, figures: Iterable[str] = ()
-    ) -> Self:
-        """Return the surrogate of points of a system that vary some parameters."""
-        return self.with_values(system=system, axes=axes, design=design, figures=tuple(figures))
+            has_both = getattr(self, key) is not None or getattr(self, other) is None
+            self.require(key, has_both, f"a number, as {other} is given: rounds need both")
 
     def resolve(self, study: Any, place: Place) -> Self:
         """Return the surrogate with system, parameters and design of its series."""
@@ -173,7 +166,9 @@ class SurrogateFile(Question):
         if self.has_rounds and (design is None or design.kind not in ("sobol", "random")):
             allowed = "with error, a series with a design of kind sobol or random"
             raise place.error("series", self.series, allowed)
-        return self.about(system, axes, design if self.has_rounds else None, family.figures)
+        further = design if self.has_rounds else None
+        given: dict[str, Any] = {"design": further, "figures": tuple(family.figures)}
+        return self.with_values(system=system, axes=axes, **given)
 
     @property
     def of(self) -> Self:
@@ -218,8 +213,8 @@ def surrogate_named(name: str, study: Any, place: Place) -> SurrogateFile:
     """Return the surrogate that a question names; its parameters must all be numbers."""
     named: dict[str, SurrogateFile] = {one.name: one for one in study.surrogates}
     if name not in named:
-        allowed = "one of " + ", ".join(named) if named else "the name of a surrogate"
-        raise place.error("surrogate", name, Allowed(did_you_mean(name, named), allowed))
+        allowed = one_of(name, named) if named else "the name of a surrogate"
+        raise place.error("surrogate", name, allowed)
     for axis in named[name].axes:
         if not axis.is_number:
             got = f"{name}, which varies {axis.name}"

@@ -22,7 +22,7 @@ import pandas as pd
 
 from sim.base.errors import percent
 from sim.base.statistics import MANY, student
-from sim.study.sensitivity import FEWEST_BLOCKS
+from sim.study.questions import FEWEST_BLOCKS
 from sim.surrogates.answers import EVEN, Refusal
 from sim.surrogates.fit import LENGTHS, counted_probability
 from sim.surrogates.sample import scaled

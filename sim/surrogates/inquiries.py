@@ -20,12 +20,11 @@ from sim.dataset.replicates import replicate_values
 from sim.dataset.results import Results, load_results
 from sim.dataset.rounds import read_round
 from sim.parameters import Parameters, canonical_values, point_id
-from sim.study.calibration import CalibrateFile
 from sim.study.design_file import DesignFile
 from sim.study.load import Study, load_study
+from sim.study.model import estimate
 from sim.study.plottable import numbers
-from sim.study.points import estimate
-from sim.study.sensitivity import PropagationFile, SensitivityFile
+from sim.study.questions import CalibrateFile, PropagationFile, SensitivityFile
 from sim.study.surrogate import LARGE_ERROR, Question, SurrogateFile
 from sim.surrogates import answers
 from sim.surrogates.answers import Refusal, answer_name, save_refusal

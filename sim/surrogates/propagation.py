@@ -20,7 +20,7 @@ import pandas as pd
 from sim.base.errors import percent
 from sim.base.statistics import CONFIDENCE, MANY, student, student_half_width
 from sim.study.design import Axis, read_comparison
-from sim.study.sensitivity import FEWEST_RUNS
+from sim.study.questions import FEWEST_BLOCKS
 from sim.surrogates.answers import Refusal
 from sim.surrogates.indices import DesignRuns, require_learned, smooth_field, tabulate
 from sim.surrogates.sample import unscaled
@@ -63,11 +63,10 @@ def spread_of_runs(
     """
     is_known = np.isfinite(runs.values)
     values, count, total = runs.values[is_known], int(is_known.sum()), len(is_known)
-    if count < max(FEWEST_RUNS, (1 - _MOST_LEFT_OUT) * total):
+    if count < max(FEWEST_BLOCKS, (1 - _MOST_LEFT_OUT) * total):
         raise Refusal(
-            f"no spread, as {count} of {total} points have a value, and "
-            f"{FEWEST_RUNS} and half of them are needed; other ranges or the key regimes may give "
-            "others"
+            f"no spread, as {count} of {total} points have a value, and {FEWEST_BLOCKS} and half "
+            "of them are needed; other ranges or the key regimes may give others"
         )
     variance, noise = float(values.var(ddof=1)), float(runs.noise[is_known].mean())
     share = noise / variance if variance else 0.0

@@ -13,11 +13,13 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from sim.base.additions import plugin_options
 from sim.base.errors import InputError
 from sim.dataset.replicates import SCALARS, answering_regime, outcomes, replicate_values
 from sim.dataset.results import Results
-from sim.parameters import NUMERICAL, SYSTEMS, functions
-from sim.parameters.forms import Form
+from sim.parameters import NUMERICAL, SYSTEMS
+from sim.parameters.laws import FUNCTION_NAME
+from sim.parameters.observables import Form
 from sim.study.design import Axis
 from sim.study.plottable import numbers
 from sim.study.surrogate import SurrogateFile
@@ -93,7 +95,8 @@ def sample_points(results: Results, spec: SurrogateFile) -> xr.Dataset:
 
 def is_exact(rows: xr.Dataset) -> bool:
     """Return whether all rows are calls of functions that do not depend on chance."""
-    return "function" in rows and all(map(functions.is_exact, rows["function"].values))
+    exact = {name for name, one in plugin_options(FUNCTION_NAME).items() if not one.is_random}
+    return FUNCTION_NAME in rows and exact.issuperset(rows[FUNCTION_NAME].values)
 
 
 def _core_seconds(rows: xr.Dataset) -> np.ndarray:

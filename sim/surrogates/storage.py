@@ -19,7 +19,7 @@ import xarray as xr
 
 from sim.base.errors import InputError, percent
 from sim.base.seals import is_damaged, read_summary
-from sim.parameters.forms import forms
+from sim.parameters.observables import forms
 from sim.study.design import Axis
 from sim.study.file import QUESTIONS
 from sim.study.model import Study

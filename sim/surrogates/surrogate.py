@@ -11,7 +11,7 @@ import xarray as xr
 from sim.base.errors import InputError, percent
 from sim.base.messages import one_of
 from sim.base.statistics import MANY, student
-from sim.parameters.forms import forms
+from sim.parameters.observables import forms
 from sim.study.design import Axis
 from sim.study.plottable import numbers
 from sim.study.surrogate import SurrogateFile, fewest_points

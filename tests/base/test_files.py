@@ -39,10 +39,8 @@ def test_what_a_killed_process_left_is_removed_and_what_a_living_one_writes_is_n
     dead = subprocess.Popen([sys.executable, "-c", ""])
     dead.wait()
     leftover = tmp_path / f".made.txt.{dead.pid}.a1b2_c3d.part"
-    of_earlier_version = tmp_path / f".made.txt.{dead.pid}.part"
     in_progress = tmp_path / f".made.txt.{os.getppid()}.a1b2_c3d.part"
     others = [tmp_path / f".{name}.{dead.pid}.a1b2_c3d.part" for name in ("other", "made.txt.x")]
-    of_earlier_version.write_text("half")
     for folder in (leftover, in_progress, *others):
         folder.mkdir()
         (folder / "made.txt").write_text("half")

@@ -18,7 +18,7 @@ from sim.figures import animation
 from sim.figures.render import find_spec, render
 from sim.study.figure_spec import FIGURES, FigureSpec
 from sim.study.load import load_study
-from sim.study.plottable import Keys, find_kind, kinds, study_kinds
+from sim.study.plottable import Keys, kinds, study_kinds
 from tests import conformance  # noqa: F401  (loads the plug-ins)
 from tests.figures import made_papers
 from tests.made.figures import make_built_regimes, make_built_study
@@ -50,8 +50,8 @@ STATES = {"all": None, "one": 1, "none": 0}
 
 def like(kind: str) -> str:
     """Return the kind of Talus whose keys a kind takes."""
-    keys = replace(find_kind(kind).keys, others=())
-    return next(one for one in KEYS if replace(find_kind(one).keys, others=()) == keys)
+    keys = replace(kinds()[kind].keys, others=())
+    return next(one for one in KEYS if replace(kinds()[one].keys, others=()) == keys)
 
 
 def form(spec: FigureSpec) -> str:

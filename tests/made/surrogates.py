@@ -81,7 +81,7 @@ def made_sample(
 def asked(axes: Sequence[Axis] = AXES[:2], system: str = "chute", **keys: object) -> SurrogateFile:
     """Return a question for a surrogate over some axes."""
     keys = {"name": "speed", "series": "wide", **keys}
-    return SurrogateFile(**keys).about(system, tuple(axes))
+    return SurrogateFile(**keys).with_values(system=system, axes=tuple(axes))
 
 
 def made_surrogate(

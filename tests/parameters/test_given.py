@@ -27,6 +27,11 @@ def test_the_content_is_part_of_the_id_and_the_path_is_not(tmp_path):
     assert "csv" not in point_id(first) and first.particles == 2 and first.depth == 2 / 16
 
 
+def test_both_sides_of_a_cell_count():
+    for sides in ({"cell": [4, 8]}, {"cell_across": 8}):
+        assert (point(**sides).particles, point(**sides).depth) == (2, 2 / 32)
+
+
 @pytest.mark.parametrize(
     "text",
     [

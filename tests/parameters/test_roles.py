@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from sim.parameters import NUMERICAL, SYSTEMS, parse_point, point_id
-from sim.parameters.functions import FunctionParameters
+from sim.parameters.laws import FunctionParameters
 from sim.parameters.roles import (
     TABLE,
     added_parameters,

@@ -18,7 +18,7 @@ from sim.parameters import (
     parse_point,
     point_id,
 )
-from sim.study.points import estimate
+from sim.study.model import estimate
 from tests.properties.values import ANYTHING, GIVEN, SCALARS, allowed
 
 NAMES = sorted({"system"}.union(*(model.model_fields for model in SYSTEMS.values())))

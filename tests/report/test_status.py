@@ -11,7 +11,7 @@ from sim.__main__ import main
 from sim.base.errors import duration
 from sim.parameters import canonical_values, parse_point, point_id
 from sim.report.status import STATES, as_json, as_text
-from sim.study.points import estimate
+from sim.study.model import estimate
 from tests.made.folder import BOUNDED, EARLIER, LATER, STUDY, Folder
 from tests.made.netcdf import edit_file
 from tests.made.processes import refusal

@@ -14,7 +14,7 @@ from sim.study.entries import expand_range
 from sim.study.figure_spec import FIGURES
 from sim.study.file import MAX_POINTS
 from sim.study.load import ExtraAmounts, Study, load_study, parse_study, with_extra_amounts
-from sim.study.points import estimate
+from sim.study.model import estimate
 
 EXAMPLE = {
     "study": "example",

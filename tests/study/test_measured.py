@@ -47,7 +47,7 @@ def test_a_file_is_no_link_to_elsewhere_and_has_no_endless_name(tmp_path):
     link.symlink_to("other/exp.csv")
     with pytest.raises(InputError, match=r"link\.csv: a link to elsewhere; allowed: the name of a"):
         read_measured(link)
-    with pytest.raises(InputError, match=r"a\.csv: (File name too long|no such file)"):
+    with pytest.raises(InputError, match=r"a\.csv: (cannot be read: File name|no such file)"):
         read_measured(tmp_path / f"{'a' * 300}.csv")
     (tmp_path / "exp.csv").write_text(TABLE)
     link.unlink()

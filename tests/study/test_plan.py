@@ -22,12 +22,12 @@ from sim.parameters import (
     point_id,
 )
 from sim.study.load import load_study
-from sim.study.plan import Plan
-from sim.study.points import (
+from sim.study.model import estimate
+from sim.study.plan import (
     MAX_BATCH_POINTS,
     MAX_BATCH_SECONDS,
     MIN_BATCH_SECONDS,
-    estimate,
+    Plan,
     plan_batches,
 )
 

@@ -9,7 +9,7 @@ from sim.base.plugins import load_plugins
 from sim.figures.render import drawing_of
 from sim.parameters import SYSTEMS
 from sim.study.load import Study, parse_study
-from sim.study.plottable import find_kind, study_kinds
+from sim.study.plottable import kinds, study_kinds
 from tests.made.plugins import restore_plugins
 
 SERIES = {
@@ -108,7 +108,7 @@ def test_every_kind_shows_its_usual_observable_of_every_system(parse, kind, syst
     grids = {"chute": {"depth": [1, 2], "friction": [0.4, 0.5]}}
     grids["belt"] = {"frequency": [20, 50], "obstacle": [0, 1]}
     grids["conveyor"] = {"frequency": [20, 50], "friction": [0.2, 0.4]}
-    keys = find_kind(kind).keys
+    keys = kinds()[kind].keys
     axes = dict(zip(keys.axes, grids[system], strict=False))
     series = {"name": "a", "system": system, "grid": grids[system]}
     spec = parse({"name": "p", "kind": kind} | axes, series=(series,)).plots["p"]

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.study.points import (
+from sim.study.model import (
     PARTS,
     BoundaryEstimate,
     divide_range,

@@ -10,7 +10,7 @@ from sim.dataset.adopted import adopt
 from sim.dataset.build import build
 from sim.dataset.rounds import read_round
 from sim.study.load import load_study
-from sim.study.points import further_rounds
+from sim.study.model import further_rounds
 from sim.surrogates.inquiries import write_round
 from tests.made.project import bare_folder, planned_jobs, planned_points, points, snakemake
 from tests.made.runs import write_run

@@ -5,7 +5,7 @@ After Silbert et al., Phys. Rev. E 64, 051302 (2001), whose slice is 1.2 diamete
 
 import numpy as np
 
-from sim.parameters.packed_base import PACKING, SLICE, spheres_in_slice
+from sim.parameters.images import PACKING, SLICE, spheres_in_slice
 
 #: Height of the packing in diameters, in which it is periodic, too.
 HEIGHT = 5.0

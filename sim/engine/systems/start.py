@@ -18,8 +18,7 @@ from sim.engine.states import flatten
 from sim.engine.systems.packed_base import packed_base
 from sim.parameters import BeltParameters, point_id
 from sim.parameters.given import given_particles, overlapping_pair
-from sim.parameters.images import wider_cell
-from sim.parameters.packed_base import TOP
+from sim.parameters.images import TOP, wider_cell
 from sim.parameters.spheres import SphereParameters
 
 #: Offsets to the neighbor cells, the nearest first: there a trial most often fails.

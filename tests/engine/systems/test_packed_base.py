@@ -5,7 +5,7 @@ import pytest
 
 from sim.engine.systems import build
 from sim.engine.systems.packed_base import MAX_OVERLAP, random_close_packing
-from sim.parameters.packed_base import PACKING, SLICE, TOP
+from sim.parameters.images import PACKING, SLICE, TOP
 from tests.engine_motion.points import chute_point
 
 ROUGH = {"bumps": 0.8, "bump_arrangement": "packing", "law": "hertz", "depth": 1}
