@@ -58,13 +58,6 @@ def law_for(point, friction=0.5, **changes) -> NamedTuple:
     return law_of(point, Partners(friction, 0.5 * MASS, point.time_step))._replace(**changes)
 
 
-def reference_of(point, numbers) -> FunctionLaw:
-    """Return the law as the reference takes it."""
-    law = point.option("law")
-    how = law.turns, law.remembers, law.rolls, point.law_reach
-    return FunctionLaw(numbers, law.force, *how)
-
-
 @kernel
 def one_step(law, overlap, approach, normal, slip, memory):
     """Advance a single contact."""
@@ -78,7 +71,7 @@ def check_contact(name: str) -> None:
     """
     rng, point = np.random.default_rng(4), point_of(law=name, **ALL if name == "able" else {})
     numbers, option = law_for(point), point.option("law")
-    reference, contact, stuck = reference_of(point, numbers), Contact(), 0
+    reference, contact, stuck = FunctionLaw.of(point, numbers), Contact(), 0
     first = 6 if option.rolls else 0
     turning = 3 + first + 3 * option.turns
 
@@ -340,7 +333,7 @@ def test_a_few_spheres_move_as_those_of_the_reference():
     one, other = cluster(law, point, **given), cluster(law, point, **given)
     spheres = Spheres(*map(np.array, (other.position, other.velocity, other.spin)), None, MASS)
     spheres.radius, spheres.mass = other.spheres.radius.copy(), np.array(other.mass)
-    reference = reference_of(point, law)
+    reference = FunctionLaw.of(point, law)
     chute = Chute(reference, reference, None, given["gravity"])
     spheres = run(spheres, chute, point.time_step, 600)
     one.run(600)
