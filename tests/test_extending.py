@@ -224,23 +224,6 @@ def test_points_tell_the_law_and_its_code(folder):
         assert first & ids() == {usual}
 
 
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"law": "herz"}, "law: got 'herz'; allowed: .*TALUS_PLUGINS name the plug-in"),
-        ({"law": "hertz_mindlin.00000000"}, "law: got 'hertz_mindlin.00000000'; allowed: "),
-        ({"grain_modulus": 2e6}, "grain_modulus: got 2000000; .* unless law is hertz_mindlin"),
-        ({"law": "hertz_mindlin", "grain_modulus": 0}, "got 0; allowed: a number > 0"),
-        ({"law": "hertz_mindlin", "grain_poisson": 0.7}, r"allowed: a number in \[0, 0.5\]"),
-        ({"law": "hertz_mindlin", "restitution": 1.5}, "restitution"),
-    ],
-)
-def test_points_of_a_law_are_checked(folder, values, message):
-    load_plugins("hertz_mindlin.py")
-    with pytest.raises(InputError, match=message):
-        parse_point({"system": "chute"} | values, "point")
-
-
 def test_a_law_whose_collision_takes_no_time_is_told_with_its_line(folder):
     path = folder / "hertz_mindlin.py"
     path.write_text(path.read_text().replace("return 2.87 *", "return 0 *"))

@@ -79,25 +79,6 @@ def test_a_parameter_of_a_plugin_may_be_negative(folder, motion, name, value):
 
 
 @pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"motion": "ellips"}, "motion: got 'ellips'; allowed: "),
-        ({"belt_lag": 30}, "belt_lag: got 30; .* unless motion is ellipse"),
-        ({"grain_modulus": 2e6, "motion": "ellipse"}, "grain_modulus: .* unless law is hertz"),
-        ({"motion": "ellipse", "overtone": 3}, "overtone: got 3; .*2 unless motion is harmonic"),
-        *(
-            ({"motion": "ellipse", name: 0.5}, f"{name}: got 0.5; .*0 unless motion is harmonic")
-            for name in ("phase_along", "overtone_amplitude", "overtone_along", "overtone_phase")
-        ),
-    ],
-)
-def test_conveyors_of_a_motion_are_checked(folder, values, message):
-    load_plugins("hertz_mindlin.py", "ellipse.py")
-    with pytest.raises(InputError, match=message):
-        parse_point({"system": "conveyor"} | values, "point")
-
-
-@pytest.mark.parametrize(
     ("given", "said"),
     [
         (

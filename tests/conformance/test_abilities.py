@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 import sim
-from sim.base.additions import AdditionError
 from sim.base.errors import InputError
 from sim.engine.compile import kernel
 from sim.engine.contact import Partners, law_of
@@ -159,26 +158,6 @@ def test_a_cell_is_as_wide_as_the_law_reaches(tmp_path):
     with restore_plugins():
         sim.load_plugins(FILE)
         assert point_of(**given | {"bridge_length": 0.49}).law_reach == pytest.approx(0.588e-3)
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"rolls": True}, "energy: got .*; allowed: a function of 7 arguments"),
-        ({"turns": 2}, "turns: got 2; allowed: 3 numbers each of the 4 remembered"),
-        ({"turns": -1}, "turns: got -1; allowed: an integer >= 0"),
-        ({"reach": 0.1}, "reach: got 0.1; allowed: a function of 1 argument"),
-    ],
-)
-def test_what_a_law_says_of_its_abilities_is_checked(changes, message):
-    functions = {
-        "make": lambda p, partners: (),
-        "force": lambda *given: (),
-        "energy": lambda law, overlap, tangential, memory, radius, mass: (0.0, 0.0),
-        "collision_time": lambda p: 1.0,
-    }
-    with pytest.raises(AdditionError, match=f"law mine: {message}"):
-        sim.law("mine", **functions | changes)
 
 
 def on_plane(law, point, slides=0.0, spins=0.0, slope=0.0) -> SphereMotion:

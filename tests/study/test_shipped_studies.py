@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 import yaml
 
-from sim.base.errors import InputError
 from sim.study.figure_spec import FIGURES
 from sim.study.load import load_study, parse_study
 
@@ -41,26 +40,6 @@ def test_a_study_has_the_points_of_its_parts(tmp_path):
     assert study.series == halves[0].series | halves[1].series
     assert study.figures == halves[0].figures | halves[1].figures
     assert len(study.boundaries) == sum(len(half.boundaries) for half in halves)
-
-
-@pytest.mark.parametrize(
-    ("part", "message"),
-    [
-        ("absent.yaml", "absent.yaml"),
-        ("nested.yaml", "parts[0]: got 'nested.yaml'; allowed: a study without parts of its own"),
-        ("same.yaml", "series b: got 'same.yaml'; allowed: a part without a series of a name"),
-        ("bad.yaml", "bad.yaml: series[0].base.frequency: got -1"),
-    ],
-)
-def test_a_part_that_cannot_be_used_is_named(part, message, tmp_path):
-    one = "series: [{name: b, system: belt, base: {frequency: FREQUENCY}}]"
-    (tmp_path / "nested.yaml").write_text("study: n\nparts: [same.yaml]")
-    (tmp_path / "same.yaml").write_text("study: s\n" + one.replace("FREQUENCY", "20"))
-    (tmp_path / "bad.yaml").write_text("study: s\n" + one.replace("FREQUENCY", "-1"))
-    path = tmp_path / "study.yaml"
-    path.write_text(f"study: x\nparts: [{part}]\n" + one.replace("FREQUENCY", "30"))
-    with pytest.raises(InputError, match=re.escape(message)):
-        load_study(path, tmp_path)
 
 
 @pytest.mark.parametrize("name", ["quick", "paper", "paper_walton", "paper_gallas", "regimes"])
