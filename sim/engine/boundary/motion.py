@@ -8,6 +8,7 @@ import numpy as np
 from sim.base.additions import plain_name, plugin_error
 from sim.engine.compile import (
     adopt_type,
+    call_by_type,
     implements,
     inlined,
     kernel,
@@ -60,7 +61,7 @@ def _require_sound(motion: NamedTuple) -> None:
     panel = 2.0 * pi / PANELS
     angles = (panel * np.arange(PANELS)[:, None] + 0.5 * panel * (1.0 + NODES)).ravel()
     cycles = [angles, *(angles + 2.0 * pi * turns for turns in (1, 1000))]
-    first, *later = results = [states(motion, cycle) for cycle in cycles]
+    first, *later = results = [call_by_type(states, motion, cycle) for cycle in cycles]
     for cycle, values in zip(cycles, results, strict=True):
         if not (is_finite := np.isfinite(values).all(axis=0)).all():
             angle, state = cycle[~is_finite][0], values[:, ~is_finite][:, 0].tolist()
@@ -77,7 +78,7 @@ def _require_sound(motion: NamedTuple) -> None:
             )
     slope = first[2].reshape(PANELS, NODES.size)
     integral = np.cumsum(0.5 * panel * (slope * WEIGHTS).sum(axis=1))
-    height = states(motion, panel * np.arange(PANELS + 1))[0]
+    height = call_by_type(states, motion, panel * np.arange(PANELS + 1))[0]
     rise = height[1:] - height[0]
     worst = int(np.argmax(np.abs(rise - integral)))
     if not abs(rise[worst] - integral[worst]) <= HEIGHT_TOLERANCE * np.abs(first[[0, 2]]).max():
