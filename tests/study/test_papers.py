@@ -18,8 +18,7 @@ from sim.parameters import parse_point, point_id
 from sim.report.points import warnings
 from sim.study.load import parse_study
 from sim.study.papers import paper_values, papers
-from tests.made.plugins import restore_plugins, without_plugins
-from tests.made.processes import ROOT
+from tests.made.processes import ROOT, restore_plugins, without_plugins
 from tests.made.results import made_point, made_results
 
 #: Values of a paper, two of them of its law alone.

@@ -10,7 +10,7 @@ from sim.figures.render import drawing_of
 from sim.parameters import SYSTEMS
 from sim.study.load import Study, parse_study
 from sim.study.plottable import find_kind, study_kinds
-from tests.made.plugins import restore_plugins
+from tests.made.processes import restore_plugins
 
 SERIES = {
     "name": "flows",
