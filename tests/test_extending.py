@@ -32,8 +32,7 @@ from sim.report.page import build as build_report
 from sim.report.publish import publish
 from sim.study.load import Study, load_study, parse_study
 from sim.study.papers import paper_values
-from tests.made.plugins import plugin_claims, restore_plugins, without_plugins
-from tests.made.processes import ROOT, run_lines
+from tests.made.processes import ROOT, plugin_claims, restore_plugins, run_lines, without_plugins
 from tests.made.runs import write_run
 
 EXAMPLES = ROOT / "docs" / "examples"

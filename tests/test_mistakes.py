@@ -10,8 +10,7 @@ import pytest
 import yaml
 
 from sim.__main__ import main
-from tests.made.plugins import restore_plugins
-from tests.made.processes import ROOT
+from tests.made.processes import ROOT, restore_plugins
 
 TABLE = Path(__file__).with_name("mistakes.yaml").read_text(encoding="utf-8")
 GROUPS = yaml.load(TABLE, yaml.CSafeLoader)["mistakes"]

@@ -21,8 +21,7 @@ from sim.study.load import load_study
 from sim.study.points import MAX_BATCH_POINTS, plan_batches
 from sim.surrogates import inquiries
 from sim.surrogates.sample import sample_points
-from tests.made.plugins import restore_plugins, without_plugins
-from tests.made.processes import ROOT
+from tests.made.processes import ROOT, restore_plugins, without_plugins
 from tests.surrogates.predictors import ISHIGAMI_FIRST, ISHIGAMI_TOTAL
 
 EXAMPLE = ROOT / "docs" / "examples" / "ishigami.py"

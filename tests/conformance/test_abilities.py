@@ -30,8 +30,7 @@ from tests.engine.reference.laws import Contact, FunctionLaw
 from tests.engine_motion.helpers import GRAVITY, MASS, RADIUS
 from tests.engine_motion.motion import SphereMotion
 from tests.engine_motion.points import energy_residual, series_of
-from tests.made.plugins import restore_plugins
-from tests.made.processes import HANG, ROOT, in_process
+from tests.made.processes import HANG, ROOT, in_process, restore_plugins
 
 FILE, HERTZ = ROOT / "tests" / "made" / "able.py", "docs/examples/hertz_mindlin.py"
 
@@ -121,7 +120,7 @@ def check_contact(name: str) -> None:
     ("file", "changes"),
     [
         ("tests/made/able.py", {}),
-        ("docs/examples/rolling.py", {}),
+        pytest.param("docs/examples/rolling.py", {}, marks=pytest.mark.long),
         (HERTZ, {"    remembers=1,\n": "", "(drag,), lost": "(drag, 0.0, 2.0, drag), lost"}),
         (HERTZ, {"remembers=1": "remembers=0", "(drag,), lost": "(), lost", "memory[0]": "drag"}),
     ],

@@ -7,8 +7,8 @@ from sim.claims.verdict import INCONCLUSIVE, REPRODUCED
 from sim.papers.gallas.judges.friction import g9, g10, g11, g12, g36
 from sim.papers.gallas.judges.obstacle import g31, g33, g34
 from sim.papers.gallas.judges.paths import g24, g25, g32
-from tests.made.judging import letters, verdict_of
 from tests.made.paper_belt import BEAD, paper_point, velocity
+from tests.made.results import letters, verdict_of
 
 SHEAR = (0, 10, 20, 50, 100)
 

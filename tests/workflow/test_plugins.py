@@ -16,8 +16,7 @@ from sim.claims.claim import claims
 from sim.study.figure_spec import FIGURES
 from sim.study.load import load_study
 from sim.study.papers import papers
-from tests.made.plugins import restore_plugins
-from tests.made.processes import ROOT
+from tests.made.processes import ROOT, restore_plugins
 from tests.made.project import planned_jobs, snakemake
 from tests.made.runs import HEIGHTS, write_run
 
