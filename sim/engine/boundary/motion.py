@@ -44,8 +44,7 @@ class Harmonic(NamedTuple):
 def motion_of(p: Parameters) -> NamedTuple:
     """Return the motion of a point."""
     motion = make_numbers(MOTION, p, add_motion, p)
-    option = getattr(p, MOTION.name, "")
-    if MOTION.is_own(option):
+    if MOTION.is_own(option := getattr(p, MOTION.name, "")):
         try:
             _require_sound(motion)
         except ValueError as error:
@@ -131,8 +130,7 @@ def states(motion, angles):
     """Return the results (3, K) of ``state`` at angles (K,)."""
     results = np.empty((3, angles.size))
     for k in range(angles.size):
-        height, along, upward = shape_of(motion, angles[k])
-        results[0, k], results[1, k], results[2, k] = height, along, upward
+        results[0, k], results[1, k], results[2, k] = shape_of(motion, angles[k])
     return results
 
 
