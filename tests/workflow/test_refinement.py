@@ -117,8 +117,8 @@ def asked(tmp_path_factory) -> Path:
 
 @pytest.mark.long
 def test_rounds_have_added_points_and_ended(asked):
-    folder = tree / "results" / "asking"
-    study = load_study(asked / ASKING, tree / "results")
+    folder = asked / "results" / "asking"
+    study = load_study(asked / ASKING, asked / "results")
     files = sorted((folder / "rounds").glob("*.json"), key=lambda path: int(path.stem))
     rounds = [read_round(path) for path in files]
     assert rounds[0] and not rounds[-1] and all(rounds[:-1])
@@ -129,7 +129,7 @@ def test_rounds_have_added_points_and_ended(asked):
 
 @pytest.mark.long
 def test_its_answers_and_pictures_are_there(asked):
-    folder = tree / "results" / "asking"
+    folder = asked / "results" / "asking"
     results = sim.load(folder)
     surrogate = results.surrogate("velocity")
     assert surrogate.sample.sizes["point"] == results.dataset.sizes["point"]
