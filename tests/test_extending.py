@@ -32,8 +32,7 @@ from sim.report.page import build as build_report
 from sim.report.publish import publish
 from sim.study.load import Study, load_study, parse_study
 from sim.study.papers import paper_values
-from tests.made.plugins import plugin_claims, restore_plugins, without_plugins
-from tests.made.processes import ROOT, run_lines
+from tests.made.processes import ROOT, plugin_claims, restore_plugins, run_lines, without_plugins
 from tests.made.runs import write_run
 
 EXAMPLES = ROOT / "docs" / "examples"
@@ -222,23 +221,6 @@ def test_points_tell_the_law_and_its_code(folder):
     (folder / "hertz_mindlin.py").write_text((folder / "hertz_mindlin.py").read_text() + "#\n")
     with without_plugins():
         assert first & ids() == {usual}
-
-
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"law": "herz"}, "law: got 'herz'; allowed: .*TALUS_PLUGINS name the plug-in"),
-        ({"law": "hertz_mindlin.00000000"}, "law: got 'hertz_mindlin.00000000'; allowed: "),
-        ({"grain_modulus": 2e6}, "grain_modulus: got 2000000; .* unless law is hertz_mindlin"),
-        ({"law": "hertz_mindlin", "grain_modulus": 0}, "got 0; allowed: a number > 0"),
-        ({"law": "hertz_mindlin", "grain_poisson": 0.7}, r"allowed: a number in \[0, 0.5\]"),
-        ({"law": "hertz_mindlin", "restitution": 1.5}, "restitution"),
-    ],
-)
-def test_points_of_a_law_are_checked(folder, values, message):
-    load_plugins("hertz_mindlin.py")
-    with pytest.raises(InputError, match=message):
-        parse_point({"system": "chute"} | values, "point")
 
 
 def test_a_law_whose_collision_takes_no_time_is_told_with_its_line(folder):

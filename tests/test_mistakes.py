@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from sim.__main__ import main
-from tests.made.plugins import restore_plugins
+from tests.made.processes import ROOT, restore_plugins
 
 TABLE = Path(__file__).with_name("mistakes.yaml").read_text(encoding="utf-8")
 GROUPS = yaml.load(TABLE, yaml.CSafeLoader)["mistakes"]
@@ -20,6 +20,13 @@ PLACE = re.compile(
     r"error: [\w./-]+\.(yaml|csv): "
     r"(([\w.\[\]-]+|line \d+.*|(unit of )?column \w+): |no such file)"
 )
+
+
+def shipped_text(name: str) -> str:
+    """Return the text of a file of docs/examples, tests/data, or of the paper that init writes."""
+    folders = [ROOT / folder for folder in ("docs/examples", "tests/data", "config/paper")]
+    (path,) = (folder / name for folder in folders if (folder / name).exists())
+    return path.read_text(encoding="utf-8")
 
 
 def with_mistake(text: Any, edit: list, before: str = "") -> Any:
@@ -59,7 +66,8 @@ def outcome(files: dict[str, Any], command: str, capsys) -> tuple[int, str]:
 @pytest.mark.parametrize("group", GROUPS, ids=lambda group: group["of"])
 def test_a_mistake_is_one_line_that_names_file_and_key(group, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    command, files = group.get("command", "points study.yaml"), group["files"]
+    command = group.get("command", "points study.yaml")
+    files = {name: text or shipped_text(name) for name, text in group["files"].items()}
     edited, at = group.get("edit", "study.yaml"), group.get("at", "")
     if command.startswith("points"):
         assert outcome(files, command, capsys)[0] == 0

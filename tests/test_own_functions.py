@@ -21,10 +21,11 @@ from sim.study.load import load_study
 from sim.study.plan import MAX_BATCH_POINTS, plan_batches
 from sim.surrogates import inquiries
 from sim.surrogates.sample import sample_points
-from tests.made.plugins import restore_plugins, without_plugins
+from tests.made.processes import ROOT, restore_plugins, without_plugins
 from tests.surrogates.predictors import ISHIGAMI_FIRST, ISHIGAMI_TOTAL
 
-EXAMPLE = Path(__file__).parents[1] / "docs" / "examples" / "ishigami.py"
+EXAMPLE = ROOT / "docs" / "examples" / "ishigami.py"
+OTHERS = ROOT / "tests" / "data" / "functions.py"
 OVER = ", ".join(f"{name}: [-3.14159, 3.14159]" for name in ("first", "second", "third"))
 STUDY = f"""\
 study: known
@@ -38,26 +39,12 @@ sensitivity: [{{name: matters, series: runs, observable: sum_of_sines}}]
 plots: [{{name: seen, kind: scatter, x: first, y: sum_of_sines, colour: second}}]
 """
 
-#: A function that depends on chance, and one of several numbers, one of which may be missing.
-OTHERS = """\
-import talus
-x = talus.parameter(1.0, unit="m", description="length", ge=0, le=9)
-
-@talus.function("noisy", parameters={"x": x}, returns={"far": ("m", "how far")})
-def noisy(x, rng):
-    return x + rng.normal()
-
-@talus.function("beam", parameters={"x": x}, returns={"a": ("m", "one"), "b": ("1", "other")})
-def beam(x):
-    return {"a": 2 * x} if x > 2 else {"a": 2 * x, "b": 1 / x}
-"""
-
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
-    shutil.copy(EXAMPLE, tmp_path)
+    for path in (EXAMPLE, OTHERS):
+        shutil.copy(path, tmp_path)
     (tmp_path / "study.yaml").write_text(STUDY)
-    (tmp_path / "others.py").write_text(OTHERS)
     monkeypatch.chdir(tmp_path)
     with restore_plugins():
         yield tmp_path
@@ -115,7 +102,7 @@ def test_a_point_is_a_call(capsys):
 
 
 def test_chance_differs_between_points_and_replicates_and_runs_grow():
-    load_plugins("others.py")
+    load_plugins("functions.py")
     two, four = (point(function="noisy", x=2, replicates=number) for number in (2, 4))
     path = Path(f"{point_id(two)}.nc")
     far = []
@@ -133,7 +120,7 @@ def values_of(one):
 
 
 def test_several_numbers_are_returned_by_name_and_one_may_be_missing():
-    load_plugins("others.py")
+    load_plugins("functions.py")
     near, far = (
         talus.simulate("function", function="beam", x=x, progress=False) for x in (2.0, 4.0)
     )
@@ -147,7 +134,7 @@ def test_exact_values_have_no_scatter_and_random_ones_may():
         ("exact", "ishigami", "sum_of_sines", 0),
         ("random", "noisy", "far", 1),
     ):
-        text = text.replace("ishigami.py", "ishigami.py, others.py")
+        text = text.replace("ishigami.py", "ishigami.py, functions.py")
         one = text.replace("study: known", f"study: {name}")
         if function == "noisy":
             one = one.replace("function: ishigami", "function: noisy")
@@ -161,53 +148,16 @@ def test_exact_values_have_no_scatter_and_random_ones_may():
 
 
 def test_points_share_processes_by_what_a_call_takes():
-    load_plugins("others.py")
+    load_plugins("functions.py")
     points = {point_id(one): one for x in range(400) for one in [point(function="beam", x=x / 50)]}
     batches = plan_batches(points, 2)
     assert sum(map(len, batches.values())) == 400
     assert max(map(len, batches.values())) == MAX_BATCH_POINTS
 
 
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({}, "function: got nothing; allowed: one of noisy"),
-        ({"function": "bean"}, "function: got 'bean'"),
-        ({"function": "beam", "x": 10}, r"x: got 10; allowed: a number in \[0, 9\]"),
-        ({"function": "beam", "replicates": 3}, "replicates: got 3; allowed: 1 unless the funct"),
-        ({"function": "beam", "seed": 3}, "seed: got 3; allowed: 1 unless the function has"),
-        ({"function": "beam", "depth": 3}, "depth: unknown key"),
-        ({"function": "beam", "density": 3}, "density: got 3; allowed: none: the system has no"),
-        ({"function": "beam", "protocol": "converged"}, "protocol: got 'converged'"),
-    ],
-)
-def test_a_wrong_point_is_refused(values, message):
-    load_plugins("others.py")
-    with pytest.raises(InputError, match=f"^made: {message}"):
-        point(**values)
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ("def beam(x):", "def beam(y):", "function beam takes 0 arguments, x: got '"),
-        ('"a": ("m", "one")', '"x": ("m", "one")', "returns x, which is one of its parameters"),
-        ('"a": ("m", "one")', '"far": ("m", "one")', "far: plug-in .* has one of this name"),
-        ('"a": ("m", "one")', '"a": ("metre", "one")', "observable a: unit: got 'metre'"),
-        ('"beam", parameters={"x": x}', '"beam", parameters={"x": 1}', "parameters.x: got 1"),
-        ('"beam", parameters={"x": x}', '"beam", seconds=0, parameters={"x": x}', "seconds: got 0"),
-    ],
-)
-def test_a_wrong_declaration_is_refused(old, new, message):
-    Path("wrong.py").write_text(OTHERS.replace(old, new, 1))
-    assert old in OTHERS
-    with pytest.raises(InputError, match=rf"^load_plugins\[0\]: .*{message}"):
-        load_plugins("wrong.py")
-
-
 def test_functions_share_a_parameter_that_they_declare_alike():
-    load_plugins("others.py")
-    other = OTHERS.replace("noisy", "other").replace("beam", "bend")
+    load_plugins("functions.py")
+    other = OTHERS.read_text().replace("noisy", "other").replace("beam", "bend")
     for name in ("far", "a", "b"):
         other = other.replace(f'"{name}"', f'"{name}_of_other"')
     Path("alike.py").write_text(other)
@@ -220,20 +170,21 @@ def test_functions_share_a_parameter_that_they_declare_alike():
 @pytest.mark.parametrize(
     ("line", "message"),
     [
-        ("return 1 / 0", "line 10: ZeroDivisionError: "),
+        ("return 1 / 0", "line 15: ZeroDivisionError: "),
         ("return 1.0", "it returns a mapping of a, b to numbers"),
         ("return {'c': 1.0}", "it returns c, which it does not declare"),
         ("return {'a': 'much'}", "ValueError: could not convert"),
     ],
 )
 def test_an_error_in_a_function_names_it(line, message):
-    Path("wrong.py").write_text(OTHERS.replace("return {", f"{line}\n    return {{"))
+    text = OTHERS.read_text().replace("return {", f"{line}\n    return {{")
+    Path("wrong.py").write_text(text)
     load_plugins("wrong.py")
     with pytest.raises(InputError, match=f"plug-in wrong.py .*: function beam: .*{message}"):
         talus.simulate("function", function="beam", progress=False)
 
 
 def test_a_function_is_no_flow():
-    load_plugins("others.py")
+    load_plugins("functions.py")
     with pytest.raises(InputError, match="Flow: system: got 'function'; allowed: one of chute"):
         talus.Flow("function", function="beam")

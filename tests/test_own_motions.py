@@ -18,15 +18,22 @@ from sim.parameters import (
     parse_point,
     point_id,
 )
-from tests.made.plugins import restore_plugins
-from tests.made.processes import ROOT, in_process
+from tests.made.processes import ROOT, in_process, restore_plugins
 
-POINT = """
-import sim
-sim.load_plugins("wrong.py")
+#: Motions of plug-ins, each of which is refused for its reason.
+REFUSED = """
+import pytest, sim
+from sim.base.errors import InputError
 from sim.parameters import parse_point
-
-point = parse_point({"system": "conveyor", "motion": "wrong"}, "p")
+names = [f"wrong{number}" for number in range(len(REASONS))]
+sim.load_plugins(*(f"{name}.py" for name in names))
+from sim.engine.boundary.motion import motion_of
+for name, said in zip(names, REASONS):
+    point = parse_point({"system": "conveyor", "motion": name}, "p")
+    told = f"plug-in {name}.py .*motion {name}: .*{said}"
+    with pytest.raises(InputError, match=told) as caught:
+        motion_of(point)
+    assert "\\n" not in str(caught.value)
 """
 
 
@@ -78,54 +85,24 @@ def test_a_parameter_of_a_plugin_may_be_negative(folder, motion, name, value):
         parse_point({"system": "conveyor", "motion": motion, name: -1e99}, "p")
 
 
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"motion": "ellips"}, "motion: got 'ellips'; allowed: "),
-        ({"belt_lag": 30}, "belt_lag: got 30; .* unless motion is ellipse"),
-        ({"grain_modulus": 2e6, "motion": "ellipse"}, "grain_modulus: .* unless law is hertz"),
-        ({"motion": "ellipse", "overtone": 3}, "overtone: got 3; .*2 unless motion is harmonic"),
-        *(
-            ({"motion": "ellipse", name: 0.5}, f"{name}: got 0.5; .*0 unless motion is harmonic")
-            for name in ("phase_along", "overtone_amplitude", "overtone_along", "overtone_phase")
-        ),
-    ],
-)
-def test_conveyors_of_a_motion_are_checked(folder, values, message):
-    load_plugins("hertz_mindlin.py", "ellipse.py")
-    with pytest.raises(InputError, match=message):
-        parse_point({"system": "conveyor"} | values, "point")
+#: What a motion returns at an angle, and why it is none.
+NO_MOTIONS = [
+    ("nan * sin(angle), 1.0, 0.0", r"what state returns at the angle 0.00.* is not finite: \[nan"),
+    ("0, 0, 1 / (angle - 9) if angle > 9 else inf", "is not finite"),
+    ("sin(angle / 2), 0.0, cos(angle / 2) / 2", "state has not the period 2π: at the angles"),
+    ("sin(angle), 0.0, 0.9 * cos(angle)", "from 0 to the angle 1.5.* by 0.9"),
+    ("angle % (2 * pi), 0.0, 1.0", "from 0 to the angle 6.283 the height that state returns"),
+]
 
 
-@pytest.mark.parametrize(
-    ("given", "said"),
-    [
-        (
-            "nan * sin(angle), 1.0, 0.0",
-            "what state returns at the angle 0.00.* is not finite: [nan",
-        ),
-        ("0, 0, 1 / (angle - 9) if angle > 9 else inf", "is not finite"),
-        ("sin(angle / 2), 0.0, cos(angle / 2) / 2", "state has not the period 2π: at the angles"),
-        ("sin(angle), 0.0, 0.9 * cos(angle)", "from 0 to the angle 1.5.* by 0.9"),
-        ("angle % (2 * pi), 0.0, 1.0", "from 0 to the angle 6.283 the height that state returns"),
-    ],
-)
-def test_a_motion_that_is_none_is_refused_before_it_moves_anything(folder, given, said):
-    lines = f"""
-import re, pytest
-from sim.base.errors import InputError
-from sim.engine.boundary.motion import motion_of
-with pytest.raises(InputError, match="plug-in wrong.py .*motion wrong: .*") as caught:
-    motion_of(point)
-assert re.search({said.replace("[nan", "[[]nan")!r}, str(caught.value)), caught.value
-assert "\\n" not in str(caught.value)
-"""
-    (folder / "wrong.py").write_text(
-        "from math import cos, inf, nan, pi, sin\nfrom typing import NamedTuple\nimport sim\n\n"
-        "class Wrong(NamedTuple):\n    pass\n\ndef state(motion, angle):\n"
-        f"    return {given}\n\nsim.motion('wrong', make=lambda p: Wrong(), state=state)\n"
-    )
-    in_process(folder, POINT + lines)
+def test_a_motion_that_is_none_is_refused_before_it_moves_anything(folder):
+    for number, (given, _) in enumerate(NO_MOTIONS):
+        (folder / f"wrong{number}.py").write_text(
+            "from math import cos, inf, nan, pi, sin\nfrom typing import NamedTuple\nimport sim\n\n"
+            "class Wrong(NamedTuple):\n    pass\n\ndef state(motion, angle):\n    return "
+            f"{given}\n\nsim.motion('wrong{number}', make=lambda p: Wrong(), state=state)\n"
+        )
+    in_process(folder, f"REASONS = {[said for _, said in NO_MOTIONS]!r}\n{REFUSED}")
 
 
 def test_what_a_motion_raises_on_its_way_is_one_line(tmp_path):

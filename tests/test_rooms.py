@@ -8,8 +8,11 @@ from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
+import yaml
 
 from sim.base.program import PAPERS, ROOMS
+from tests.made.processes import ROOT
+from tests.mutations.__main__ import BUGS
 
 PACKAGE = Path(__file__).parents[1] / "sim"
 MODULES = sorted(PACKAGE.rglob("*.py"))
@@ -152,3 +155,12 @@ def test_pages_name_no_paper():
     """A report takes the names of papers from them, so that it names a stranger's as well."""
     for path in (PACKAGE / "report" / "templates").iterdir():
         assert not re.search("walton|gallas", path.read_text(encoding="utf-8"), re.IGNORECASE), path
+
+
+@pytest.mark.parametrize(
+    "bug", yaml.safe_load(BUGS.read_text(encoding="utf-8")), ids=lambda bug: bug["new"]
+)
+def test_the_text_of_a_bug_occurs_once(bug):
+    source = (ROOT / "sim" / bug["file"]).read_text(encoding="utf-8")
+    assert source.count(bug["old"]) == 1 and bug["new"] != bug["old"]
+    assert all((ROOT / "tests" / target).exists() for target in bug["tests"].split())

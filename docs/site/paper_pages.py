@@ -184,9 +184,7 @@ def _totals(claims: Sequence[Mapping[str, Any]]) -> str:
             cells.append(now[paper][verdict])
         rows.append(f"| {verdict} | {' | '.join(map(str, cells))} |")
     heads = " | ".join(f"{paper.author}, first | second | now" for paper in PAPERS.values())
-    return "\n".join(
-        [f"| verdict | {heads} |", "| --- |" + " --- |" * 3 * len(PAPERS), *rows, ""]
-    )
+    return "\n".join([f"| verdict | {heads} |", "| --- |" + " --- |" * 3 * len(PAPERS), *rows, ""])
 
 
 def changes(claims: Sequence[Mapping[str, Any]]) -> tuple[int, int]:

@@ -331,6 +331,15 @@ def kind_of(*arguments: Any) -> tuple:
     return tuple(map(numba.typeof, arguments))
 
 
+def call_by_type(kernel: Any, *arguments: Any) -> Any:
+    """Call a kernel whose arguments may hold numbers of a plug-in.
+
+    numba itself tells named tuples apart by the names of their types without those of the modules:
+    of two plug-ins that give their types one name, both would be served by the code of the first.
+    """
+    return kernel.compile(kind_of(*arguments))(*arguments)
+
+
 #: True in a process that compiles ahead of another one.
 _ahead = False
 

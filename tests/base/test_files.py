@@ -1,4 +1,4 @@
-"""Files appear complete or not at all, where nobody has put a link."""
+"""Files appear complete or not at all, with times that Snakemake goes by; YAML is that of 1.2."""
 
 import errno
 import fcntl
@@ -8,11 +8,17 @@ import sys
 
 import pytest
 
+from sim.base.errors import InputError
 from sim.base.files import (
+    YEAR_2000,
+    age,
     atomic_write,
+    date_back_readers,
     file_lock,
     open_regular,
+    write_start,
 )
+from sim.parameters import load_point
 
 
 def test_a_finished_file_takes_its_name(tmp_path):
@@ -143,3 +149,85 @@ def test_only_files_are_opened(kind, tmp_path):
         open_regular(path)
     if kind == "pipe":
         os.close(end)
+
+
+@pytest.mark.parametrize(
+    ("text", "depth"),
+    [
+        ("system: chute\ndepth: 1e1\n", 10),
+        ("system: chute\ndepth: 2.5E+1\n", 25),
+        ("system: chute\ndepth: .5\n", 0.5),
+        ("{'system': 'chute', 'depth': 1_0}", None),
+        ("system: chute\ndepth: 010\n", 10),
+        ("system: chute\ndepth: 1:30\n", None),
+        ("system: chute\ndepth: yes\n", None),
+    ],
+)
+def test_numbers_are_read_by_yaml_1_2(tmp_path, text, depth):
+    path = tmp_path / "point.yaml"
+    path.write_text(text)
+    if depth is None:
+        with pytest.raises(InputError, match=r"depth: got '.*'; allowed: a number > 0"):
+            load_point(path)
+    else:
+        assert load_point(path).depth == depth
+
+
+def test_anchors_and_merge_keys_are_no_duplicates(tmp_path):
+    path = tmp_path / "point.yaml"
+    path.write_text("<<: &base {system: chute, depth: 2}\ndepth: 3\n")
+    assert load_point(path).depth == 3
+
+
+@pytest.mark.parametrize("text", ["system: chute\n\tdepth: 1\n", "system: chute\n  \tdepth: 1\n"])
+def test_a_tab_before_a_key_is_named(tmp_path, text):
+    path = tmp_path / "point.yaml"
+    path.write_text(text)
+    with pytest.raises(InputError) as error:
+        load_point(path)
+    assert str(error.value) == f"{path}: line 2 begins with a tab; YAML wants spaces"
+
+
+def test_the_start_file_is_old_and_never_the_same(tmp_path):
+    path = tmp_path / "new" / "start"
+    write_start(path)
+    first = path.read_text()
+    write_start(path)
+    assert path.read_text() != first
+    assert path.stat().st_mtime == YEAR_2000
+
+
+def test_a_file_is_dated_before_the_start_file_and_back(tmp_path):
+    path = tmp_path / "run.nc"
+    age(path, True)
+    assert not path.exists()
+    path.touch()
+    changed = path.stat().st_mtime
+    for is_old in (True, True, False, False):
+        age(path, is_old)
+        assert (path.stat().st_mtime < YEAR_2000) == is_old
+    assert abs(path.stat().st_mtime - changed) < 1e-3
+
+
+def test_another_name_of_a_file_keeps_its_time_and_its_content(tmp_path):
+    path, other = tmp_path / "run.nc", tmp_path / "other.nc"
+    path.write_bytes(b"some")
+    os.link(path, other)
+    before = other.stat().st_mtime_ns
+    age(path, True)
+    assert path.stat().st_mtime < YEAR_2000 and path.read_bytes() == b"some"
+    assert other.stat().st_mtime_ns == before and other.stat().st_nlink == 1
+    # A file that a study has dated back is taken by another one, for which it is enough.
+    os.link(path, taken := tmp_path / "taken.nc")
+    age(taken, False)
+    assert path.stat().st_mtime < YEAR_2000 < taken.stat().st_mtime
+
+
+def test_what_is_made_of_run_files_is_dated_before_them(tmp_path):
+    for name in ("runs/a.nc", "rounds/1.json", "dataset.nc", "report.html"):
+        path = tmp_path / name
+        path.parent.mkdir(exist_ok=True)
+        path.touch()
+    date_back_readers(tmp_path)
+    old = {path.name for path in tmp_path.rglob("*.*") if path.stat().st_mtime < YEAR_2000}
+    assert old == {"1.json", "dataset.nc"}

@@ -13,8 +13,7 @@ from sim.base.additions import additions, codes
 from sim.base.errors import InputError
 from sim.base.plugins import load
 from sim.study.load import load_study
-from tests.made.plugins import restore_plugins, without_plugins
-from tests.made.processes import ROOT
+from tests.made.processes import ROOT, restore_plugins, without_plugins
 
 RIGHT = """\
 import sim

@@ -8,8 +8,7 @@ from sim.claims.checks import above
 from sim.claims.evidence import ANY, Evidence
 from sim.claims.place import replicate_mean
 from sim.claims.verdict import SIGMAS, Ambiguous, Unbounded, Untestable
-from tests.made.plugins import restore_plugins
-from tests.made.processes import ROOT
+from tests.made.processes import ROOT, restore_plugins
 from tests.made.results import made_boundary, made_point, made_results
 
 

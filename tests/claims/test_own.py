@@ -7,12 +7,14 @@ import pytest
 
 from sim.base.errors import InputError
 from sim.base.plugins import load_plugins
-from sim.claims import judge
+from sim.base.seals import seal
+from sim.claims import experiments, judge
 from sim.claims.claim import claims
+from sim.claims.experiments import run_experiment
+from sim.claims.verdict import Check
 from sim.claims.verdict_files import as_mapping, as_table
 from sim.study.command import init
-from tests.made.plugins import plugin_claims, restore_plugins
-from tests.made.processes import ROOT
+from tests.made.processes import ROOT, plugin_claims, restore_plugins
 from tests.made.results import made_point, made_results
 
 STEEPER = str(ROOT / "docs" / "examples" / "steeper.py")
@@ -147,3 +149,61 @@ def test_the_evidence_names_points_that_are_not_steady(scalars, note):
     (variant,) = as_mapping([judgement], "s")["claims"][0]["variants"]
     assert variant.get("unsteady", "") == note
     assert set(as_table([judgement])["steadiness"]) == {note}
+
+
+CLAIM = claims()[0]
+CHECKS = (
+    Check("x", 0.1, 1e-17, 0.0, float("inf"), points=("p", "q")),
+    Check("y", 2.0, 0.1, 1.0, 3.0),
+)
+
+
+@pytest.fixture
+def run_readings(tmp_path, monkeypatch) -> list:
+    """Return the readings under which the experiment was really run."""
+    readings = []
+
+    def judge(reading, **_):
+        readings.append(dict(reading))
+        return CHECKS
+
+    monkeypatch.setattr(experiments, "cache_directory", lambda with_plugins: tmp_path)
+    monkeypatch.setitem(vars(CLAIM), "judge", judge)
+    return readings
+
+
+def test_an_experiment_is_done_once_for_each_reading(run_readings, tmp_path):
+    assert [run_experiment(CLAIM, {}) for _ in range(3)] == [CHECKS] * 3
+    assert run_experiment(CLAIM, {"friction_cap": "after"}) == CHECKS
+    assert run_readings == [{}, {"friction_cap": "after"}]
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+@pytest.mark.parametrize("function", ["source_hash", "library_versions"])
+def test_other_code_or_libraries_do_it_again(function, run_readings, monkeypatch):
+    run_experiment(CLAIM, {})
+    monkeypatch.setattr(experiments, function, lambda *_: "other")
+    run_experiment(CLAIM, {})
+    assert len(run_readings) == 2
+
+
+@pytest.mark.parametrize("form", [None, '[{"what": "x"}]'])
+def test_what_is_damaged_or_of_another_form_is_not_used(form, run_readings, tmp_path):
+    run_experiment(CLAIM, {})
+    (path,) = tmp_path.iterdir()
+    whole = path.read_bytes()
+    path.write_bytes(whole.replace(b"0.1", b"0.2", 1))
+    if form:
+        path.write_text(form)
+        seal(path)
+    assert run_experiment(CLAIM, {}) == CHECKS
+    assert run_readings == [{}, {}] and path.read_bytes() == whole
+
+
+def test_what_cannot_be_kept_gives_its_verdict_all_the_same(
+    run_readings, tmp_path, monkeypatch, caplog
+):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setattr(experiments, "cache_directory", lambda with_plugins: tmp_path / "file")
+    assert run_experiment(CLAIM, {}) == CHECKS
+    assert "not kept" in caplog.text

@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 import sim
-from sim.base.additions import AdditionError
 from sim.base.errors import InputError
 from sim.engine.compile import kernel
 from sim.engine.contact import Partners, law_of
@@ -31,8 +30,7 @@ from tests.engine.reference.laws import Contact, FunctionLaw
 from tests.engine_motion.helpers import GRAVITY, MASS, RADIUS
 from tests.engine_motion.motion import SphereMotion
 from tests.engine_motion.points import energy_residual, series_of
-from tests.made.plugins import restore_plugins
-from tests.made.processes import HANG, ROOT, in_process
+from tests.made.processes import HANG, ROOT, in_process, restore_plugins
 
 FILE, HERTZ = ROOT / "tests" / "made" / "able.py", "docs/examples/hertz_mindlin.py"
 
@@ -58,13 +56,6 @@ def law_for(point, friction=0.5, **changes) -> NamedTuple:
     return law_of(point, Partners(friction, 0.5 * MASS, point.time_step))._replace(**changes)
 
 
-def reference_of(point, numbers) -> FunctionLaw:
-    """Return the law as the reference takes it."""
-    law = point.option("law")
-    how = law.turns, law.remembers, law.rolls, point.law_reach
-    return FunctionLaw(numbers, law.force, *how)
-
-
 @kernel
 def one_step(law, overlap, approach, normal, slip, memory):
     """Advance a single contact."""
@@ -78,7 +69,7 @@ def check_contact(name: str) -> None:
     """
     rng, point = np.random.default_rng(4), point_of(law=name, **ALL if name == "able" else {})
     numbers, option = law_for(point), point.option("law")
-    reference, contact, stuck = reference_of(point, numbers), Contact(), 0
+    reference, contact, stuck = FunctionLaw.of(point, numbers), Contact(), 0
     first = 6 if option.rolls else 0
     turning = 3 + first + 3 * option.turns
 
@@ -129,7 +120,7 @@ def check_contact(name: str) -> None:
     ("file", "changes"),
     [
         ("tests/made/able.py", {}),
-        ("docs/examples/rolling.py", {}),
+        pytest.param("docs/examples/rolling.py", {}, marks=pytest.mark.long),
         (HERTZ, {"    remembers=1,\n": "", "(drag,), lost": "(drag, 0.0, 2.0, drag), lost"}),
         (HERTZ, {"remembers=1": "remembers=0", "(drag,), lost": "(), lost", "memory[0]": "drag"}),
     ],
@@ -166,26 +157,6 @@ def test_a_cell_is_as_wide_as_the_law_reaches(tmp_path):
     with restore_plugins():
         sim.load_plugins(FILE)
         assert point_of(**given | {"bridge_length": 0.49}).law_reach == pytest.approx(0.588e-3)
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"rolls": True}, "energy: got .*; allowed: a function of 7 arguments"),
-        ({"turns": 2}, "turns: got 2; allowed: 3 numbers each of the 4 remembered"),
-        ({"turns": -1}, "turns: got -1; allowed: an integer >= 0"),
-        ({"reach": 0.1}, "reach: got 0.1; allowed: a function of 1 argument"),
-    ],
-)
-def test_what_a_law_says_of_its_abilities_is_checked(changes, message):
-    functions = {
-        "make": lambda p, partners: (),
-        "force": lambda *given: (),
-        "energy": lambda law, overlap, tangential, memory, radius, mass: (0.0, 0.0),
-        "collision_time": lambda p: 1.0,
-    }
-    with pytest.raises(AdditionError, match=f"law mine: {message}"):
-        sim.law("mine", **functions | changes)
 
 
 def on_plane(law, point, slides=0.0, spins=0.0, slope=0.0) -> SphereMotion:
@@ -340,7 +311,7 @@ def test_a_few_spheres_move_as_those_of_the_reference():
     one, other = cluster(law, point, **given), cluster(law, point, **given)
     spheres = Spheres(*map(np.array, (other.position, other.velocity, other.spin)), None, MASS)
     spheres.radius, spheres.mass = other.spheres.radius.copy(), np.array(other.mass)
-    reference = reference_of(point, law)
+    reference = FunctionLaw.of(point, law)
     chute = Chute(reference, reference, None, given["gravity"])
     spheres = run(spheres, chute, point.time_step, 600)
     one.run(600)

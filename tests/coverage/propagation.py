@@ -6,7 +6,8 @@ Aminpour and Shin 2001; Kuschel and Rackwitz 1997); the column's strength is nor
 and moment independent.
 """
 
-from functools import lru_cache
+from collections.abc import Iterator
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -14,12 +15,11 @@ import pandas as pd
 from scipy.stats import truncnorm
 
 from sim.study.design import Axis, unit_points
-from sim.surrogates.answers import Refusal
 from sim.surrogates.indices import DesignRuns
 from sim.surrogates.inquiries import require_small_error
 from sim.surrogates.propagation import spread_of_runs, spread_of_surrogate
 from sim.surrogates.sample import unscaled
-from tests.coverage.rows import fitted, print_table
+from tests.coverage.rows import HEADINGS, Question, cells, fitted, print_table
 from tests.made.surrogates import smooth
 
 #: Designs of a case; draws of a surrogate, and of a truth.
@@ -122,30 +122,17 @@ def asked(case: Case, seed: int) -> pd.DataFrame:
     return spread_of_surrogate(surrogate, case.axes, (), *question, draws=DRAWS)
 
 
-def coverage(name: str, designs: int = DESIGNS) -> tuple[int, int, list[float]]:
-    """Return how many designs there are, how many have an answer, and what share each holds."""
-    case, held = CASES[name], list[float]()
-    for seed in range(1, designs + 1):
-        try:
-            table = asked(case, seed)
-        except Refusal:
-            continue
-        true, known = truth(case), table["low"].notna()
-        # Brute force knows a probability to a thousandth.
-        slack = np.where(table["index"] == "exceedance", 1e-3, 1e-3 * true[1])
-        inside = (table["low"] - slack <= true) & (true <= table["high"] + slack)
-        held.append(float(inside[known].mean()))
-    return designs, len(held), held
-
-
-def cells(name: str, designs: int | None = None) -> tuple[str, ...]:
-    """Return the row of a case in the table."""
-    number, answered, held = coverage(name, designs or DESIGNS)
-    worst = f"{100 * min(held):.0f}" if held else ""
-    share = f"{100 * np.mean(held):.1f}" if held else "no answer"
-    return name, f"{answered} of {number}", share, worst
+def questions(name: str, designs: int | None = None) -> Iterator[Question]:
+    """Yield the question of each design of a case."""
+    case = CASES[name]
+    true = truth(case)
+    # Brute force knows a probability to a thousandth, as it does a value of its spread.
+    slack = np.append(np.full(len(true) - 1, 1e-3 * true[1]), 1e-3)
+    for seed in range(1, (designs or DESIGNS) + 1):
+        yield partial(asked, case, seed), true, slack
 
 
 if __name__ == "__main__":
-    headings = ("case", "designs with an answer", "truths held, %", "worst design, %")
-    print_table(__doc__, headings, CASES, cells)
+    print_table(
+        __doc__, HEADINGS, CASES, lambda name, designs: cells(name, questions(name, designs))
+    )

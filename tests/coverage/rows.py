@@ -5,8 +5,10 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from sim.study.design import Axis
+from sim.surrogates.answers import Refusal
 from sim.surrogates.sample import standard_errors
 from sim.surrogates.surrogate import Surrogate
 from tests.made.surrogates import asked, made_sample
@@ -27,6 +29,35 @@ def fitted(
     regime = np.where(counts, "steady", "arrested")
     sample = made_sample(x, values.mean(axis=1), axes, errors, regime, is_unknown)
     return Surrogate.fit(asked(axes), sample)
+
+
+#: What asks for the table of an answer, its truth, and how far that is known, both (rows,).
+Question = tuple[Callable[[], pd.DataFrame], np.ndarray, np.ndarray]
+
+HEADINGS = ("case", "designs with an answer", "truths held, %", "worst design, %")
+
+
+def coverage(questions: Iterable[Question]) -> tuple[int, list[float]]:
+    """Return how many questions there are, and what share of its truths each answer holds."""
+    number, held = 0, list[float]()
+    for ask, truth, slack in questions:
+        number += 1
+        try:
+            table = ask()
+        except Refusal:
+            continue
+        inside = (table["low"] <= truth + slack) & (truth - slack <= table["high"])
+        held.append(float(inside[table["low"].notna()].mean()))
+    return number, held
+
+
+def cells(name: str, questions: Iterable[Question]) -> tuple[str, ...]:
+    """Return the row of a case in the table of `HEADINGS`."""
+    number, held = coverage(questions)
+    if not held:
+        return name, f"0 of {number}", "no answer", ""
+    share, worst = 100 * np.mean(held), 100 * min(held)
+    return name, f"{len(held)} of {number}", f"{share:.1f}", f"{worst:.0f}"
 
 
 def print_table(

@@ -4,13 +4,12 @@
 as a study would: a surrogate is fitted to values of replicates, or these are analysed as they are.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import lru_cache, partial
 
 import numpy as np
 import pandas as pd
 
-from sim.surrogates.answers import Refusal
 from sim.surrogates.indices import (
     indices_of_surrogate,
     morris_indices_of_runs,
@@ -19,9 +18,8 @@ from sim.surrogates.indices import (
 )
 from sim.surrogates.inquiries import require_small_error
 from sim.verify.exact import g_function, ishigami
-from tests.coverage.rows import fitted, print_table, unit_axes
-from tests.made.indices import Function, made_runs
-from tests.made.surrogates import design, smooth
+from tests.coverage.rows import HEADINGS, Question, cells, fitted, print_table, unit_axes
+from tests.made.surrogates import Function, design, made_runs, smooth
 from tests.surrogates.predictors import MadePredictor
 
 #: Designs of a case; blocks of a surrogate, and of a truth.
@@ -113,46 +111,23 @@ def true_of_runs(function: Function, kind: str) -> np.ndarray:
     return true_indices(function, 3)[:7]
 
 
-def answers(name: str, designs: int) -> Iterator[tuple[Callable[[], pd.DataFrame], np.ndarray]]:
-    """Yield a question and the truth for each design of a case."""
-    seeds = range(1, designs + 1)
+def questions(name: str, designs: int | None = None) -> Iterator[Question]:
+    """Yield the question of each design of a case."""
+    seeds = range(1, (designs or DESIGNS) + 1)
     if name in SURROGATES:
         case = SURROGATES[name]
-        truth = true_indices(*case[:2])
-        yield from ((partial(of_surrogate, case, seed), truth) for seed in seeds)
-        return
-    for function in FUNCTIONS:
-        truth = true_of_runs(function, RUNS[name][0])
-        yield from ((partial(of_runs, function, RUNS[name], seed), truth) for seed in seeds)
-
-
-def coverage(name: str, designs: int = DESIGNS) -> tuple[int, int, list[float]]:
-    """Return how many designs there are, how many have an answer, and what share each holds."""
-    held: list[float] = []
-    number = 0
-    for ask, truth in answers(name, designs):
-        number += 1
-        try:
-            table = ask()
-        except Refusal:
-            continue
-        slack = DIGITS * max(1.0, np.abs(truth).max())
-        inside = (table["low"] <= truth + slack) & (truth - slack <= table["high"])
-        held.append(float(inside[table["low"].notna()].mean()))
-    return number, len(held), held
-
-
-HEADINGS = ("case", "designs with an answer", "truths held, %", "worst design, %")
-
-
-def cells(name: str, designs: int | None = None) -> tuple[str, ...]:
-    """Return the row of a case in the table."""
-    number, answered, held = coverage(name, designs or DESIGNS)
-    if not held:
-        return name, f"0 of {number}", "no answer", ""
-    share, worst = 100 * np.mean(held), 100 * min(held)
-    return name, f"{answered} of {number}", f"{share:.1f}", f"{worst:.0f}"
+        asked = [(true_indices(*case[:2]), partial(of_surrogate, case))]
+    else:
+        asked = [
+            (true_of_runs(f, RUNS[name][0]), partial(of_runs, f, RUNS[name])) for f in FUNCTIONS
+        ]
+    for truth, ask in asked:
+        slack = np.full(truth.shape, DIGITS * max(1.0, np.abs(truth).max()))
+        yield from ((partial(ask, seed), truth, slack) for seed in seeds)
 
 
 if __name__ == "__main__":
-    print_table(__doc__, HEADINGS, (*SURROGATES, *RUNS), cells)
+    every = (*SURROGATES, *RUNS)
+    print_table(
+        __doc__, HEADINGS, every, lambda name, designs: cells(name, questions(name, designs))
+    )

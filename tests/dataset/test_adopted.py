@@ -25,8 +25,7 @@ from sim.surrogates.inquiries import write_round
 from tests.made.folder import Folder
 from tests.made.mixed import PATHS, SHOWN, Mixed, ids
 from tests.made.netcdf import edit_file, store
-from tests.made.plugins import restore_plugins
-from tests.made.processes import refusal
+from tests.made.processes import refusal, restore_plugins
 from tests.made.runs import make_regimes, write_run
 
 HALF, REST = (0, 1, 4), (2, 3, 5)

@@ -4,12 +4,10 @@ import netCDF4
 import numpy as np
 import pytest
 
-from sim.base.statistics import student_half_width
 from sim.dataset.gather import measures, read_run
 from sim.dataset.replicates import (
     caveats,
     layer_orders,
-    mean_interval,
     outcome,
     pooled_half_width,
 )
@@ -43,15 +41,6 @@ def point(regimes, velocities=None, slopes=0.0, slope_half_width=NONE, samples=5
         | {"regime": np.array(regimes, object)}
         | {"system": "chute", "target": 0.02, "gravity": 9.81, "angle": 17.0}
     )
-
-
-def test_the_interval_over_replicates_is_students():
-    """1, 2, 3 have a standard deviation of 1; the quantile of two degrees of freedom is 4.3027."""
-    assert student_half_width(np.array([1.0, 2.0, 3.0])) == pytest.approx(
-        4.30265 / 3**0.5, rel=1e-5
-    )
-    half_width, kind = mean_interval(np.array([1.0, 2.0, 3.0]), np.full(3, 1e-3))
-    assert (half_width, kind) == (pytest.approx(4.30265 / 3**0.5, rel=1e-5), "replicates")
 
 
 def test_slopes_that_scatter_as_each_run_knows_average_out():

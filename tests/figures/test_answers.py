@@ -22,9 +22,9 @@ from sim.surrogates.propagation import spread_of_runs
 from tests.figures.drawing import notes, picture, table
 from tests.figures.test_plot_texts import shown_texts
 from tests.made.answers import picture_data, write_calibration, write_effects, write_indices
-from tests.made.indices import made_runs
 from tests.made.results import made_point, made_results
 from tests.made.runs import write_run
+from tests.made.surrogates import made_runs
 from tests.surrogates.predictors import ANGLES, RANGES
 
 

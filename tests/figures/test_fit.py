@@ -8,7 +8,7 @@ from sim.base.plugins import load_plugins
 from sim.study.plottable import plugin_code
 from tests.figures.drawing import notes
 from tests.figures.made_plots import drawn
-from tests.made.plugins import restore_plugins
+from tests.made.processes import restore_plugins
 from tests.made.results import made_point
 
 

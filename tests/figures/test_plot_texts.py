@@ -21,8 +21,7 @@ from sim.figures.render import derive_texts
 from sim.figures.style import COLOURS, DASHES, MARKERS, SETTINGS, cycle_style
 from sim.figures.variables import MOST_ENTRIES
 from tests.figures.made_plots import GRID, drawn, flows, made
-from tests.made.plugins import restore_plugins
-from tests.made.processes import ROOT
+from tests.made.processes import ROOT, restore_plugins
 from tests.made.results import MadePoint, made_point
 
 

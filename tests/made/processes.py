@@ -1,4 +1,4 @@
-"""Processes of the program, and waiting for their effects.
+"""Processes of the program, waiting for their effects, and plug-ins that tests remove again.
 
 A busy machine may take any time, so tests wait for an effect or for the end of the processes.
 """
@@ -10,14 +10,15 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import chdir
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import chdir, contextmanager
 from pathlib import Path
 from subprocess import CompletedProcess
 
 import psutil
 
 from sim.__main__ import main
+from sim.base import additions, plugins
 from sim.parameters import Parameters, canonical_values
 
 ROOT = Path(__file__).parents[2]
@@ -120,3 +121,34 @@ def in_process(folder: Path, lines: str) -> None:
     """Run lines of Python as `run_lines` does; fail where they do."""
     done = run_lines(folder, lines)
     assert done.returncode == 0, done.stderr
+
+
+@contextmanager
+def restore_plugins() -> Iterator[None]:
+    """Remove, at the end of the block, the plug-ins that were loaded in it."""
+    plugins_before = dict(plugins._plugins)
+    additions_before = {kind: dict(entries) for kind, entries in additions._additions.items()}
+    try:
+        yield
+    finally:
+        plugins._plugins.clear()
+        plugins._plugins.update(plugins_before)
+        additions._additions.clear()
+        additions._additions.update(additions_before)
+        additions.notify_listeners()
+
+
+def plugin_claims(systems: Collection[str]) -> list:
+    """Return the claims of plug-ins on systems alone, in place of `sim.claims.claim.claims`."""
+    claims = [addition.value for addition in additions.additions("judge").values()]
+    return [claim for claim in claims if claim.system in systems]
+
+
+@contextmanager
+def without_plugins() -> Iterator[None]:
+    """Run the block as in a process without plug-ins."""
+    with restore_plugins():
+        plugins._plugins.clear()
+        additions._additions.clear()
+        additions.notify_listeners()
+        yield

@@ -6,7 +6,7 @@ import xarray as xr
 
 from sim.dataset.gather import column_means, cycle_means
 from sim.measures.belt import backflow, is_at_phase_0, path_measures, series_measures
-from tests.measures.measuring import measured
+from tests.made.results import measured
 
 BEAD = 1e-3
 

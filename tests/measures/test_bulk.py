@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim.measures.bulk import bulk_of, mean_mass_flux
-from tests.measures.measuring import measured
+from tests.made.results import measured
 
 SIZE, MASS, GRAVITY = 1e-3, 1.3e-6, 9.8
 DENSITY = MASS / (np.pi / 6 * SIZE**3)

@@ -13,7 +13,7 @@ from sim.measures.chute import (
     quantile,
 )
 from sim.parameters import ConveyorParameters
-from tests.measures.measuring import measured
+from tests.made.results import measured
 
 SIZE = 1e-3
 HEIGHT = (np.arange(40) + 0.5) * 0.25 * SIZE

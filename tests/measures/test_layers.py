@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from sim.measures import layers
-from sim.measures.layers import STATES, missing_energy, plug_states, spell_statistics
+from sim.measures.layers import STATES, missing_energy, plug_states
 
 SIZE = 1e-3
 HEIGHT = (np.arange(80) + 0.5) * 0.25 * SIZE
@@ -137,16 +137,6 @@ def test_without_a_history_the_plug_is_that_of_the_window():
 def test_a_window_of_less_than_a_spell_has_no_states():
     assert plug_states(make_run([1], length=9.0)) == {}
     assert plug_states(make_run([1]).drop_vars("contact_number")) == {}
-
-
-@pytest.mark.parametrize("lifetime", [50.0, 200.0])
-def test_the_lifetime_of_a_state_that_ends_at_random_is_found_again(lifetime):
-    rng = np.random.default_rng(1)
-    changes = rng.random(20_000) < 10.0 / lifetime
-    inside = np.cumsum(changes) % 2 == 0
-    share, time, endings = spell_statistics(inside, np.full(inside.size, 10.0))
-    assert share == pytest.approx(0.5, abs=0.05)
-    assert time / endings == pytest.approx(lifetime, rel=0.05)
 
 
 def flow(**scalars) -> xr.Dataset:

@@ -18,23 +18,19 @@ from sim.papers.gallas.judges.density import (
 )
 from sim.papers.gallas.judges.snapshots import g26, g27, g28
 from sim.papers.gallas.judges.velocity import g21, g22, g23, g29, g30
-from tests.made.judging import letters
 from tests.made.paper_belt import BEAD, density, paper_point, temperature_profile, velocity_profile
+from tests.made.results import letters
 
 FREQUENCIES = (10, 20, 60, 80)
 PAIRS = ((10, 10), (0, 50), (50, 50), (50, 100))
 
 
-def row(frequencies=FREQUENCIES, **rest):
-    """Return points at several frequencies."""
-    return [paper_point(frequency=frequency, **rest) for frequency in frequencies]
-
-
-def changed(points, profile, **parameters):
-    """Return points, one of them with another density over height (m⁻²)."""
-    new = paper_point(profiles={"number_density": profile}, **parameters)
-    assert new.id in {point.id for point in points}
-    return [new if point.id == new.id else point for point in points]
+def row(frequencies=FREQUENCIES, profiles=None, **rest):
+    """Return points at several frequencies; ``profiles`` replaces profiles by frequency."""
+    return [
+        paper_point(profiles=(profiles or {}).get(frequency), frequency=frequency, **rest)
+        for frequency in frequencies
+    ]
 
 
 def block(height, top=9 * BEAD):
@@ -121,17 +117,6 @@ def uneven():
     return block(height) * (1 + waves * np.sin(height / BEAD * 2))
 
 
-FREQUENCIES = (10, 20, 60, 80)
-
-
-def row_of(frequencies=FREQUENCIES, profiles=None, **rest):
-    """Return points at several frequencies; ``profiles`` replaces profiles by frequency."""
-    return [
-        paper_point(profiles=(profiles or {}).get(frequency), frequency=frequency, **rest)
-        for frequency in frequencies
-    ]
-
-
 def started(fast_lag=0.0, long_lag=0.1, short_lag=0.4, initial=20.0, scatter=1e-3):
     """Return runs from rest under both protocols, and fast starts, with lags at the top."""
     points = []
@@ -172,7 +157,6 @@ FEW = {"scatter": 3, "replicates": 2}
 #: Velocities that fall with the frequency.
 EVEN = {f: {"velocity_profile": lambda z, v=v: v + 0 * z} for f, v in ((10, 1.0), (80, 1e-4))}
 
-
 #: A wave of its own in the velocity of each bed.
 WAVES = 0.2 + 0.2 * np.array([[0.2], [-0.2], [0.3], [-0.1], [0.05]]) * np.sin(
     2 * np.arange(200) + 1
@@ -182,6 +166,11 @@ WAVES = 0.2 + 0.2 * np.array([[0.2], [-0.2], [0.3], [-0.1], [0.05]]) * np.sin(
 def profile(velocity):
     """Return a velocity over height of the bed at 60 Hz."""
     return {60: {"velocity_profile": velocity}}
+
+
+def beads(frequency, number):
+    """Return a density over height (m⁻²) of the bed at a frequency."""
+    return {frequency: {"number_density": number}}
 
 
 def heat(temperature):
@@ -224,19 +213,19 @@ def firm_and_soft(profiles=None, **rest):
 #: Judges, the verdicts of their parts, and worlds that make them.
 WORLDS = [
     (g15, "R", lambda: row((10,))),
-    (g15, "N", lambda: changed(row((10,)), leaning, frequency=10)),
+    (g15, "N", lambda: row((10,), beads(10, leaning))),
     (g15, "I", lambda: [paper_point(profiles={"number_density": uneven()}, frequency=10)]),
     (g16, "R", lambda: row((20, 60, 80))),
-    (g16, "N", lambda: changed(row((20, 60, 80)), block, frequency=60)),
+    (g16, "N", lambda: row((20, 60, 80), beads(60, block))),
     (g16, "I", lambda: row((20, 60, 80), scatter=20)),
     (g17, "aR bR", lambda: row()),
-    (g17, "aN bR", lambda: changed(row(), SMEARED["denser"], frequency=80)),
-    (g17, "aR bN", lambda: changed(row(), SMEARED["thinner"], frequency=80)),
+    (g17, "aN bR", lambda: row(profiles=beads(80, SMEARED["denser"]))),
+    (g17, "aR bN", lambda: row(profiles=beads(80, SMEARED["thinner"]))),
     # Two beds cannot show that no pair of frequencies is the other way.
     (g17, "aI bI", lambda: row(replicates=2, scatter=0.5)),
     (g18, "R", lambda: row((10, 60, 80))),
-    (g18, "N", lambda: changed(row((10, 60, 80)), block, frequency=60)),
-    (g18, "N", lambda: changed(row((10, 60, 80)), USUAL, frequency=10)),
+    (g18, "N", lambda: row((10, 60, 80), beads(60, block))),
+    (g18, "N", lambda: row((10, 60, 80), beads(10, USUAL))),
     (g18, "I", lambda: row((10, 60, 80), scatter=0.3, replicates=2)),
     (g19, "R", lambda: dense_angles(0.0, noise=0.003)),
     (g19, "N", lambda: dense_angles(0.2)),
@@ -246,31 +235,31 @@ WORLDS = [
     (g20, "aR bR", lambda: friction()),
     (g20, "aN bN", lambda: friction({(10, 10): block})),
     (g20, "aR bI", lambda: friction(scatter=0.5)),
-    (g21, "aR bR cR", lambda: [*row_of(), YOUNG]),
-    (g21, "aN bR cN", lambda: [*row_of(profiles=profile(lambda z: 0.02 * z / BEAD)), YOUNG]),
+    (g21, "aR bR cR", lambda: [*row(), YOUNG]),
+    (g21, "aN bR cN", lambda: [*row(profiles=profile(lambda z: 0.02 * z / BEAD)), YOUNG]),
     (
         g21,
         "aR bN cN",
         lambda: [
-            *row_of(profiles=profile(velocity_profile(row_of((60,))[0].parameters, lag=-0.3))),
+            *row(profiles=profile(velocity_profile(row((60,))[0].parameters, lag=-0.3))),
             YOUNG,
         ],
     ),
-    (g21, "aI bI", lambda: row_of(profiles=profile(WAVES))),
+    (g21, "aI bI", lambda: row(profiles=profile(WAVES))),
     # Of runs that have relaxed no fall is asked for.
-    (g21, "aR bR", lambda: row_of()),
+    (g21, "aR bR", lambda: row()),
     (g22, "R", lambda: started()),
     (g22, "N", lambda: started(fast_lag=0.3)),
     (g22, "N", lambda: started(long_lag=0.6)),
-    (g23, "R", lambda: [*row_of((10, 20, 80)), *angles()]),
-    (g23, "N", lambda: [*row_of((10, 20, 80), EVEN), *angles()]),
-    (g23, "I", lambda: [*row_of((10, 20, 80), **FEW), *angles(**FEW)]),
-    (g29, "R", lambda: row_of((18, 20))),
-    (g29, "N", lambda: row_of((18, 20), heat(0.05 * np.exp(-HOT.height / BEAD)))),
+    (g23, "R", lambda: [*row((10, 20, 80)), *angles()]),
+    (g23, "N", lambda: [*row((10, 20, 80), EVEN), *angles()]),
+    (g23, "I", lambda: [*row((10, 20, 80), **FEW), *angles(**FEW)]),
+    (g29, "R", lambda: row((18, 20))),
+    (g29, "N", lambda: row((18, 20), heat(0.05 * np.exp(-HOT.height / BEAD)))),
     (
         g29,
         "I",
-        lambda: row_of((18, 20), heat([*[USUAL_HEAT] * 3, *[np.full_like(HOT.height, 0.02)] * 2])),
+        lambda: row((18, 20), heat([*[USUAL_HEAT] * 3, *[np.full_like(HOT.height, 0.02)] * 2])),
     ),
     (g30, "aR bR", lambda: waves(4.0, scatter=0.01)),
     (g30, "aN bN", lambda: waves(1.6, scatter=0.01)),

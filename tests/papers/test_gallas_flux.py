@@ -10,9 +10,8 @@ from sim.papers.gallas.judges.flux import g1, g2, g8, g13
 from sim.papers.gallas.judges.onset import find_onset, g3, g4, g5, g6, g7, g35
 from sim.papers.gallas.judges.onset import g14 as judge_g14
 from sim.parameters.belt import ONSET_TRANSPORT
-from tests.made.judging import letters
 from tests.made.paper_belt import paper_point
-from tests.made.results import made_boundary, made_results
+from tests.made.results import letters, made_boundary, made_results
 
 #: The judge of the other reading, on frequencies in fine steps.
 fine_g1 = partial(g1, step=2)

@@ -6,8 +6,8 @@ import pytest
 from sim.claims.verdict import INCONCLUSIVE, REPRODUCED
 from sim.papers.gallas.judges.friction import g9, g10, g11, g12, g36
 from sim.papers.gallas.judges.paths import g24, g25, g31, g32, g33, g34
-from tests.made.judging import letters, verdict_of
 from tests.made.paper_belt import BEAD, paper_point, velocity
+from tests.made.results import letters, verdict_of
 
 SHEAR = (0, 10, 20, 50, 100)
 

@@ -8,8 +8,7 @@ import pytest
 from sim.papers.silbert import judges
 from sim.papers.silbert.judges import HERTZ, SOFT
 from sim.study.papers import papers
-from tests.made.judging import letters
-from tests.made.results import made_point, spread
+from tests.made.results import letters, made_point, spread
 
 PAPER = papers()["silbert"].values["chute"]
 

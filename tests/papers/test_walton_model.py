@@ -13,7 +13,7 @@ from sim.engine.contact.walton_braun import walton_braun
 from sim.engine.systems.chute import Chute
 from sim.papers.walton.judges import model
 from tests.engine_motion.helpers import LAWS
-from tests.made.judging import failed_quantities, headline_bounds
+from tests.made.results import failed_quantities, headline_bounds
 
 #: Judges with their bounds.
 w1, w2, w3, w4 = (

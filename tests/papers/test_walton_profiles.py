@@ -15,8 +15,7 @@ from tests.made.chute_flows import (
     flow,
     kinked_profile,
 )
-from tests.made.judging import checks_of, letters
-from tests.made.results import SCATTER
+from tests.made.results import SCATTER, checks_of, letters
 
 
 def shaped(depth, velocity=lambda z: UNIT * z, packing=None, scalars=None, **options):

@@ -18,8 +18,7 @@ from tests.made.chute_flows import (
     flow,
     kinked_profile,
 )
-from tests.made.judging import by_part, checks_of, letters
-from tests.made.results import SCATTER, made_results
+from tests.made.results import SCATTER, by_part, checks_of, letters, made_results
 
 
 def ordered_flow(share, knee=2, rest=0.0, **options):

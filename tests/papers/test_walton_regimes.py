@@ -10,8 +10,7 @@ from sim.papers.walton.judges.chute import CELLS
 from sim.papers.walton.judges.flows import w5, w9, w23, w24, w26
 from sim.papers.walton.judges.regimes import w6, w7, w8, w19, w25
 from tests.made.chute_flows import PAPER, SLOPE, SPEEDS, WIDE, base_flows, flow
-from tests.made.judging import headline_bounds, letters
-from tests.made.results import made_boundary, made_point
+from tests.made.results import headline_bounds, letters, made_boundary, made_point
 
 TANGENT = tan(radians(PAPER.angle))
 

@@ -1,4 +1,4 @@
-"""Roles of parameters fit together, and points keep their ids."""
+"""Roles and words of parameters fit together, points keep their ids, messages stay short."""
 
 import csv
 import json
@@ -6,8 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from sim.parameters import NUMERICAL, SYSTEMS, parse_point, point_id
+from sim.base.errors import InputError
+from sim.base.messages import MOST_NAMES, names_meant, near
+from sim.parameters import NUMERICAL, SYSTEMS, field_info, parse_point, point_id
 from sim.parameters.laws import FunctionParameters
+from sim.parameters.points import all_synonyms
 from sim.parameters.roles import (
     TABLE,
     added_parameters,
@@ -17,6 +20,8 @@ from sim.parameters.roles import (
     reading_parameters,
     start_parameters,
 )
+from sim.study.plot_file import PlotFile
+from sim.study.plottable import every_name, study_kinds
 
 STORED_IDS = json.loads(Path(__file__).with_name("ids.json").read_text(encoding="utf-8"))
 
@@ -47,3 +52,38 @@ def test_every_row_of_the_table_is_a_parameter_and_readings_are_told_choices_fir
     *choices, ratio, exponent = reading_parameters(SYSTEMS["chute"])
     assert choices == ["law", "overlap_memory", "friction_cap", "sliding_direction"]
     assert (ratio, exponent) == ("tangential_ratio", "tangential_exponent")
+
+
+PARAMETERS = {name for model in SYSTEMS.values() for name in model.model_fields}
+NAMES = {*PARAMETERS, *every_name(), *study_kinds(), *PlotFile.model_fields}
+
+
+def test_synonyms_and_symbols_stand_for_names():
+    synonyms = all_synonyms()
+    assert "friction" in synonyms and set(synonyms) <= NAMES
+    assert not PARAMETERS & {word for words in synonyms.values() for word in words.split()}
+    for model in SYSTEMS.values():
+        for name, row in field_info(model).items():
+            if row.symbol:
+                assert name in names_meant(row.symbol, model.model_fields), row.symbol
+
+
+@pytest.mark.parametrize(
+    ("word", "name"),
+    [
+        *(("mu", "friction"), ("\N{MICRO SIGN}", "friction"), ("mu_p", "friction_plane")),
+        *(("e", "restitution"), ("theta", "angle"), ("f", "frequency"), ("Speed", "velocity")),
+        *(("heatmap", "map"), ("color", "colour"), ("repeats", "replicates")),
+    ],
+)
+def test_words_are_found_however_they_are_spelled(word, name):
+    assert name in names_meant(word, NAMES)
+
+
+@pytest.mark.parametrize("system", SYSTEMS)
+@pytest.mark.parametrize("key", ["mu", "restitutoin", "nothing_like_it", "s"])
+def test_no_error_of_a_key_lists_more_than_twelve_names(system, key):
+    with pytest.raises(InputError) as refused:
+        parse_point({"system": system, key: 1}, "point")
+    assert str(refused.value).count(", ") <= MOST_NAMES
+    assert near(key, list(map(str, range(MOST_NAMES)))).count(", ") == MOST_NAMES - 1

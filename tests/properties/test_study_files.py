@@ -21,8 +21,7 @@ from sim.claims.claim import claims
 from sim.study.command import init
 from sim.study.figure_spec import FIGURES
 from sim.study.load import Study, load_study, parse_study
-from tests.made.plugins import restore_plugins
-from tests.made.processes import ROOT, program, refusal
+from tests.made.processes import ROOT, program, refusal, restore_plugins
 from tests.properties.values import SCALARS, TOKENS, mutated_texts, mutated_trees
 
 STUDIES = [

@@ -1,4 +1,4 @@
-"""A second opinion: which points it can be asked on, what all points together say, the report."""
+"""A second opinion: its points, what all say together, the report, an engine of a plug-in."""
 
 import re
 
@@ -6,15 +6,17 @@ import numpy as np
 import pytest
 import yaml
 
+from sim.__main__ import main
 from sim.base.errors import InputError
 from sim.dataset.build import build as build_dataset
 from sim.dataset.compare import Mean, Pair
+from sim.engine.run import run_point
 from sim.parameters import parse_point, point_id
 from sim.report.compare import Opinion, ask
 from sim.report.page import build as build_report
 from sim.report.status import survey
 from sim.study.load import load_study, twin_of, twins
-from tests.made.processes import ROOT
+from tests.made.processes import ROOT, refusal, restore_plugins
 from tests.made.runs import write_run
 
 SHARED = {"law": "spring_dashpot", "depth": 1, "cell": 5, "transient": 2, "average": 4}
@@ -105,3 +107,51 @@ def test_the_docs_say_what_the_published_flows_give():
     assert f"*{lines[-1]}*" in text
     for line in lines[1:-2]:
         assert " | ".join(re.split(r"  +", line)[1:]) in text
+
+
+PLUGIN = """\
+import sim
+
+
+def make(p, replicate, substeps):
+    from sim.engine.systems import build_own
+
+    return build_own(p, replicate, substeps)
+
+
+def refuses(p):
+    if p.bumps:
+        yield "bumps", "0"
+
+
+sim.flow_engine(
+    "mine", description="one of mine", make=make, refuses=refuses, lacks=["stored_energy"]
+)
+"""
+
+
+def test_a_second_opinion_of_a_plug_in(tmp_path, monkeypatch, capsys):
+    """The plug-in calls the loop of this program; it refuses one of two points."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.py").write_text(PLUGIN)
+    base = {"depth": 1, "cell": 5, "transient": 2, "average": 4}
+    series = {"name": "one", "system": "chute", "base": base, "grid": {"bumps": [0, 1]}}
+    study = {"study": "small", "plugins": ["mine.py"], "series": [series]}
+    (tmp_path / "small.yaml").write_text(yaml.safe_dump(study))
+    with restore_plugins():
+        runs = tmp_path / "results" / "small" / "runs"
+        runs.mkdir(parents=True)
+        for key, one in load_study("small.yaml").points.items():
+            run_point(one.parameters, runs / f"{key}.nc", quiet=True)
+        build_dataset("small.yaml", "results")
+        ask = ("second-opinion", "small.yaml", "--share", "1")
+        told = refusal(capsys, *ask)
+        assert told.endswith("--engine: got nothing; allowed: one of lammps, mine")
+        assert main([*ask, "--engine", "mine"]) == 0
+        told = capsys.readouterr().out
+        assert "over 1 point the ratio of mean velocities, mine over talus, is 1" in told
+        build_report("small.yaml", "results")
+        page = (runs.parent / "report.html").read_text(encoding="utf-8")
+        assert "mine over talus" in page and "lammps over talus" not in page
+        assert main(["orphans", "small.yaml"]) == 0
+        assert capsys.readouterr().out == "none\n"

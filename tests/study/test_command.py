@@ -16,8 +16,7 @@ from sim.base.program import package_folder
 from sim.claims.sources import require_plugins
 from sim.study import command
 from sim.study.load import DEFAULT_STUDY, load_study
-from tests.made.plugins import plugin_claims, restore_plugins
-from tests.made.processes import ROOT, wait_until
+from tests.made.processes import ROOT, plugin_claims, restore_plugins, wait_until
 
 MERGED = "study: merged\na: &a {x: 1}\n" + "".join(
     f"b{n}: &b{n} {{<<: [{', '.join([f'*b{n - 1}' if n else '*a'] * 9)}]}}\n" for n in range(9)

@@ -9,7 +9,6 @@ from types import SimpleNamespace
 import pandas as pd
 import pytest
 
-from sim.base.errors import InputError
 from sim.base.plugins import load_plugins
 from sim.claims.evidence import Evidence, combined_readings, paper_of
 from sim.claims.place import Points
@@ -19,8 +18,7 @@ from sim.parameters import parse_point, point_id
 from sim.report.points import warnings
 from sim.study.load import parse_study
 from sim.study.papers import paper_values, papers
-from tests.made.plugins import restore_plugins, without_plugins
-from tests.made.processes import ROOT
+from tests.made.processes import ROOT, restore_plugins, without_plugins
 from tests.made.results import made_point, made_results
 
 #: Values of a paper, two of them of its law alone.
@@ -87,11 +85,6 @@ def test_a_study_that_names_a_paper_has_its_values_where_it_gives_none(keys, bas
     assert point_id(point) == point_id(parse_point({"system": "chute"} | expected, "p"))
 
 
-def test_what_a_study_gives_for_another_law_is_refused_though_the_paper_has_it():
-    with pytest.raises(InputError, match=r"base\.attraction: got 'clipped'; allowed: kept unless"):
-        only_point({"law": "walton_braun", "attraction": "clipped"}, paper="mine")
-
-
 def test_evidence_that_names_nothing_is_at_the_values_of_the_claims_paper():
     points = [
         made_point("chute", {"velocity": 1.0}, depth=3),
@@ -129,20 +122,6 @@ def test_what_is_left_at_a_papers_values_is_told_of_that_paper():
     assert told["Own (2000), chute"][:2] == ["μ = 0.5", "law hertz"]
     assert not any(text.startswith("μ ") for text in told["Walton (1993), chute"])
     assert "Own (2000), chute" not in paper_values(points)
-
-
-@pytest.mark.parametrize(
-    ("name", "value"), [("friction", -1), ("friktion", 1), ("normal", "x"), ("cell", "wide")]
-)
-def test_a_wrong_value_of_a_paper_is_told_with_its_file_and_key(folder, name, value):
-    load_paper(folder, OWN | {name: value}, "wrong")
-    with pytest.raises(InputError, match=rf"wrong/paper.yaml: .*defaults.chute.{name}"):
-        only_point({}, paper="wrong")
-
-
-def test_a_study_names_a_paper_that_is_there():
-    with pytest.raises(InputError, match=r"s\.yaml: paper: got 'onw'; allowed: one of walton, "):
-        only_point({}, paper="onw")
 
 
 def law_id(folder: Path, edits: dict[str, str]) -> str:
@@ -219,12 +198,6 @@ def test_natural_units_are_a_particle_of_one_and_are_shown_but_where_a_plot_name
     rows = pd.DataFrame([vars(one.parameters) for one in usual.points.values()])
     data = SimpleNamespace(rows=rows, spec=natural({}, {}, units="natural").plots["v"])
     assert units_of_parameters(data) == "si"
-
-
-@pytest.mark.parametrize("name", ["diameter", "mass", "gravity"])
-def test_natural_units_with_another_particle_are_refused(name):
-    with pytest.raises(InputError, match=rf"s\.yaml: units: got 'natural with {name} = 2'"):
-        natural({"units": "natural"}, {name: 2})
 
 
 def test_a_papers_own_points_stand_in_its_own_figure(folder):

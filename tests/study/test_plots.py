@@ -10,7 +10,7 @@ from sim.figures.render import drawing_of
 from sim.parameters import SYSTEMS
 from sim.study.load import Study, parse_study
 from sim.study.plottable import kinds, study_kinds
-from tests.made.plugins import restore_plugins
+from tests.made.processes import restore_plugins
 
 SERIES = {
     "name": "flows",
@@ -29,14 +29,6 @@ def parse(tmp_path):
         return parse_study(mapping, tmp_path / "study.yaml", tmp_path / "results")
 
     return parse
-
-
-def error_message(parse, plot: dict, **others) -> str:
-    with pytest.raises(InputError) as caught:
-        parse(plot, **others)
-    message = str(caught.value)
-    assert "study.yaml: plots[0]." in message and "\n" not in message
-    return message.partition("study.yaml: plots[0].")[2]
 
 
 def test_a_plot_is_an_entry_of_all_points_of_its_series(parse):
@@ -144,14 +136,6 @@ def test_a_kind_of_a_plugin_takes_the_keys_that_it_names(parse, own):
     spec = parse(plot | {"log": ["y"]}, **others).plots["v"]
     assert spec.title == "Shear depth against friction" and len(spec.plugin) > 6
     assert spec.log == ["y"]
-    # Nothing would draw data beside such a plot.
-    beside = {"kind": "alike", "beside": [{"label": "data", "points": [[0.3, 1]]}]}
-    for change, message in (
-        ({"panels": "law"}, "panels: got 'law'; allowed: a key of own: x, y"),
-        ({"log": ["x"]}, "log[0]: got 'x'; allowed: one of y"),
-        (beside, "beside: got 'data'; allowed: a key of alike: x, y, curves, panels"),
-    ):
-        assert error_message(parse, plot | change, **others) == message
 
 
 @pytest.mark.parametrize(

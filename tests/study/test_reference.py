@@ -19,7 +19,7 @@ from sim.study.figure_spec import FIGURES
 from sim.study.load import load_study, parse_study
 from sim.study.plottable import study_kinds
 from sim.study.reference import BEGIN, END, insert_reference, reference_text, schema, schema_text
-from tests.made.plugins import restore_plugins
+from tests.made.processes import restore_plugins
 
 CONFIG = Path(__file__).parents[2] / "config"
 GUIDE = (CONFIG / "README.md").read_text(encoding="utf-8")

@@ -2,12 +2,12 @@
 
 import re
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import pytest
 import yaml
 
-from sim.base.errors import InputError
 from sim.study.figure_spec import FIGURES
 from sim.study.load import load_study, parse_study
 
@@ -17,11 +17,18 @@ HEADLINES = ["walton_2", "gallas_1a", "gallas_1b", "gallas_1c"]
 REGIMES = [name for name, spec in FIGURES.items() if spec.keys.is_map]
 
 
+@pytest.fixture(scope="module")
+def shipped(tmp_path_factory):
+    """Return a shipped study by its name, read once."""
+    folder = tmp_path_factory.mktemp("results")
+    return cache(lambda name: load_study(CONFIG / f"{name}.yaml", folder))
+
+
 @pytest.mark.parametrize(
     ("name", "figures"), [("quick", HEADLINES), ("paper", list(FIGURES)), ("regimes", REGIMES)]
 )
-def test_shipped_studies_feed_their_figures(name, figures, tmp_path):
-    study = load_study(CONFIG / f"{name}.yaml", tmp_path)
+def test_shipped_studies_feed_their_figures(name, figures, shipped):
+    study = shipped(name)
     assert study.name == name
     assert set(study.figures) >= set(figures)
     rows = re.findall(r"^\| `(\w+\.yaml)` \|", (CONFIG / "README.md").read_text(), re.MULTILINE)
@@ -30,11 +37,8 @@ def test_shipped_studies_feed_their_figures(name, figures, tmp_path):
         assert set().union(*study.figures.values()) == set(study.points)
 
 
-def test_a_study_has_the_points_of_its_parts(tmp_path):
-    study = load_study(CONFIG / "paper.yaml", tmp_path)
-    halves = [
-        load_study(CONFIG / f"paper_{paper}.yaml", tmp_path) for paper in ("walton", "gallas")
-    ]
+def test_a_study_has_the_points_of_its_parts(shipped):
+    study, *halves = map(shipped, ("paper", "paper_walton", "paper_gallas"))
     # The halves decide claims, so that their points count looks.
     points = halves[0].points | halves[1].points
     assert study.points == {name: replace(point, looks=0) for name, point in points.items()}
@@ -43,34 +47,14 @@ def test_a_study_has_the_points_of_its_parts(tmp_path):
     assert len(study.boundaries) == sum(len(half.boundaries) for half in halves)
 
 
-@pytest.mark.parametrize(
-    ("part", "message"),
-    [
-        ("absent.yaml", "absent.yaml"),
-        ("nested.yaml", "parts[0]: got 'nested.yaml'; allowed: a study without parts of its own"),
-        ("same.yaml", "series b: got 'same.yaml'; allowed: a part without a series of a name"),
-        ("bad.yaml", "bad.yaml: series[0].base.frequency: got -1"),
-    ],
-)
-def test_a_part_that_cannot_be_used_is_named(part, message, tmp_path):
-    one = "series: [{name: b, system: belt, base: {frequency: FREQUENCY}}]"
-    (tmp_path / "nested.yaml").write_text("study: n\nparts: [same.yaml]")
-    (tmp_path / "same.yaml").write_text("study: s\n" + one.replace("FREQUENCY", "20"))
-    (tmp_path / "bad.yaml").write_text("study: s\n" + one.replace("FREQUENCY", "-1"))
-    path = tmp_path / "study.yaml"
-    path.write_text(f"study: x\nparts: [{part}]\n" + one.replace("FREQUENCY", "30"))
-    with pytest.raises(InputError, match=re.escape(message)):
-        load_study(path, tmp_path)
-
-
-@pytest.mark.parametrize("name", ["quick", "paper", "paper_walton", "paper_gallas", "regimes"])
-def test_shipped_studies_mean_the_same_to_any_yaml_reader(name, tmp_path):
+@pytest.mark.parametrize("name", ["quick", "paper_walton", "paper_gallas", "regimes"])
+def test_shipped_studies_mean_the_same_to_any_yaml_reader(name, shipped, tmp_path):
     path = CONFIG / f"{name}.yaml"
     plain = parse_study(yaml.safe_load(path.read_text()), path, tmp_path)
-    assert plain.points == load_study(path, tmp_path).points
+    assert plain.points == shipped(name).points
 
 
-def test_beds_at_rest_are_what_the_tilted_ones_start_from(tmp_path):
-    study = load_study(CONFIG / "beyond.yaml", tmp_path)
+def test_beds_at_rest_are_what_the_tilted_ones_start_from(shipped):
+    study = shipped("beyond")
     starts = {point.parameters.start_from for point in study.points.values()} - {""}
     assert starts == set(study.series["rest"])

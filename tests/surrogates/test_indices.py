@@ -23,8 +23,7 @@ from sim.surrogates.surrogate import Surrogate
 from sim.verify.exact import g_function, g_indices, ishigami
 from tests.figures.drawing import picture, table
 from tests.made.answers import picture_data
-from tests.made.indices import made_runs
-from tests.made.surrogates import design, made_surrogate
+from tests.made.surrogates import design, made_runs, made_surrogate
 from tests.surrogates.predictors import (
     ISHIGAMI,
     ISHIGAMI_FIRST,

@@ -13,7 +13,7 @@ from sim.study.load import load_study
 from sim.surrogates.storage import find_surrogate, load_surrogate, save_surrogate
 from sim.surrogates.surrogate import Surrogate
 from tests.made.netcdf import edit_file
-from tests.made.plugins import restore_plugins
+from tests.made.processes import restore_plugins
 from tests.made.surrogates import AXES, asked, design, made_sample, made_surrogate, smooth
 
 LAW = Axis("law", 0, 1, choices=("walton_braun", "hertz"))

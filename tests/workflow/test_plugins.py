@@ -12,15 +12,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from sim.base.errors import InputError
 from sim.claims.claim import claims
-from sim.report.points import show
 from sim.study.command import init
 from sim.study.figure_spec import FIGURES
 from sim.study.load import load_study
 from sim.study.papers import papers
-from tests.made.plugins import restore_plugins
-from tests.made.processes import ROOT
+from tests.made.processes import ROOT, restore_plugins
 from tests.made.project import planned_jobs, snakemake
 from tests.made.runs import HEIGHTS, write_run
 
@@ -163,12 +160,6 @@ def test_a_law_goes_the_whole_way(tmp_path):
         assert jobs_after_edit(tmp_path, name) == jobs
 
 
-def load(folder: Path) -> None:
-    """List the points of the study, which reads everything that its paper says."""
-    with restore_plugins():
-        show(folder / STUDY, "table", results=folder)
-
-
 def test_the_paper_is_loaded_beside_those_that_ship(tmp_path):
     bring_paper(tmp_path)
     with restore_plugins():
@@ -178,74 +169,3 @@ def test_the_paper_is_loaded_beside_those_that_ship(tmp_path):
         assert [claim.id for claim in claims()][-1] == CLAIM
     assert list(papers()) == ["walton", "gallas", "silbert"]
     assert "incline_velocity" not in FIGURES and claims()[-1].id == "S10"
-
-
-@pytest.mark.parametrize(
-    ("name", "old", "new", "message"),
-    [
-        ("paper.yaml", "system: chute", "system: slide", "system.*'slide'"),
-        (
-            "paper.yaml",
-            "author: ",
-            'author: "\\e[2J\\u202e" #',
-            r"author: got .*; allowed: one line",
-        ),
-        ("paper.yaml", "[incline_velocity]", '["\\a"]', r"paper.yaml: headline\[0\]: got"),
-        ("figures.yaml", "lead: ", 'lead: "\\u202e" #', r"figures.yaml: figures\[0\].lead: got"),
-        ("paper.yaml", "name: incline", "name: walton", "Talus has one of this name"),
-        ("figures.yaml", "incline_velocity", "walton_2", "a name that no other figure has"),
-        ("claims.yaml", "judges.steeper", "judges.flatter", "claims.yaml: .*flatter"),
-        ("claims.yaml", "{least}", "{most}", "claims.yaml: judge incline_steeper: .*most"),
-        ("claims.yaml", f"id: {CLAIM}", "id: W1", "claims.yaml: judge 'W1': a name has"),
-        ("claims.yaml", "claims:", "claim:", "claims.yaml: .*claims, a list, and nothing else"),
-        ("claims.yaml", "judges.steeper", "steeper", r"claims\[0\].judge: got 'steeper'; allowed"),
-        ("claims.yaml", "judges.steeper", "judge.steeper", "a function of a module beside this"),
-        (
-            "claims.yaml",
-            "[incline_velocity]",
-            "[slopes]",
-            "figures: got 'slopes'; .*allowed: one of",
-        ),
-        ("claims.yaml", "{least: 3}", "{most: 3}", "claims.yaml: judge incline_steeper: .*least"),
-        (
-            "paper.yaml",
-            "[incline_velocity]",
-            "[walton_2]",
-            r"headline.0.: got .walton_2.; al",
-        ),
-        ("paper.yaml", "0.85", "8.5", "paper.yaml: defaults.chute.restitution: got 8.5; allowed"),
-        ("judges.py", ", trend", ", trends", "claims.yaml: judges.py line 3: .*trends"),
-        ("judges.py", "{least} angles", "{leest}", r"judges\.py: line 11: NameError: .*'leest'"),
-        (
-            "judges.py",
-            '"angle"',
-            "[ANGLE for _ in '']",
-            r"judges\.py: line 8: NameError: .*'ANGLE'",
-        ),
-        (
-            "judges.py",
-            '"velocity"',
-            '"velocty"',
-            "line 13: got 'velocty'; did you mean",
-        ),
-        ("judges.py", '"angle"', '"slope"', r"judges\.py: line 8: got 'slope'; .*allowed"),
-        (
-            "judges.py",
-            '"angle"',
-            '"angle", fricton=1',
-            "line 8: got 'fricton'; did you mean",
-        ),
-        ("judges.py", '"chute"', '"shute"', "line 8: got 'shute'; did you mean chute"),
-        ("__init__.py", "talus.paper(", "talus.papre(", "plugins.0.*line 5: AttributeError"),
-    ],
-)
-def test_a_mistake_in_the_paper_is_one_line(tmp_path, name, old, new, message):
-    bring_paper(tmp_path)
-    path = tmp_path / "incline" / name
-    text = path.read_text(encoding="utf-8")
-    assert old in text
-    path.write_text(text.replace(old, new), encoding="utf-8")
-    with pytest.raises(InputError, match=message) as error:
-        load(tmp_path)
-    assert "\n" not in str(error.value)
-    assert list(papers()) == ["walton", "gallas", "silbert"]

@@ -1,18 +1,23 @@
 """Boundaries from end to end: rounds as checkpoints, resumed, changed, in the dataset."""
 
 import csv
+import os
+import signal
+import subprocess
 from pathlib import Path
 
 import pytest
 import xarray as xr
 
+import sim
 from sim.dataset.adopted import adopt
 from sim.dataset.build import build
-from sim.dataset.rounds import read_round
+from sim.dataset.rounds import points_of_rounds, read_round
 from sim.study.load import load_study
 from sim.study.model import further_rounds
 from sim.surrogates.inquiries import write_round
-from tests.made.project import bare_folder, planned_jobs, planned_points, points, snakemake
+from tests.made.processes import ROOT, wait_until
+from tests.made.project import bare_folder, command, planned_jobs, planned_points, points, snakemake
 from tests.made.runs import write_run
 
 STUDY = "onset.yaml"
@@ -84,3 +89,61 @@ def test_a_changed_study_works_out_its_rounds_anew(tree):
     process = snakemake(tree, "results/onset/rounds/1.json", study="wider.yaml")
     assert process.returncode == 0, process.stderr
     assert not set(rounds(tree)[0]) & set(stale[0])
+
+
+ASKING = "asking.yaml"
+
+
+@pytest.fixture(scope="module")
+def asked(tmp_path_factory) -> Path:
+    """Return a folder with a study that was killed after its first round and run to its end."""
+    tree = bare_folder(tmp_path_factory.mktemp("asking"), ASKING)
+    folder = tree / "results" / "asking"
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    options = {"cwd": tree, "env": environment, "start_new_session": True}
+    words = command(tree, study=ASKING)
+    process = subprocess.Popen(words, stderr=subprocess.DEVNULL, **options)
+    wait_until((folder / "rounds" / "1.json").exists, process)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+    first = {path.name: path.stat().st_mtime_ns for path in (folder / "runs").glob("belt-*.nc")}
+    finished = snakemake(tree, study=ASKING)
+    assert finished.returncode == 0, finished.stderr
+    assert "surrogate speed: " in finished.stderr
+    assert len(first) >= 6
+    assert all((folder / "runs" / name).stat().st_mtime_ns == time for name, time in first.items())
+    return tree
+
+
+@pytest.mark.long
+def test_rounds_have_added_points_and_ended(asked):
+    folder = asked / "results" / "asking"
+    study = load_study(asked / ASKING, asked / "results")
+    files = sorted((folder / "rounds").glob("*.json"), key=lambda path: int(path.stem))
+    rounds = [read_round(path) for path in files]
+    assert rounds[0] and not rounds[-1] and all(rounds[:-1])
+    known = points_of_rounds(study, folder)
+    assert len(known) == 6 + sum(map(len, rounds))
+    assert {path.stem for path in (folder / "runs").glob("belt-*.nc")} == set(known)
+
+
+@pytest.mark.long
+def test_its_answers_and_pictures_are_there(asked):
+    folder = asked / "results" / "asking"
+    results = sim.load(folder)
+    surrogate = results.surrogate("velocity")
+    assert surrogate.sample.sizes["point"] == results.dataset.sizes["point"]
+    answer = surrogate(frequency=[30, 40], vibration_angle=45)
+    assert answer["mean"].shape == (2,) and (answer["half_width"] > 0).all()
+    names = {path.name for path in (folder / "figures").glob("*.png")}
+    endings = ("frequency", "vibration_angle", "frequency-vibration_angle", "agreement")
+    assert names == {f"speed-{ending}.png" for ending in endings}
+    assert "speed-agreement" in (folder / "report.html").read_text()
+
+
+@pytest.mark.long
+def test_nothing_is_left_to_do_until_the_error_changes(asked):
+    assert planned_jobs(asked, study=ASKING) == {}
+    text = (asked / ASKING).read_text().replace("error: 0.0001", "error: 1")
+    (asked / "coarse.yaml").write_text(text)
+    assert planned_jobs(asked, study="coarse.yaml")["refine"] == 1

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sim.engine.boundary.motion import Harmonic, displacements, motion_of, shape_of, states
-from sim.engine.compile import by_type, inlined
+from sim.engine.compile import by_type, call_by_type, inlined
 from sim.parameters.conveyor import ConveyorParameters
 from sim.parameters.schedule import courses
 from sim.parameters.spheres import SphereParameters
@@ -111,7 +111,7 @@ def plane_velocity(drive: Vibration, axis: int, time: Any) -> Any:
     """Return the velocity (m/s) of a vibrating plane along x (axis 0) or z (1)."""
     if isinstance(drive.motion, Harmonic):
         return _harmonic_velocity(drive.motion, drive, axis, time)
-    rates = states(drive.motion, np.ravel(drive.rate * time))[1 + axis]
+    rates = call_by_type(states, drive.motion, np.ravel(drive.rate * time))[1 + axis]
     return drive.amplitude[axis] * drive.rate * rates.reshape(np.shape(time))
 
 
@@ -122,8 +122,8 @@ def plane_position(drive: Vibration, axis: int, time: np.ndarray) -> np.ndarray:
         first = drive.amplitude[axis] * np.sin(angle + motion.phase[axis])
         second = np.sin(motion.overtone * angle + motion.second_phase)
         return first + motion.second[axis] * second
-    shape = states(motion, angle)[0] if axis == 1 else displacements(motion, angle)
-    return drive.amplitude[axis] * shape
+    shapes = call_by_type(states if axis == 1 else displacements, motion, angle)
+    return drive.amplitude[axis] * (shapes[0] if axis == 1 else shapes)
 
 
 @by_type

@@ -8,6 +8,7 @@ import numpy as np
 from sim.base.additions import plain_name, plugin_error
 from sim.engine.compile import (
     adopt_type,
+    call_by_type,
     implements,
     inlined,
     kernel,
@@ -43,8 +44,7 @@ class Harmonic(NamedTuple):
 def motion_of(p: Parameters) -> NamedTuple:
     """Return the motion of a point."""
     motion = make_numbers(MOTION, p, add_motion, p)
-    option = getattr(p, MOTION.name, "")
-    if MOTION.is_own(option):
+    if MOTION.is_own(option := getattr(p, MOTION.name, "")):
         try:
             _require_sound(motion)
         except ValueError as error:
@@ -60,7 +60,7 @@ def _require_sound(motion: NamedTuple) -> None:
     panel = 2.0 * pi / PANELS
     angles = (panel * np.arange(PANELS)[:, None] + 0.5 * panel * (1.0 + NODES)).ravel()
     cycles = [angles, *(angles + 2.0 * pi * turns for turns in (1, 1000))]
-    first, *later = results = [states(motion, cycle) for cycle in cycles]
+    first, *later = results = [call_by_type(states, motion, cycle) for cycle in cycles]
     for cycle, values in zip(cycles, results, strict=True):
         if not (is_finite := np.isfinite(values).all(axis=0)).all():
             angle, state = cycle[~is_finite][0], values[:, ~is_finite][:, 0].tolist()
@@ -77,7 +77,7 @@ def _require_sound(motion: NamedTuple) -> None:
             )
     slope = first[2].reshape(PANELS, NODES.size)
     integral = np.cumsum(0.5 * panel * (slope * WEIGHTS).sum(axis=1))
-    height = states(motion, panel * np.arange(PANELS + 1))[0]
+    height = call_by_type(states, motion, panel * np.arange(PANELS + 1))[0]
     rise = height[1:] - height[0]
     worst = int(np.argmax(np.abs(rise - integral)))
     if not abs(rise[worst] - integral[worst]) <= HEIGHT_TOLERANCE * np.abs(first[[0, 2]]).max():
@@ -130,8 +130,7 @@ def states(motion, angles):
     """Return the results (3, K) of ``state`` at angles (K,)."""
     results = np.empty((3, angles.size))
     for k in range(angles.size):
-        height, along, upward = shape_of(motion, angles[k])
-        results[0, k], results[1, k], results[2, k] = height, along, upward
+        results[0, k], results[1, k], results[2, k] = shape_of(motion, angles[k])
     return results
 
 

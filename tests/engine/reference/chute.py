@@ -38,13 +38,15 @@ class Chute:
     """The surroundings: law of the pairs, law of the plane, cell edges and gravity.
 
     plane_law None means no plane, box None an unbounded space; box is the edge length (m) in x
-    and y; gravity is a vector (m/s2).
+    and y; gravity is a vector (m/s2). The arms of torques of pairs are radii, less a share of the
+    overlap (shortened), as another engine has it.
     """
 
     law: Law
     plane_law: Law | None = None
     box: tuple[float, float] | None = None
     gravity: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    shortened: float = 0.0
 
 
 def tilted(gravity: float, angle: float) -> tuple[float, float, float]:
@@ -130,10 +132,11 @@ def forces(spheres: Spheres, chute: Chute, time_step: float) -> tuple[np.ndarray
         contacts[i, j] = new
         on_i = shear - normal_force * k_hat
         force[i] += on_i
-        torque[i] += spheres.radius[i] * cross(k_hat, shear) + new.torque
+        less = 0.0 if j == PLANE else chute.shortened * overlap
+        torque[i] += (spheres.radius[i] - less) * cross(k_hat, shear) + new.torque
         if j != PLANE:
             force[j] -= on_i
-            torque[j] += spheres.radius[j] * cross(k_hat, shear) - new.torque
+            torque[j] += (spheres.radius[j] - less) * cross(k_hat, shear) - new.torque
     return force, torque, contacts
 
 

@@ -214,7 +214,8 @@ class SpringDashpotLaw:
     The mass is that of all partners, or 0: each pair then has its own. A normal force that would
     pull is kept, or clipped at 0: see `sim.parameters.dashpot`. The normal drag is gamma_n m v_n
     (normal_damping, 1/s), or where that is 0 the one that gives the restitution; along the surfaces
-    it is gamma_t m v_t (tangential_damping, 1/s).
+    it is gamma_t m v_t (tangential_damping, 1/s). A spring that is turned into the new tangent
+    plane keeps its length, or only its part in that plane (projected), as another engine has it.
     """
 
     stiffness: float
@@ -226,6 +227,7 @@ class SpringDashpotLaw:
     attraction: str = "kept"
     normal_damping: float = 0.0
     tangential_damping: float = 0.0
+    projected: bool = False
 
     @property
     def damping(self) -> float:
@@ -251,7 +253,8 @@ class SpringDashpotLaw:
         if self.attraction == "clipped":
             normal_force = max(normal_force, 0.0)
         slip = across(slip, k_hat)
-        spring = turned(contact.spring, k_hat) + self.tangential_ratio * self.stiffness * slip
+        spring = (across if self.projected else turned)(contact.spring, k_hat)
+        spring = spring + self.tangential_ratio * self.stiffness * slip
         drag = self.tangential_damping * self.mass * slip / self.time_step
         force = shortened(spring + drag, self.friction * abs(normal_force))
         # The sum is cut, and the spring is what is left of it beside the drag.
@@ -269,6 +272,13 @@ class FunctionLaw:
     remembers: int
     rolls: bool
     reach: float
+
+    @classmethod
+    def of(cls, point, numbers: tuple) -> "FunctionLaw":
+        """The law of a point of the package, with the numbers that it makes of one."""
+        option = point.option("law")
+        force, remembers, vectors = option.of(type(numbers))
+        return cls(numbers, force, vectors, remembers, option.rolls, point.law_reach)
 
     def update(
         self,

@@ -2,7 +2,6 @@
 
 from math import cos, radians, sqrt
 
-import numpy as np
 import pytest
 
 from sim import Flow, InputError, simulate
@@ -10,8 +9,6 @@ from sim.engine.run import run_point
 from sim.engine.stored_run import read_parameters
 from sim.parameters import ChuteParameters, given, parse_point
 
-#: Glass of Chung and Ooi (2011), tests 1: radius (m), Young's modulus (Pa), Poisson's ratio.
-RADIUS, YOUNG, POISSON = 0.01, 48e9, 0.2
 ONE = {"cell": 4, "sample_interval": 0.05, "angle": 0}
 
 
@@ -41,57 +38,6 @@ def test_release_from_a_height_is_a_free_fall():
     assert flow.positions[0, 2] == pytest.approx(expected, rel=1e-11)
     packing = Flow("chute", depth=2, cell=4, initial_height=1.5)
     assert (packing.positions[:, 2] - packing.radii).min() == pytest.approx(1.5 * d, abs=1e-5 * d)
-
-
-def test_two_spheres_that_meet_head_on_exchange_their_velocities():
-    """Chung and Ooi (2011), test 1: α_max = (15 m* v²/(16 E* √R*))^(2/5)."""
-    diameter, speed = 2 * RADIUS, 10.0
-    modulus = YOUNG / (2 * (1 - POISSON**2))
-    reach = diameter * (1 + 1e-6)
-    state = {"x": [0.02, 0.02 + reach], "z": [0.05, 0.05], "vx": [speed, -speed], "y": [0.02, 0.02]}
-    point = {"law": "hertz", "restitution": 1, "friction": 0, "stiffness": modulus * diameter / 15}
-    point |= {"diameter": diameter, "density": 2800, "steps_per_collision": 400, "gravity": 9.8}
-    flow = Flow("chute", state=state, **ONE | point | {"sample_interval": 1e-4})
-    quiet(flow, 0.003)
-    p = flow.parameters
-    closing, mass, radius = 2 * speed, p.mass / 2, RADIUS / 2
-    deepest = (15 * mass * closing**2 / (16 * modulus * sqrt(radius))) ** 0.4
-    assert flow.series.largest_overlap.max() * diameter == pytest.approx(deepest, rel=1e-4)
-    assert flow.velocities[:, 0] == pytest.approx([-speed, speed], rel=1e-6)
-    assert flow.velocities[:, 1] == pytest.approx(0, abs=1e-12)
-
-
-def test_a_sphere_that_slides_rolls_after_two_sevenths_of_the_time_to_stop():
-    friction, start = 0.2, 0.05
-    point = {"law": "spring_dashpot", "friction": friction, "stiffness": 1e3} | ONE
-    weight = 1.492e-6 * 9.8 / 1e3
-    state = {"x": [1e-3], "z": [0.5e-3 - weight], "vx": [start]}
-    flow = Flow("chute", state=state, **point)
-    to_stop = start / (friction * 9.8)
-    while flow.time < 0.25 * to_stop:
-        quiet(flow, 0.05)
-    step = flow.parameters.time_step
-    sliding = start - friction * 9.8 * (flow.time - step / 2)
-    assert flow.velocities[0, 0] == pytest.approx(sliding, rel=1e-9)
-    assert flow.spins[0, 1] == pytest.approx(2.5 * (start - sliding) / 0.5e-3, rel=1e-9)
-    quiet(flow, 2 * to_stop / flow.parameters.time_unit)
-    # The tangential spring swings on; the angular momentum about the plane stays.
-    angular = flow.velocities[0, 0] + 0.4 * 0.5e-3 * flow.spins[0, 1]
-    assert angular == pytest.approx(start, rel=1e-9)
-    rolling = float(flow.series.mean_velocity[flow.series.time > to_stop].mean())
-    assert start - rolling == pytest.approx(2 / 7 * start, rel=1e-3)
-
-
-@pytest.mark.parametrize("spin", [-400.0, 400.0])
-def test_a_spinning_sphere_is_thrown_along_the_plane(spin):
-    """While it slides, the impulse of friction is μ times that of the normal force."""
-    point = {"law": "hertz", "restitution": 1, "friction": 0.1, "stiffness": 1e3, "gravity": 1e-3}
-    state = {"x": [1e-3], "z": [0.52e-3], "vz": [-0.3], "wy (rad/s)": [spin]}
-    steps = {"steps_per_collision": 200, "sample_interval": 1e-3}
-    flow = quiet(Flow("chute", state=state, **ONE | point | steps), 0.005)
-    thrown = 0.1 * 2 * 0.3 * np.sign(spin)
-    assert flow.velocities[0, 0] == pytest.approx(thrown, rel=1e-3)
-    assert flow.spins[0, 1] == pytest.approx(spin - 2.5 * thrown / 0.5e-3, rel=1e-3)
 
 
 @pytest.mark.parametrize("system", ["chute", "belt"])

@@ -49,6 +49,7 @@ def test_an_angle_is_linear_between_times_and_the_later_one_of_two_at_one_time(c
         assert (along, upward) == pytest.approx(expected)
 
 
+@pytest.mark.long  # whose loop is compiled for it alone
 @pytest.mark.parametrize("friction", [0.3, 0.4])
 def test_a_block_slides_from_where_the_tangent_is_the_friction_to_its_rest(friction):
     """Its velocity is that of a body under gravity and friction, tilted up and down again."""
