@@ -178,7 +178,8 @@ def _variant(variant: Mapping[str, Any], claim: Mapping[str, Any]) -> dict[str, 
     system = claim.get("system") or papers()[claim["paper"]].system
     title = PROTOCOLS[system].get(variant["protocol"], _MODEL).capitalize()
     reading = "" if variant["reading"] == "default" else f", {variant['reading']}"
-    return variant | {"title": title + reading, "usual": variant["reading"] in claim["headings"]}
+    usual = variant["reading"] in claim["headings"]
+    return {**variant, "title": title + reading, "usual": usual}
 
 
 def reading_tables(claims: Sequence[Mapping[str, Any]], results: Results) -> list[dict[str, Any]]:

@@ -12,7 +12,7 @@ from matplotlib.patches import Circle
 
 from sim.base.errors import InputError
 from sim.dataset.results import load_results
-from sim.figures import animation, row
+from sim.figures import animation, spheres
 from sim.figures.beads import TALLEST, select
 from sim.figures.spheres import across_sides, draw_particles, view_from
 from sim.figures.style import DOTTED, PALE
@@ -136,7 +136,7 @@ def test_flows_of_another_cell_come_behind_and_say_so(results):
     data = without_particles(data_of_figure("walton_1_3", results))
     one = data.rows[data.rows["protocol"] == "published"]
     rows = pd.concat([one.assign(cell=cell) for cell in (5.0, 10.0, 20.0)])
-    figure = row.draw(replace(data, rows=rows))
+    figure = spheres.draw(replace(data, rows=rows))
     labels = [line.get_label() for line in figure.axes[0].get_lines()]
     cells = [label.partition("fixed length, ")[2] for label in labels if "average" in label]
     assert cells == ["L = 10 σ", "L = 5 σ", "L = 20 σ"]
@@ -147,7 +147,7 @@ def test_flows_of_another_cell_come_behind_and_say_so(results):
 def test_deep_flows_show_the_whole_cell_and_others_a_portion(results, name, share):
     flow = data_of_figure(name, results).rows.to_dict("records")[0]
     state = results.particles(flow["point"])
-    scene = row.Scene(flow, state, np.array([1e-2]), np.array([0.0, 1.0]))
+    scene = spheres.Scene(flow, state, np.array([1e-2]), np.array([0.0, 1.0]))
     assert scene.shown_size == pytest.approx(flow["cell"] * np.array([1, share]))
 
 
