@@ -5,7 +5,7 @@ CORES ?= 2
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.locked
-PAPERS := walton gallas
+PAPERS := walton gallas silbert
 
 .DEFAULT_GOAL := help
 .PHONY: help setup figures paper $(PAPERS:%=paper-%) test long lint docs clean
@@ -31,7 +31,7 @@ $(STAMP): requirements.lock
 figures: setup  ## the quick study: figures and report into results/quick
 	$(BIN)/snakemake --cores $(CORES)
 
-paper: $(PAPERS:%=paper-%)  ## both papers in full, published into results/published (hours: see config/README.md)
+paper: $(PAPERS:%=paper-%)  ## all papers in full, published into results/published (hours: see config/README.md)
 
 $(PAPERS:%=paper-%): paper-%: setup
 	$(BIN)/python -m sim $(if $(shell grep '^decide:' config/paper_$*.yaml),decide,study) config/paper_$*.yaml --cores $(CORES)
