@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from matplotlib.ticker import MultipleLocator
 
-from sim.base.errors import InputError
+from sim.base.errors import InputError, count_text
 from sim.figures.caption import first_clause, velocity_text
 from sim.figures.data import Drawing, FigureData
 from sim.figures.plot import message_figure
@@ -118,7 +118,7 @@ def _draw_belt(axes: Axes, row: Mapping[Any, Any], beads: np.ndarray) -> None:
     draw_obstacle(axes, row)
     axes.axhline(0, color="black", linewidth=1.3, label="average position of the belt")
     if count := int((beads > axes.get_ylim()[1]).sum()):
-        text = f"{count} bead{'s' if count > 1 else ''} above"
+        text = f"{count_text(count, 'bead')} above"
         axes.text(0.01, 0.985, text, transform=axes.transAxes, va="top", fontsize=8)
 
 
@@ -175,7 +175,8 @@ def _draw_snapshots(data: FigureData) -> Figure:
     tops = [(beads["z [⟨d⟩]"] + beads["diameter [⟨d⟩]"] / 2).max() for beads in tables]
     figure, panels = _cells(points, max(tops) + _SCALE_ROOM)
     # The velocity (m/s) that one ⟨d⟩ stands for, round.
-    speed = float(f"{max(map(_root_mean_square_speed, tables)):.1g}") or 1.0
+    squares = [beads[["v_x [m s-1]", "v_z [m s-1]"]].pow(2).sum(axis=1).mean() for beads in tables]
+    speed = float(f"{max(squares) ** 0.5:.1g}") or 1.0
     for axes, point, beads in zip(panels, points, tables, strict=True):
         _draw_beads(axes, point.row["width"], beads, speed)
         _draw_scale(axes, speed)
@@ -207,10 +208,6 @@ def _beads(point: PointParticles) -> pd.DataFrame:
         "v_z [m s-1]": velocity[:, 1],
     }
     return pd.DataFrame(columns)
-
-
-def _root_mean_square_speed(beads: pd.DataFrame) -> float:
-    return float((beads["v_x [m s-1]"] ** 2 + beads["v_z [m s-1]"] ** 2).mean() ** 0.5)
 
 
 def _draw_beads(axes: Axes, width: float, beads: pd.DataFrame, speed: float) -> None:

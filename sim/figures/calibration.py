@@ -11,14 +11,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim.base.statistics import MANY, student
-from sim.figures.data import Drawing, FigureData
+from sim.figures.caption import observable_text, unit_of
+from sim.figures.data import Drawing, FigureData, parameter_heading, parameter_unit
 from sim.figures.plot import message_figure, one_panel, parameter_label, wrap_label
 from sim.figures.spheres import COLOURS as SHADES
 from sim.figures.style import COLOURS, legend_above, move_aside, set_log
-from sim.figures.units import label_with_unit, parameter_heading, parameter_unit, unit_of
 from sim.parameters import SYSTEMS
 from sim.parameters.words import setting
-from sim.study.plot_contents import name_in_words
 from sim.surrogates.posterior import DISCREPANCY, INTERVAL, ranges, summarize
 from sim.surrogates.storage import load_posterior, outcome_sentences
 
@@ -109,6 +108,7 @@ def _draw_predictions(data: FigureData) -> Figure:
     """Draw each measurement with its interval, and the one of a repeated measurement beside it."""
     rows, along = _prediction_rows(data)
     figure, axes = one_panel()
+    system = data.spec.system
     halves = rows["median"] - rows["low"], rows["high"] - rows["median"]
     for name, half, marker, colour, label, aside in (
         ("measured", rows["half"], "o", "black", "measured", -_ASIDE),
@@ -118,11 +118,12 @@ def _draw_predictions(data: FigureData) -> Figure:
         move_aside(axes, axes.errorbar(rows["x"], rows[name], half, **look).get_children(), x=aside)
     axes.margins(x=0.08)
     if along:
-        axes.set_xlabel(parameter_label(data.spec.system, along))
+        axes.set_xlabel(parameter_label(system, along))
     else:
         axes.set_xticks(rows["x"].tolist())
         axes.set_xlabel("measurement, in the order of the file")
-    axes.set_ylabel(_observable_label(data))
+    name = str(_groups(data)[1]["observable"])
+    axes.set_ylabel(wrap_label(observable_text(name, data.spec.answer.unit, "si", system)))
     legend_above(figure, *axes.get_legend_handles_labels())
     return figure
 
@@ -299,11 +300,6 @@ def _candidates(groups: Mapping[str, xr.Dataset]) -> tuple[pd.DataFrame, list[st
     for name in varied[2:]:
         rows = rows[rows[name] == best[name]]
     return rows, varied
-
-
-def _observable_label(data: FigureData) -> str:
-    name = name_in_words(str(_groups(data)[1]["observable"]))
-    return wrap_label(label_with_unit(name, unit_of(data.spec.answer.unit, "si", data.spec.system)))
 
 
 POSTERIOR = Drawing(_draw_posterior, _posterior_table, _posterior_notes)

@@ -13,6 +13,7 @@ from sim.figures.caption import not_drawn, point_notes
 from sim.figures.data import (
     FigureData,
     Quantity,
+    is_undecided,
     quantities,
     quantity_table,
     split_curves,
@@ -43,7 +44,6 @@ from sim.figures.style import (
     Look,
     explain_markers,
     faces,
-    is_undecided,
     labels_and_styles,
     limit_axis,
     look_of,
@@ -60,8 +60,10 @@ from sim.study.plot_contents import SCATTER_HINT, in_words, parameter_phrase
 #: Largest acceleration of the belt that is drawn (g): well within the flow.
 _LARGEST = 3.0
 
-#: Column of the observable on the horizontal axis, and of the acceleration of the belt (g).
-_OBSERVED_X, _ACCELERATION = "across", "acceleration_ratio"
+#: Column of the acceleration of the belt (g), and of what is drawn: places along both axes, half
+#: widths of their intervals, and whether these are too wide for a line. None is a parameter's name.
+_ACCELERATION = "acceleration_ratio"
+_X, _Y, _X_HALF, _Y_HALF, _TOO_WIDE = "along x", "along y", "half of x", "half of y", "too wide"
 
 #: Most points of a line that have bars, which would touch; more have a band, and smaller markers.
 MOST_BARS, _CROWDED_MARKER_SIZE = 20, 2.8
@@ -99,14 +101,14 @@ def draw(data: FigureData) -> Figure:
 def _draw_curves(
     data: FigureData, axes: Axes, rows: pd.DataFrame, drawable: dict[str, Quantity]
 ) -> None:
-    points, spec = _points(rows, drawable), data.spec
+    points, spec = _points(data, rows, drawable), data.spec
     measures: Sequence[Measure | None] = spec.quantities or [None]
-    spread = drawable["x"].half_width if "x" in drawable else None
     on_y = [quantity for axis, quantity in drawable.items() if axis != "x"]
     for one, measure in zip(on_y, measures, strict=True):
-        too_wide = one.half_width > (spec.widest or np.inf) * one.value.abs()
-        look = _look(data, measure)
-        _draw_family(axes, points, one, (_along(data), spread), _keys(data), look, too_wide)
+        columns = {_Y: one.value, _Y_HALF: one.half_width}
+        columns[_TOO_WIDE] = one.half_width > (spec.widest or np.inf) * one.value.abs()
+        drawn = points[points["completed"] > 0].assign(**columns)
+        _draw_family(axes, drawn, _keys(data), _look(data, measure))
         if measure and measure.dashes and not measure.colour:
             # Dashes alone tell the measures of a curve apart.
             dashes: dict[str, Any] = {"linestyle": PATTERNS[measure.dashes]}
@@ -114,33 +116,24 @@ def _draw_curves(
     draw_fits(axes, _fits(data, rows, drawable), _look(data))
 
 
-def _draw_family(
-    axes: Axes,
-    rows: pd.DataFrame,
-    quantity: Quantity,
-    x: tuple[str, pd.Series | None],
-    keys: Sequence[str],
-    look: Look,
-    too_wide: pd.Series,
-) -> None:
-    """Draw one curve per set of parameters; ``x`` is the column along x, and its half widths.
+def _draw_family(axes: Axes, rows: pd.DataFrame, keys: Sequence[str], look: Look) -> None:
+    """Draw one curve per set of parameters.
 
     A curve of the converged protocol is pale beside the published one of the same entry.
     """
-    rows = rows[rows["completed"] > 0]
     if rows.empty:
         return
     explain_markers(axes, rows)
-    value, half = quantity.value[rows.index], quantity.half_width[rows.index]
-    if half.notna().any() and (is_single := half.isna() & value.notna()).any():
-        axes.plot(rows[x[0]][is_single], value[is_single], label=RING_MEANS, **RING)
-    curves = split_curves(rows, x[0], keys, ())
+    single = rows[rows[_Y_HALF].isna() & rows[_Y].notna()]
+    if len(single) and rows[_Y_HALF].notna().any():
+        axes.plot(single[_X], single[_Y], label=RING_MEANS, **RING)
+    curves = split_curves(rows, _X, keys, ())
     curves.sort(key=lambda curve: curve[1]["protocol"].iloc[0] != "published")
     labels, styles = labels_and_styles([names for names, _ in curves], look)
     drawn: set[str] = set()
     for (_, curve), label in zip(curves, labels, strict=True):
         style, pale = styles[label], label in drawn
-        _draw_curve(axes, curve, quantity, x, style, too_wide, pale=pale)
+        _draw_curve(axes, curve, style, pale=pale)
         if not pale:
             entry = {"linestyle": style.dashes, "marker": style.marker, "label": label}
             axes.plot([], [], color=style.colour, **entry)
@@ -149,26 +142,16 @@ def _draw_family(
         name_protocols(axes, str(rows["system"].iloc[0]))
 
 
-def _draw_curve(
-    axes: Axes,
-    rows: pd.DataFrame,
-    quantity: Quantity,
-    x: tuple[str, pd.Series | None],
-    style: CurveStyle,
-    too_wide: pd.Series,
-    *,
-    pale: bool,
-) -> None:
+def _draw_curve(axes: Axes, rows: pd.DataFrame, style: CurveStyle, *, pale: bool) -> None:
     """Draw the points of a curve with their intervals, and its line.
 
     It joins steady points, and those of runs too short to tell, if their intervals are narrow.
     """
-    value, half = quantity.value[rows.index], quantity.half_width[rows.index]
-    along, spread = rows[x[0]], None if x[1] is None else x[1][rows.index]
+    along, value, half, spread = (rows[name] for name in (_X, _Y, _Y_HALF, _X_HALF))
     size = PALE_MARKER_SIZE if pale else None
     if style.dashes != "none":
         is_joined = (rows["regime"] == "steady") | is_undecided(rows)
-        line, size = value.where(is_joined & ~too_wide[rows.index]), None
+        line, size = value.where(is_joined & ~rows[_TOO_WIDE]), None
         wide = PALE_LINE if pale else {}
         axes.plot(along, line, color=style.colour, linestyle=style.dashes, **wide)
         if len(rows) > MOST_BARS:
@@ -177,7 +160,8 @@ def _draw_curve(
             half = half.mask(line.notna())
     look: dict[str, Any] = {"color": style.colour, "alpha": PALE_LINE["alpha"] if pale else None}
     # Below the markers of all curves.
-    axes.errorbar(along, value, half, spread, fmt="none", elinewidth=0.9, zorder=2.6, **look)
+    bars = None if spread.isna().all() else spread
+    axes.errorbar(along, value, half, bars, fmt="none", elinewidth=0.9, zorder=2.6, **look)
     for chosen, face in faces(rows, style.colour):
         look |= {"markerfacecolor": face, "markersize": size, "linestyle": "none"}
         axes.plot(along[chosen], value[chosen], marker=style.marker, zorder=3, **look)
@@ -186,7 +170,7 @@ def _draw_curve(
 def _along(data: FigureData) -> str:
     if data.spec.relative:
         return _ACCELERATION
-    return data.spec.axes[0] if data.spec.axes else _OBSERVED_X
+    return data.spec.axes[0] if data.spec.axes else _X
 
 
 def _draw_levels(data: FigureData, axes: Axes) -> None:
@@ -208,17 +192,19 @@ def _draw_levels(data: FigureData, axes: Axes) -> None:
         axes.spines["right"].set_visible(True)
 
 
-def _points(rows: pd.DataFrame, drawable: dict[str, Quantity]) -> pd.DataFrame:
-    """Return the points that have all values, with the observable along x, if any."""
+def _points(data: FigureData, rows: pd.DataFrame, drawable: dict[str, Quantity]) -> pd.DataFrame:
+    """Return the points that have all values, with their places along x."""
     points = rows[_has_all_values(drawable)[rows.index]]
-    return points.assign(**{_OBSERVED_X: drawable["x"].value}) if "x" in drawable else points
+    if "x" in drawable:
+        return points.assign(**{_X: drawable["x"].value, _X_HALF: drawable["x"].half_width})
+    return points.assign(**{_X: points[_along(data)], _X_HALF: np.nan})
 
 
 def _fits(data: FigureData, rows: pd.DataFrame, drawable: dict[str, Quantity]) -> list[Fit]:
     if not data.spec.fit:
         return []
-    points, keys = _points(rows, drawable), list(dict.fromkeys([*_keys(data), *data.spec.groups]))
-    return fit_curves(data.spec.fit, points, drawable["y"], _along(data), keys)
+    keys = list(dict.fromkeys([*_keys(data), *data.spec.groups]))
+    return fit_curves(data.spec.fit, _points(data, rows, drawable), drawable["y"], _X, keys)
 
 
 def quantities_by_axis(data: FigureData) -> dict[str, Quantity]:

@@ -16,8 +16,7 @@ from sim.base.files import file_version
 from sim.base.statistics import student_half_width
 from sim.dataset.replicates import OUTCOME, SCALARS, answering_regime, outcomes, replicate_values
 from sim.dataset.results import Results
-from sim.figures.units import parameter_heading
-from sim.parameters import NUMERICAL
+from sim.parameters import NUMERICAL, SYSTEMS, field_info
 from sim.study.figure_spec import FigureSpec, Measure
 from sim.study.plottable import numbers
 from sim.surrogates.answers import caveats_in, refusal_in
@@ -75,12 +74,12 @@ class FigureData:
 
     def read_answer(self, load: Callable[[Path], Any]) -> Any:
         """Return the answer that the figure shows, as a function reads its file."""
-        return _read_once(load, self.answer, file_version(self.answer))
+        return read_once(load, self.answer, file_version(self.answer))
 
 
 @lru_cache(maxsize=8)
-def _read_once(load: Callable[[Path], Any], path: Path, version: tuple[int, ...]) -> Any:
-    """Return an answer for all functions of a picture that show it."""
+def read_once(load: Callable[[Path], Any], path: Path, version: tuple[int, ...]) -> Any:
+    """Return what a function reads of a version of a file, for all pictures that show it."""
     return load(path)
 
 
@@ -107,8 +106,12 @@ def summarize(dataset: xr.Dataset, spec: FigureSpec) -> pd.DataFrame:
     It is fed by the points that name it; a plot that a study file defines is fed by the points of
     its system and series.
     """
-    names = [name for name in SCALARS if name in dataset]
-    points = dataset[names].isel(point=np.flatnonzero(_feeds_figure(dataset, spec)))
+    key, wanted = ("series", set(spec.series)) if spec.series else ("figures", {spec.name})
+    feeds = np.array([not wanted.isdisjoint(names.split()) for names in dataset[key].values], bool)
+    if spec.series:
+        feeds &= (dataset["system"] == spec.system).values
+    kept = [name for name in SCALARS if name in dataset]
+    points = dataset[kept].isel(point=np.flatnonzero(feeds))
     columns = {
         str(name): values.values
         for name, values in points.coords.variables.items()
@@ -141,14 +144,6 @@ def _sweeps(columns: dict[str, Any], along: str) -> np.ndarray:
     return np.array([(firsts | labels).get(k, start) for k, start in every], object)
 
 
-def _feeds_figure(dataset: xr.Dataset, spec: FigureSpec) -> np.ndarray:
-    if not spec.series:
-        return np.array([spec.name in names.split() for names in dataset["figures"].values], bool)
-    wanted, series = set(spec.series), dataset["series"].values
-    is_in_series = np.array([not wanted.isdisjoint(names.split()) for names in series], bool)
-    return is_in_series & (dataset["system"].values == spec.system)
-
-
 def split_curves(
     rows: pd.DataFrame, along: str, keys: Sequence[str], parameters: Sequence[str]
 ) -> list[tuple[dict[str, Any], pd.DataFrame]]:
@@ -176,6 +171,23 @@ def varying_parameters(rows: pd.DataFrame, parameters: Sequence[str]) -> list[st
     apart = {*NUMERICAL, *["friction_plane"] * plane.equals(friction)}
     candidates = [name for name in parameters if name in rows and name not in apart]
     return [name for name in candidates if rows[name].nunique() > 1]
+
+
+def is_undecided(rows: pd.DataFrame) -> pd.Series:
+    """Return a mask of points that may be steady or not: few samples, or no clear trend."""
+    return rows["regime"].isin(("steady", "undetermined")) & (rows["quality"] == "short")
+
+
+def parameter_unit(system: str, name: str) -> str:
+    """Return the unit of a parameter in study files, as in headings; empty for a choice."""
+    row = field_info(SYSTEMS[system])[name]
+    return row.scale or row.unit or ""
+
+
+def parameter_heading(system: str, name: str) -> str:
+    """Return the heading of a column with a parameter."""
+    unit = parameter_unit(system, name)
+    return f"{name} [{unit}]" if unit else name
 
 
 def parameter_columns(

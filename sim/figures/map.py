@@ -17,7 +17,13 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 from matplotlib.tri import Triangulation
 
 from sim.figures.caption import not_drawn
-from sim.figures.data import FigureData, quantity_table, varying_parameters, velocity_table
+from sim.figures.data import (
+    FigureData,
+    is_undecided,
+    quantity_table,
+    varying_parameters,
+    velocity_table,
+)
 from sim.figures.fit import fit_notes
 from sim.figures.plot import (
     Panels,
@@ -31,7 +37,7 @@ from sim.figures.plot import (
 )
 from sim.figures.regimes import boundary_sentences, draw_plane, fit_boundaries
 from sim.figures.scatter import draw_points
-from sim.figures.style import OPEN_MEANS, PALE_MEANS, is_undecided, set_log
+from sim.figures.style import OPEN_MEANS, PALE_MEANS, set_log
 from sim.figures.variables import SHADES, Variable, legend, observable, parameter, rows_with_values
 from sim.parameters import SYSTEMS
 from sim.study.plot_contents import in_words, parameter_phrase
@@ -93,7 +99,8 @@ def notes(data: FigureData) -> list[str]:
 
 def _draw_values(data: FigureData, figure: Figure, shown: Panels) -> None:
     shade = observable(data, "show", "colour")
-    x, y = (parameter(data, name, log=axis in data.spec.log) for axis, name in _plane(data))
+    along = zip("xy", data.spec.axes, strict=True)
+    x, y = (parameter(data, name, log=axis in data.spec.log) for axis, name in along)
     for axes, rows in shown:
         axes.grid(visible=False)
         points = rows.loc[rows_with_values(data, [shade]).index.intersection(rows.index)]
@@ -108,10 +115,6 @@ def _draw_values(data: FigureData, figure: Figure, shown: Panels) -> None:
     shade.explain_colours(figure, shown)
 
 
-def _plane(data: FigureData) -> list[tuple[str, str]]:
-    return list(zip("xy", data.spec.axes, strict=True))
-
-
 def _triangles(data: FigureData, rows: pd.DataFrame, shade: Variable) -> np.ndarray | None:
     """Return the triangles (T, 3) between scattered points, ``None`` where there are no contours.
 
@@ -121,7 +124,7 @@ def _triangles(data: FigureData, rows: pd.DataFrame, shade: Variable) -> np.ndar
     if len(rows) < 3 or shade.values.nunique() < 2 or _others(data):
         return None
     places = []
-    for axis, name in _plane(data):
+    for axis, name in zip("xy", data.spec.axes, strict=True):
         along = np.log(rows[name]) if axis in data.spec.log else rows[name].astype(float)
         places.append((along - along.min()) / (np.ptp(along) or 1.0))
     try:
@@ -170,7 +173,9 @@ def _draw_cells(axes: Axes, data: FigureData, rows: pd.DataFrame, shade: Variabl
     cells: list[tuple[str, str, np.ndarray]] = []
     for (row, column), value in np.ndenumerate(values):
         if np.isfinite(value):
-            ink = _ink(value, shade.norm)
+            red, green, blue, _ = SHADES(shade.norm(value))
+            is_dark = 0.3 * red + 0.59 * green + 0.11 * blue < 0.55
+            ink = "white" if is_dark else "black"
             (left, right), (low, high) = across[column:][:2], up[row:][:2]
             corners = np.array([(left, low), (right, low), (right, high), (left, high)])
             cells.append((marks[row, column], ink, corners))
@@ -178,11 +183,6 @@ def _draw_cells(axes: Axes, data: FigureData, rows: pd.DataFrame, shade: Variabl
                 at, text = (columns[column], lines[row]), f"{value:.3g}"
                 axes.text(*at, text, ha="center", va="center", fontsize=size, color=ink, zorder=4)
     _draw_hatches(axes, cells)
-
-
-def _ink(value: float, norm: Normalize) -> str:
-    red, green, blue, _ = SHADES(norm(value))
-    return "white" if 0.3 * red + 0.59 * green + 0.11 * blue < 0.55 else "black"
 
 
 def _draw_hatches(axes: Axes, areas: Sequence[tuple[str, str, np.ndarray]]) -> None:

@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullFormatter
 
 from sim.dataset import replicates
+from sim.figures.caption import observable_text, parameter_text, scale_of, unit_of
 from sim.figures.data import (
     FigureData,
     Quantity,
@@ -20,7 +21,6 @@ from sim.figures.data import (
     varying_parameters,
 )
 from sim.figures.style import escape_label, settings, with_subscript
-from sim.figures.units import observable_text, parameter_text, scale_of, unit_of
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import PROTOCOLS
 from sim.study.plot_contents import name_in_words

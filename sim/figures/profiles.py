@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim.base.statistics import student_half_width
-from sim.figures.caption import not_drawn
+from sim.figures.caption import label_with_unit, not_drawn, unit_of
 from sim.figures.data import FigureData
 from sim.figures.plot import (
     append_foreign_data,
@@ -25,7 +25,6 @@ from sim.figures.plot import (
     write_no_data,
 )
 from sim.figures.style import PALE_LINE, CurveStyle, limit_axis, name_protocols, set_log
-from sim.figures.units import label_with_unit, unit_of
 from sim.figures.variables import groups, is_prescribed, legend
 from sim.study.plottable import SHARE, Observable, profiles
 

@@ -67,7 +67,7 @@ def draw_plane(axes: Axes, data: FigureData, rows: pd.DataFrame) -> None:
         label = "" if fit.problem else f"{spec.fit} law"
         axes.plot(fit.line.index, fit.line, label=label, color="#009e73", zorder=2)
     if spec.theory:
-        _THEORIES[spec.theory](axes, rows)
+        _draw_theory(axes, rows, spec.theory)
     axes.margins(0.13)
 
 
@@ -76,12 +76,11 @@ def _draw_regimes(
 ) -> None:
     x, y = plane
     for regime, (marker, colour, filled) in MARKS.items():
-        face, label = colour if filled else "white", regime
+        face = colour if filled else "white"
         look: dict[str, Any] = {"color": colour, "markerfacecolor": face, "markersize": _MARKER}
         for lane, part in rows[regimes == regime].groupby(lanes):
-            drawn = axes.plot(part[x], part[y], marker, label=label, zorder=3, **look)
+            drawn = axes.plot(part[x], part[y], marker, label=regime, zorder=3, **look)
             move_aside(axes, drawn, x=(-1) ** lane * ((lane + 1) // 2) * (_MARKER + 1.5))
-            label = ""
 
 
 def creeping(rows: pd.DataFrame) -> pd.Series:
@@ -90,33 +89,25 @@ def creeping(rows: pd.DataFrame) -> pd.Series:
     return slow & ~rows["regime"].isin(("arrested", "failed"))
 
 
-def _draw_least_friction(axes: Axes, rows: pd.DataFrame) -> None:
-    for angle in sorted(set(rows["angle"])):
-        label = f"μ = tan θ, slope θ = {angle:g}°"
-        axes.axhline(tan(radians(angle)), label=label, **THEORY)
+#: Where friction just holds the weight: the parameter, what the other one is there, and its entry.
+_HOLDS = {
+    "least_friction": ("angle", lambda x: tan(radians(x)), "μ = tan θ, slope θ = {:g}°"),
+    "largest_angle": ("friction", lambda x: degrees(atan(x)), "tan θ = μ, friction μ = {:g}"),
+}
 
 
-def _draw_largest_angle(axes: Axes, rows: pd.DataFrame) -> None:
-    for friction in sorted(set(rows["friction"])):
-        label = f"tan θ = μ, friction μ = {friction:g}"
-        axes.axhline(degrees(atan(friction)), label=label, **THEORY)
-
-
-def _draw_lift_off(axes: Axes, rows: pd.DataFrame) -> None:
+def _draw_theory(axes: Axes, rows: pd.DataFrame, theory: str) -> None:
+    """Draw where friction just holds the weight, or the belt accelerates as gravity does."""
+    if theory in _HOLDS:
+        name, other, label = _HOLDS[theory]
+        for value in sorted(set(rows[name])):
+            axes.axhline(other(value), label=label.format(value), **THEORY)
+        return
     smallest, largest = rows["amplitude"][rows["amplitude"] > 0].agg(["min", "max"])
     amplitude = np.linspace(0.9 * smallest, 1.05 * largest, 200)
     for (gravity, diameter), _ in rows.groupby(["gravity", "diameter"]):
         frequency = np.sqrt(gravity / (amplitude * diameter)) / (2 * np.pi)
         axes.plot(amplitude, frequency, label="$Γ = 4π^2 f^2 A_z/g$ = 1", **THEORY)
-
-
-#: Draws, by name, where friction just holds the weight, or where the belt's acceleration reaches
-#: that of gravity.
-_THEORIES = {
-    "least_friction": _draw_least_friction,
-    "largest_angle": _draw_largest_angle,
-    "lift_off": _draw_lift_off,
-}
 
 
 def _draw_boundaries(
@@ -145,7 +136,8 @@ def _draw_boundaries(
             # Flat bars need no more room than a marker.
             shift = (aside if upright else min(aside, 1.5 * BAR_PITCH)) + BAR_PITCH * number
             move_aside(axes, drawn.get_children(), **{"x" if upright else "y": shift})
-        label = escape_label(text + _settings_suffix(bars["system"].iloc[0], names))
+        settings = (setting(bars["system"].iloc[0], *item) for item in names.items())
+        label = escape_label(", ".join([text, *settings]))
         axes.plot([], [], **style, linewidth=2.2, label=label)
 
 
@@ -170,10 +162,6 @@ def _kinds(
     fields = {name for system in set(intervals["system"]) for name in SYSTEMS[system].model_fields}
     names = sorted(name for name in fields if name in intervals and name not in plane)
     return split_curves(intervals, "along", ("of",), names) if len(intervals) else []
-
-
-def _settings_suffix(system: str, names: dict[str, Any]) -> str:
-    return "".join(f", {setting(system, name, value)}" for name, value in names.items())
 
 
 def boundary_sentences(boundaries: pd.DataFrame, plane: Sequence[str]) -> list[str]:

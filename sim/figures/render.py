@@ -5,7 +5,6 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
-from functools import lru_cache
 from multiprocessing import get_context
 from pathlib import Path
 from pkgutil import resolve_name
@@ -22,7 +21,7 @@ from sim.base.messages import one_of
 from sim.base.seals import checked_read
 from sim.dataset.results import Results, load_results, require_known_options
 from sim.figures.caption import caption, point_notes
-from sim.figures.data import Drawing, FigureData, figure_data, point_table
+from sim.figures.data import Drawing, FigureData, figure_data, point_table, read_once
 from sim.figures.pictures import (
     Animation,
     current_record,
@@ -74,7 +73,7 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
     They are ``<name>.png``, ``.svg``, of an animation ``.gif``, ``.csv`` (the plotted data) and
     ``.caption.txt``. Raises ``InputError`` for a missing dataset, or one without points for it.
     """
-    results = _load_once(dataset_path, file_version(dataset_path))
+    results = read_once(load_results, dataset_path, file_version(dataset_path))
     require_known_options(results.dataset, dataset_path)
     try:
         data, kind, table = _contents(spec, results)
@@ -96,12 +95,6 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
     return files
 
 
-@lru_cache(maxsize=2)
-def _load_once(dataset_path: Path, version: tuple[int, ...]) -> Results:
-    """Return a dataset for all figures that a process draws from it."""
-    return load_results(dataset_path)
-
-
 def draw(spec: FigureSpec, results: Results) -> Figure:
     """Return the picture of a study's plot, without writing a file."""
     with mpl.rc_context(SETTINGS):
@@ -118,11 +111,6 @@ def _draw(data: FigureData, kind: Drawing) -> tuple[Figure | Animation, Figure]:
         axes.text(0.5, 0.5, "no point completed", ha="center", transform=axes.transAxes)
     settle(figure)
     return drawn, figure
-
-
-def derive_texts(spec: FigureSpec, results: Results) -> tuple[str, str]:
-    """Return the data (CSV) and the caption of a figure as texts, without drawing it."""
-    return _texts(*_contents(spec, results))
 
 
 def _contents(spec: FigureSpec, results: Results) -> tuple[FigureData, Drawing, pd.DataFrame]:

@@ -15,7 +15,7 @@ from sim.base.errors import InputError
 from sim.base.seals import checked_read
 from sim.base.statistics import MANY, share_of_rises, student
 from sim.engine.stored_run import RunFile, require_all
-from sim.figures.caption import not_drawn
+from sim.figures.caption import label_with_unit, not_drawn, unit_of
 from sim.figures.data import Drawing, FigureData, split_curves
 from sim.figures.plot import (
     above_zero,
@@ -32,7 +32,6 @@ from sim.figures.plot import (
     write_no_data,
 )
 from sim.figures.style import LEVEL, PALE, set_log
-from sim.figures.units import label_with_unit, unit_of
 from sim.figures.variables import groups, legend, shared_look
 from sim.parameters import SYSTEMS, amounts
 from sim.study.plottable import numbers, series
@@ -76,7 +75,6 @@ def _draw_replicates(
     look = shared_look(data, keys)
     curves = [names for names, _ in data.rows.groupby(keys)] if keys else [()]
     width = _FILLED_SHARE / len(curves)
-    labelled: set[str] = set()
     for index, row in rows.iterrows():
         key = tuple(row[name] for name in keys)
         style, label = look(dict(zip(keys, key, strict=True)), 0)
@@ -87,11 +85,9 @@ def _draw_replicates(
             continue
         aside = width * _SPREAD_SHARE * (np.arange(replicates.size) * 0.618 % 1 - 0.5)
         dots: dict[str, Any] = {"color": style.colour, "alpha": 2 * PALE, "markersize": 3.5}
-        entry = label if label not in labelled else None
-        axes.plot(middle + aside, replicates, style.marker, label=entry, zorder=3, **dots)
+        axes.plot(middle + aside, replicates, style.marker, label=label, zorder=3, **dots)
         ends = [middle - 0.4 * width, middle + 0.4 * width]
         axes.plot(ends, [np.median(replicates)] * 2, color=style.colour, linewidth=1.8, zorder=4)
-        labelled.add(label)
 
 
 def _distribution_table(data: FigureData) -> pd.DataFrame:
@@ -199,14 +195,14 @@ def _draw_series(data: FigureData) -> Figure:
         for style, label, row in groups(data, rows):
             values = read_time_series(data, row)
             look = {"color": style.colour, "linestyle": style.dashes, "linewidth": 1.0}
-            for number, (_, one) in enumerate(values.groupby("replicate")):
-                entry = label if number == 0 else None
+            for _, one in values.groupby("replicate"):
                 x, y = (
                     above_zero(data, axis, one[name].to_numpy(float))
                     for axis, name in zip("xy", ("time", "value"), strict=True)
                 )
-                axes.plot(x, y, label=entry, **look, zorder=2)
-            axes.axvline(_averaging_start(data, row), **LEVEL)
+                axes.plot(x, y, label=label, **look, zorder=2)
+            starts = data.results.dataset["average_start"].sel(point=row["point"]).values
+            axes.axvline(float(np.nanmean(starts)) / scale_of_point(data, row, "s"), **LEVEL)
         for axis in spec.log:
             set_log(axes, axis)
     unit = unit_of("s", spec.units, spec.system)
@@ -231,12 +227,14 @@ def read_time_series(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
     observable = series(data.spec.system)[data.spec.show]
     if data.results.runs is None:
         raise InputError(f"{row['point']}: time series are in run files, of which there are none")
-    path = data.results.runs / f"{row['point']}.nc"
+    path, model = data.results.runs / f"{row['point']}.nc", SYSTEMS[data.spec.system]
+    point = model.model_construct(**{name: row[name] for name in model.model_fields})
     with (
         checked_read(path, "run file", replaceable=True, sealed=True),
         netCDF4.Dataset(path) as file,
     ):
-        run = RunFile(file, _point_amounts(data.spec.system, row))
+        # It may hold more than these amounts.
+        run = RunFile(file, amounts(point))
         require_all(run.attrs, path)
         completed = np.flatnonzero(np.asarray(run["status"]) == "completed")
         time, values = np.asarray(run["time"]), np.asarray(run[observable.source])
@@ -251,21 +249,10 @@ def read_time_series(data: FigureData, row: Mapping[str, Any]) -> pd.DataFrame:
     return pd.concat(parts) if parts else pd.DataFrame(columns=["replicate", "time", "value"])
 
 
-def _point_amounts(system: str, row: Mapping[str, Any]) -> dict[str, float]:
-    """Return the amounts of a point; its run file may hold more than these."""
-    model = SYSTEMS[system]
-    return amounts(model.model_construct(**{name: row[name] for name in model.model_fields}))
-
-
 def _averaged(values: np.ndarray) -> np.ndarray:
     """Average groups of successive values, so that at most `MOST_VALUES` remain."""
     size = -(-len(values) // MOST_VALUES) or 1
     return values[: len(values) // size * size].reshape(-1, size).mean(axis=1)
-
-
-def _averaging_start(data: FigureData, row: Mapping[str, Any]) -> float:
-    starts = data.results.dataset["average_start"].sel(point=row["point"]).values
-    return float(np.nanmean(starts)) / scale_of_point(data, row, "s")
 
 
 def _series_table(data: FigureData) -> pd.DataFrame:

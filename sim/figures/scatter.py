@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from sim.base.statistics import student_half_width
 from sim.figures.caption import not_drawn, point_notes
-from sim.figures.data import Drawing, FigureData, quantity_table
+from sim.figures.data import Drawing, FigureData, is_undecided, parameter_unit, quantity_table
 from sim.figures.plot import (
     MOST_COLUMNS,
     PANEL_SIZE,
@@ -23,8 +23,7 @@ from sim.figures.plot import (
     panels,
     write_no_data,
 )
-from sim.figures.style import COLOURS, PALE, explain_markers, is_undecided, limit_axis
-from sim.figures.units import parameter_unit
+from sim.figures.style import COLOURS, PALE, explain_markers, limit_axis
 from sim.figures.variables import Variable, colour, legend, observable, parameter, rows_with_values
 from sim.study.plottable import REGIME, numbers
 

@@ -7,10 +7,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from sim.figures.caption import label_with_unit, unit_of
 from sim.figures.data import Drawing, FigureData
 from sim.figures.plot import SINGLE_SIZE, one_panel, wrap_label
 from sim.figures.style import COLOURS, LEVEL, cycle_style, escape_label, legend_above
-from sim.figures.units import label_with_unit, unit_of
 from sim.study.plot_contents import name_in_words, parameter_phrase
 from sim.surrogates.answers import MANY_BLOCKS
 from sim.surrogates.indices import NEGLIGIBLE
@@ -21,9 +21,6 @@ _ROW, _FRAME = 0.42, 1.3
 
 #: Most pairs of parameters that a picture has room for.
 _MOST_PAIRS = 15
-
-#: Columns of the parameters of a pair.
-_PAIR = ("parameter", "other")
 
 
 def _draw_indices(data: FigureData) -> Figure:

@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 from matplotlib.transforms import offset_copy
 
+from sim.figures.data import is_undecided
 from sim.parameters import SYSTEMS, field_info
 from sim.parameters.words import PROTOCOLS, setting
 from sim.study.figure_spec import FigureSpec, Measure, Style
@@ -164,11 +165,6 @@ def explain_markers(axes: Axes, rows: pd.DataFrame) -> None:
         if mask.any() and label not in labels:
             look: dict[str, Any] = {"color": "#666666", "markerfacecolor": colour, "label": label}
             axes.plot([], [], "o", **look)
-
-
-def is_undecided(rows: pd.DataFrame) -> pd.Series:
-    """Return a mask of points that may be steady or not: few samples, or no clear trend."""
-    return rows["regime"].isin(("steady", "undetermined")) & (rows["quality"] == "short")
 
 
 def escape_label(text: str) -> str:

@@ -11,11 +11,11 @@ from matplotlib.ticker import MaxNLocator
 
 from sim.base.errors import percent, upper_first
 from sim.base.statistics import MANY, student
-from sim.figures.data import Drawing, FigureData
+from sim.figures.caption import observable_text
+from sim.figures.data import Drawing, FigureData, parameter_heading
 from sim.figures.plot import SINGLE_SIZE, one_panel, parameter_label, wrap_label
 from sim.figures.spheres import COLOURS
 from sim.figures.style import LEVEL, cycle_style, legend_above, limit_axis, set_log, settings
-from sim.figures.units import observable_text, parameter_heading
 from sim.parameters.words import setting
 from sim.study.design import Axis
 from sim.surrogates.answers import EVEN

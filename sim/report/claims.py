@@ -43,10 +43,7 @@ def read_claims(path: Path, replaceable: bool = True) -> list[dict[str, Any]]:
 
     A damaged file is set aside if it is ``replaceable``: the workflow can make it again.
 
-    Raises
-    ------
-    DamagedError
-        When it cannot be read.
+    Raises `DamagedError` when it cannot be read.
     """
     return _read(path, replaceable)["claims"] if path.is_file() else []
 
@@ -178,8 +175,8 @@ def _variant(variant: Mapping[str, Any], claim: Mapping[str, Any]) -> dict[str, 
     system = claim.get("system") or papers()[claim["paper"]].system
     title = PROTOCOLS[system].get(variant["protocol"], _MODEL).capitalize()
     reading = "" if variant["reading"] == "default" else f", {variant['reading']}"
-    usual = variant["reading"] in claim["headings"]
-    return {**variant, "title": title + reading, "usual": usual}
+    is_usual = variant["reading"] in claim["headings"]
+    return {**variant, "title": title + reading, "usual": is_usual}
 
 
 def reading_tables(claims: Sequence[Mapping[str, Any]], results: Results) -> list[dict[str, Any]]:

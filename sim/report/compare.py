@@ -46,11 +46,8 @@ def show(
 
     Without a second it is what another engine says of a study, see `ask`.
 
-    Raises
-    ------
-    InputError
-        When a file cannot be read or lacks the quantity, when an ignored parameter is unknown, or
-        when they have no point in common.
+    Raises `InputError` when a file cannot be read or lacks the quantity, when an ignored parameter
+    is unknown, or when they have no point in common.
     """
     if second is None:
         if format != "text":
@@ -263,12 +260,9 @@ def ask(study_path: Path, results: Path, share: float, cores: int, engine: str =
     are a ``share`` of the points that both engines know, as many at a time as there are ``cores``.
     ``engine`` is the name of the other engine; empty where there is but one.
 
-    Raises
-    ------
-    InputError
-        When there is no such engine, or several and none is named; when no point is known to both,
-        the dataset is missing, or a package is; when a point did not run, after what the others say
-        is printed.
+    Raises `InputError` when there is no such engine, or several and none is named; when no point is
+    known to both, the dataset is missing, or a package is; when a point did not run, after what the
+    others say is printed.
     """
     if not 0 < share <= 1:
         raise InputError.of_value("--share", "", share, "a number > 0 and <= 1")

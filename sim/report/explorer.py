@@ -19,8 +19,8 @@ import xarray as xr
 from sim.base.files import atomic_write
 from sim.base.statistics import student_half_width
 from sim.engine.identity import cache_directory
+from sim.figures.caption import observable_text, parameter_text
 from sim.figures.surrogates import held_note, regime_note, section_rows, shown_settings
-from sim.figures.units import observable_text, parameter_text
 from sim.study.plottable import numbers
 from sim.surrogates.answers import EVEN, sentence
 from sim.surrogates.surrogate import Surrogate

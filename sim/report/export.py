@@ -33,10 +33,8 @@ def frames_of(file: netCDF4.Dataset, parameters: Parameters, replicate: int) -> 
     are not finite, after a blow-up, are left out. A run wraps positions into the cell only now and
     then; here all are.
 
-    Raises
-    ------
-    InputError
-        When the run has no such replicate, or the replicate blew up before its first frame.
+    Raises `InputError` when the run has no such replicate, or the replicate blew up before its
+    first frame.
     """
     count = file.dimensions["replicate"].size
     if not 0 <= replicate < count:

@@ -4,6 +4,7 @@ import base64
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from math import nan
+from mimetypes import guess_type
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -17,9 +18,8 @@ from sim.base.program import __version__
 from sim.base.seals import checked_read
 from sim.dataset.replicates import CLOSED_SHARE
 from sim.dataset.results import Results, load_current
-from sim.figures.caption import parted
+from sim.figures.caption import parted, unit_of
 from sim.figures.pictures import require_unchanged
-from sim.figures.units import unit_of
 from sim.report.claims import (
     REPORTED,
     VERDICTS,
@@ -50,13 +50,7 @@ from sim.study.papers import paper_values, papers
 from sim.surrogates.answers import answer_name, caveats_in, refusal_in, sentence
 from sim.surrogates.storage import load_surrogate
 
-_MEDIA = {
-    ".svg": "image/svg+xml",
-    ".png": "image/png",
-    ".gif": "image/gif",
-    ".csv": "text/csv",
-}
-
+#: What the files of a figure are, by suffix.
 _KINDS = {".svg": "picture", ".png": "picture", ".gif": "animation", ".csv": "table of a figure"}
 
 #: Ratio of width to height above which pictures get the whole width of the page.
@@ -91,7 +85,7 @@ def figure_entry(
     `InputError` names a file that is missing or damaged.
     """
     name = spec.name
-    files = {suffix: folder / f"{name}{suffix}" for suffix in (*_MEDIA, ".caption.txt")}
+    files = {suffix: folder / f"{name}{suffix}" for suffix in (*_KINDS, ".caption.txt")}
     with checked_read(files[".caption.txt"], "caption", replaceable=True):
         caption, details = parted(files[".caption.txt"].read_text(encoding="utf-8"))
     with checked_read(files[".csv"], _KINDS[".csv"], replaceable=True):
@@ -123,12 +117,6 @@ def _is_broad(svg: Path) -> bool:
     return width > _BROAD_ASPECT * height
 
 
-def headline_figures(entries: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
-    """Return the figures of the first screen: headlines of papers, or else the first figure."""
-    names = {name for paper in papers().values() for name in paper.headline}
-    return [entry for entry in entries if entry["name"] in names] or list(entries[:1])
-
-
 def describe_ranges(table: pd.DataFrame) -> str:
     """Write how many rows a table of data has, and the ranges of its first numbers.
 
@@ -149,7 +137,7 @@ def data_uri(path: Path) -> str:
     """Return a file as a data URI."""
     with checked_read(path, _KINDS[path.suffix], replaceable=True):
         content = base64.b64encode(path.read_bytes()).decode("ascii")
-    return f"data:{_MEDIA[path.suffix]};base64,{content}"
+    return f"data:{guess_type(path.name)[0]};base64,{content}"
 
 
 def relative_link(path: Path) -> str:
@@ -163,11 +151,9 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
     It appears complete or not at all. Without a ``claims.json``, it says that the claims have not
     been judged.
 
-    Raises
-    ------
-    InputError
-        When the dataset, the verdicts or a file of a figure is damaged, when the dataset or a file
-        of a figure is missing, or when the study has changed since the dataset was made.
+    Raises `InputError` when the dataset, the verdicts or a file of a figure is damaged, when the
+    dataset or a file of a figure is missing, or when the study has changed since the dataset was
+    made.
     """
     study = load_study(study_path, results)
     folder = Path(results) / study.name
@@ -219,6 +205,7 @@ def render(
     quotes = [one.quote for name, one in papers().items() if name in counted]
     quote = quotes[0] if len(quotes) == 1 else ""
     entries = [figure_entry(spec, figures, address, rows, quote) for spec in specs.values()]
+    headlines = {name for paper in papers().values() for name in paper.headline}
     answers = [folder / one.file for one in study.surrogates]
     surrogates = [load_surrogate(path) for path in answers if path not in refusals]
     order, counts = _page_order(study, entries, rows), count_verdicts(rows)
@@ -246,7 +233,7 @@ def render(
             for entry in entries
             if entry["own"]
         ],
-        headline=headline_figures(entries),
+        headline=[entry for entry in entries if entry["name"] in headlines] or entries[:1],
         state=state_of(runs),
         runs=runs,
         run_numbers={run["point"]: run["number"] for run in runs},

@@ -32,11 +32,8 @@ def predict(
     are ``parameter=value``, or ``parameter=value,value`` for a row of each. ``of`` is the name or
     the observable of the surrogate, the only one if omitted.
 
-    Raises
-    ------
-    InputError
-        When there is no such surrogate, or a value is missing or out of range, or the study file
-        has changed since the study was run.
+    Raises `InputError` when there is no such surrogate, or a value is missing or out of range, or
+    the study file has changed since the study was run.
     """
     folder = source if source.is_dir() else _current_folder(source, of, results)
     surrogate = find_surrogate(folder, of)

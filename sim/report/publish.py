@@ -199,11 +199,9 @@ def publish(
 
     Returns the folder written.
 
-    Raises
-    ------
-    InputError
-        When a file is missing, damaged or outdated, when something else occupies the target, when
-        all published studies together would be too large, or when a crate lacks authors.
+    Raises `InputError` when a file is missing, damaged or outdated, when something else occupies
+    the target, when all published studies together would be too large, or when a crate lacks
+    authors.
     """
     if crate and not find_spec("rocrate"):
         raise InputError("--crate: needs the package rocrate; pip install rocrate")

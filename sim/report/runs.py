@@ -13,13 +13,13 @@ import xarray as xr
 
 from sim.dataset.replicates import UNSOUND_SHARE, caveats, layer_orders, outcomes
 from sim.engine.stored_run import open_run_file, parameters_of, summary_of
-from sim.figures.units import label_with_unit, unit_of
+from sim.figures.caption import label_with_unit, unit_of
 from sim.parameters import SYSTEMS, Parameters, as_yaml, complete_values, default_of, field_info
 from sim.parameters.laws import FUNCTION_NAME as FUNCTION
 from sim.parameters.roles import amount_parameters, numerical_parameters
 from sim.parameters.variables import SCALARS, VARIABLES, observable_variables
 from sim.parameters.words import setting
-from sim.report.numbers import finite_or_none, value_with_interval
+from sim.report.numbers import finite_or_none, template, value_with_interval
 from sim.study.load import Study
 
 #: Most columns of parameters in the table of points.
@@ -43,41 +43,30 @@ def run_rows(dataset: xr.Dataset, caveats: Sequence[str]) -> list[dict[str, Any]
     1, or 0 without one. ``samples`` is the number of independent samples behind the mean velocity.
     Unknown numbers are NaN.
     """
-    rows = []
     # Not every engine tells all, and a function none of it.
-    unknown = dataset["steps"] * np.nan
-    told = {
-        name: dataset.get(name, unknown)
+    overlap, energy, samples = (
+        dataset.get(name, dataset["steps"] * np.nan)
         for name in ("max_overlap", "missing_energy", "independent_samples")
-    }
-    table = {
-        "wall_time": dataset["wall_time"].sum("replicate").values,
-        "max_overlap": told["max_overlap"].max("replicate").values,
-        "missing_energy": told["missing_energy"].max("replicate").values,
-        "samples": told["independent_samples"].sum("replicate", min_count=1).values,
-    }
-    columns = {
-        name: dataset[name].values
-        for name in ("point", "system", "protocol", "series", "replicates", "caveat")
-    }
-    for index, outcome in enumerate(outcomes(dataset)):
-        caveat = str(columns["caveat"][index])
-        rows.append(
-            {
-                "number": index + 1,
-                "point": str(columns["point"][index]),
-                "system": str(columns["system"][index]),
-                "protocol": str(columns["protocol"][index]),
-                "series": str(columns["series"][index]).split(),
-                "replicates": int(columns["replicates"][index]),
-                **{name: values[index].item() for name, values in table.items()},
-                "caveat": caveats.index(caveat) + 1 if caveat else 0,
-                "measured": value_with_interval(
-                    *map(finite_or_none, (outcome["velocity"], outcome["half_width"]))
-                ),
-                **outcome,
-            }
-        )
+    )
+    names = ("point", "system", "protocol", "series", "replicates", "caveat")
+    table = pd.DataFrame(
+        {name: dataset[name].values for name in names}
+        | {
+            "wall_time": dataset["wall_time"].sum("replicate").values,
+            "max_overlap": overlap.max("replicate").values,
+            "missing_energy": energy.max("replicate").values,
+            "samples": samples.sum("replicate", min_count=1).values,
+        }
+    )
+    table["replicates"] = table["replicates"].astype(int)
+    table["series"] = table["series"].str.split()
+    table["caveat"] = [caveats.index(text) + 1 if text else 0 for text in table["caveat"]]
+    table.insert(0, "number", range(1, len(table) + 1))
+    rows = list[dict[str, Any]]()
+    records: Any = table.to_dict("records")
+    for row, outcome in zip(records, outcomes(dataset), strict=True):
+        known = map(finite_or_none, (outcome["velocity"], outcome["half_width"]))
+        rows.append(row | {"measured": value_with_interval(*known)} | outcome)
     return rows
 
 
@@ -225,24 +214,16 @@ def state_of(runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 
 #: Attributes of a run file that tell its origin.
-_PROVENANCE = [
-    "engine_version",
-    "numerics",
-    "source_hash",
-    "created",
-    "versions",
-    "machine",
-    "command",
-]
+_PROVENANCE = (
+    *("engine_version", "numerics", "source_hash"),
+    *("created", "versions", "machine", "command"),
+)
 
 
 def describe_run(path: Path, as_point: bool = False) -> str:
     """Return what a run file holds, or with ``as_point`` the text of the point file that makes it.
 
-    Raises
-    ------
-    InputError
-        When there is no such file, or it is not a run file.
+    Raises `InputError` when there is no such file, or it is not a run file.
     """
     with open_run_file(path) as file:
         parameters = parameters_of(file, path)
@@ -253,24 +234,13 @@ def describe_run(path: Path, as_point: bool = False) -> str:
         known = {name: file.getncattr(name) for name in file.ncattrs()}
         known["caveat"] = caveats(run.attrs.get("caveat", ""), scalars, parameters)
         sizes = [f"{name} {len(one)}" for name, one in file.dimensions.items()]
-        told = [f"{name}: {known[name]}" for name in ("reason", "caveat") if known[name]]
-        if "adopted" in known:
-            told.append(f"only its row of dataset {known['adopted']}, which was adopted")
         tables = {
             "parameters": _parameter_rows(parameters),
             "replicates": _replicate_rows(file),
             "provenance": [(name, known[name]) for name in _PROVENANCE if name in known],
         }
-    head = [
-        *(known["point_id"], f"status: {known['status']}", *told),
-        *(f"particles: {parameters.particles:,}", f"dimensions: {', '.join(sizes)}"),
-    ]
-    sections = ["\n".join(head)]
-    for heading, rows in tables.items():
-        width = max(len(name) for name, _ in rows)
-        lines = (f"  {name:<{width}}  {text}".rstrip() for name, text in rows)
-        sections.append("\n".join([heading, *lines]))
-    return "\n\n".join(sections)
+    page = {"known": known, "parameters": parameters, "sizes": sizes, "tables": tables}
+    return template("run.txt.j2").render(page).rstrip()
 
 
 def _parameter_rows(parameters: Parameters) -> list[tuple[str, str]]:

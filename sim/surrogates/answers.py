@@ -292,7 +292,8 @@ def stored_answer(path: Path, kind: str) -> Iterator[None]:
     """
     is_of_study = (path.parent.parent / "runs").is_dir()
     with checked_read(path, kind, replaceable=is_of_study, sealed=path.suffix != ".csv"):
-        require_answer(path)
+        if text := refusal_in(path):
+            raise Refusal(text)
         yield
 
 
@@ -308,9 +309,3 @@ def refusal_in(path: Path) -> str:
         return "" if text and is_damaged(path) else text
     rows = list(csv.reader(table_text(path).splitlines()))
     return rows[1][0] if rows[:1] == [[_REFUSAL]] else ""
-
-
-def require_answer(path: Path) -> None:
-    """Raise `Refusal` where a file has a refusal in place of an answer."""
-    if text := refusal_in(path):
-        raise Refusal(text)

@@ -106,6 +106,15 @@ def _require_spread(values: np.ndarray) -> None:
         raise Refusal(f"no indices, as the observable does not vary: it is {value}")
 
 
+def require_little_noise(share: float, lack: str) -> None:
+    """Raise `Refusal`, with what is lacking, where noise is most of the variance between runs."""
+    if share > _MOST_NOISE:
+        raise Refusal(
+            f"{lack}, as the noise of the runs is {percent(share)} of the variance between them, "
+            f"beyond {percent(_MOST_NOISE)}; more replicates or longer runs make it smaller"
+        )
+
+
 def shares_of(names: Sequence[str]) -> list[tuple[str, str, str]]:
     """Return index, parameter and other parameter of first-order and total indices, and the sum."""
     alone = [(index, name, "") for index in ("first", "total") for name in names]
@@ -235,10 +244,7 @@ class DesignRuns:
             )
         _require_spread(self.values[whole])
         share = float(self.noise[whole].mean() / self.values[whole].var())
-        if share > _MOST_NOISE:
-            most = f"beyond {percent(_MOST_NOISE)}; more replicates or longer runs make it smaller"
-            variance = f"{percent(share)} of the variance between them, {most}"
-            raise Refusal(f"no indices, as the noise of the runs is {variance}")
+        require_little_noise(share, "no indices")
         is_known = np.isfinite(self.variances[whole]).any()
         return whole, len(rows) - len(whole), share if is_known else np.nan
 

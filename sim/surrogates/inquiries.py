@@ -52,10 +52,7 @@ def build(study_path: str | Path, results: str | Path = "results") -> list[str]:
     answer a question, its file says why. Surrogates come first, as the other questions are
     asked of them.
 
-    Raises
-    ------
-    InputError
-        When the dataset is missing or damaged.
+    Raises `InputError` when the dataset is missing or damaged.
     """
     study = load_study(study_path, results)
     folder = Path(results) / study.name
@@ -79,33 +76,28 @@ def _answer(spec: Question, dataset: Results, folder: Path) -> None:
         case SurrogateFile():
             surrogate = Surrogate.fit(spec, sample_points(dataset, spec))
             save_surrogate(surrogate, folder / spec.file)
-        case SensitivityFile():
+        case SensitivityFile() | PropagationFile():
             if spec.design is None:
-                surrogate = _surrogate_of(spec, "no indices", folder)
-                table, caveats = indices_of_surrogate(surrogate), surrogate.caveats
+                table, caveats = _table_of_surrogate(spec, folder)
             else:
                 runs, caveats = _design_runs(spec, dataset)
-                table = _indices_of_runs(spec, runs)
-            _save_table(table, caveats, folder / spec.file)
-        case PropagationFile():
-            asked = spec.quantiles, spec.exceeds
-            if spec.design is None:
-                surrogate = _surrogate_of(spec, "no spread", folder)
-                table = spread_of_surrogate(surrogate, spec.axes, spec.where, *asked)
-                caveats = surrogate.caveats
-            else:
-                runs, caveats = _design_runs(spec, dataset)
-                table = spread_of_runs(runs, *asked)
-            _save_table(table, caveats, folder / spec.file)
+                table = _table_of_runs(spec, runs)
+            caveats = *caveats, *answers.caveats_of_indices(table)
+            answers.save_table(answers.with_caveats(table, caveats), folder / spec.file)
         case CalibrateFile():
             surrogate = _surrogate_of(spec, "no posterior", folder)
             groups = _posterior(spec, surrogate)
             save_posterior(spec.name, groups, surrogate.caveats, folder / spec.file)
 
 
-def _save_table(table: pd.DataFrame, caveats: tuple[str, ...], path: Path) -> None:
-    caveats = *caveats, *answers.caveats_of_indices(table)
-    answers.save_table(answers.with_caveats(table, caveats), path)
+def _table_of_surrogate(
+    spec: SensitivityFile | PropagationFile, folder: Path
+) -> tuple[pd.DataFrame, tuple[str, ...]]:
+    if isinstance(spec, SensitivityFile):
+        surrogate = _surrogate_of(spec, "no indices", folder)
+        return indices_of_surrogate(surrogate), surrogate.caveats
+    surrogate, asked = _surrogate_of(spec, "no spread", folder), (spec.quantiles, spec.exceeds)
+    return spread_of_surrogate(surrogate, spec.axes, spec.where, *asked), surrogate.caveats
 
 
 def _surrogate_of(
@@ -156,10 +148,12 @@ def _design_runs(
     return runs, answers.caveats_of_points(sample.isel(point=is_used))
 
 
-def _indices_of_runs(spec: SensitivityFile, runs: DesignRuns) -> pd.DataFrame:
-    """Return the indices of the runs of a design."""
+def _table_of_runs(spec: SensitivityFile | PropagationFile, runs: DesignRuns) -> pd.DataFrame:
+    if isinstance(spec, PropagationFile):
+        return spread_of_runs(runs, spec.quantiles, spec.exceeds)
     if not spec.is_screening:
         return sobol_indices_of_runs(runs)
+    assert spec.design, "a surrogate has none"
     design = spec.design
     shares, is_number = design.shares(design.size), [axis.is_number for axis in design.axes]
     return morris_indices_of_runs(runs, shares, places_of(design), is_number)
@@ -218,10 +212,7 @@ def write_round(study_path: str | Path, number: int, results: str | Path = "resu
     The runs and the files of all rounds before it must be there. The file has parameters by id of
     the point, none where the rounds have ended, and a checksum. It appears complete or not at all.
 
-    Raises
-    ------
-    InputError
-        When the study has no such round, or a run file is missing or is not one.
+    Raises `InputError` when the study has no such round, or a run file is missing or is not one.
     """
     study = load_study(study_path, results)
     if not 1 <= number <= study.rounds:

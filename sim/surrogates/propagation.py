@@ -17,20 +17,25 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from sim.base.errors import percent
 from sim.base.statistics import CONFIDENCE, MANY, student, student_half_width
 from sim.study.design import Axis, read_comparison
 from sim.study.questions import FEWEST_BLOCKS
 from sim.surrogates.answers import Refusal
-from sim.surrogates.indices import DesignRuns, require_learned, smooth_field, tabulate
+from sim.surrogates.indices import (
+    DesignRuns,
+    require_learned,
+    require_little_noise,
+    smooth_field,
+    tabulate,
+)
 from sim.surrogates.sample import unscaled
 from sim.surrogates.surrogate import Surrogate
 
 #: Draws of a sample of a surrogate, a power of two; samples, and realisations for each.
 DRAWS, _SCRAMBLINGS, _REALISATIONS = 2**12, 8, 16
 
-#: Shares of the design beyond which there is no spread: of points without a value, and of noise.
-_MOST_LEFT_OUT, _MOST_NOISE = 0.5, 0.5
+#: Share of the points of the design without a value beyond which there is no spread.
+_MOST_LEFT_OUT = 0.5
 
 #: Runs for a degree of freedom of the interval of a deviation, and fewest degrees: with these it
 #: holds an exponential distribution's as often as it says. Kurtosis of a tail so long that it does
@@ -44,13 +49,9 @@ _TAIL = (1 - CONFIDENCE) / 2
 
 def labels(quantiles: Sequence[float], exceeds: Sequence[float]) -> list[tuple[str, str, str]]:
     """Return what the rows of a table are of: mean, deviation, quantiles, probabilities."""
-    levels = (("quantile", f"{level:.10g}", "") for level in quantiles)
-    return [
-        ("mean", "", ""),
-        ("deviation", "", ""),
-        *levels,
-        *(("exceedance", f"{value:.10g}", "") for value in exceeds),
-    ]
+    asked = [("quantile", level) for level in quantiles] + [("exceedance", x) for x in exceeds]
+    rows = (("mean", "", ""), ("deviation", "", ""))
+    return [*rows, *((index, f"{number:.10g}", "") for index, number in asked)]
 
 
 def spread_of_runs(
@@ -70,11 +71,7 @@ def spread_of_runs(
         )
     variance, noise = float(values.var(ddof=1)), float(runs.noise[is_known].mean())
     share = noise / variance if variance else 0.0
-    if share > _MOST_NOISE:
-        raise Refusal(
-            f"no spread, as the noise of the runs is {percent(share)} of the variance between "
-            f"them, beyond {percent(_MOST_NOISE)}; more replicates or longer runs make it smaller"
-        )
+    require_little_noise(share, "no spread")
     mean = values.mean()
     drawn = np.sort(mean + np.sqrt(1 - share) * (values - mean))
     half = float(student_half_width(values))
@@ -84,11 +81,14 @@ def spread_of_runs(
     known = np.isfinite(runs.variances[is_known]).any()
     basis: dict[str, Any] = {"left_out": total - count, "noise": share if known else np.nan}
     table = tabulate(labels(quantiles, exceeds), *np.array(rows).T, blocks=count, **basis)
-    if _kurtosis(values) > _LONG_TAIL:
+    fourth = float(((values - mean) ** 4).mean())
+    if fourth > _LONG_TAIL * float(values.var()) ** 2:
         table.loc[table["index"] == "deviation", "doubt"] = _TAILED
     few = table["value"].isna() & (table["index"] == "quantile")
-    needed = [_fewest(float(level)) for level in table["parameter"][few]]
-    table.loc[few, "doubt"] = [f"without a value, which takes {n:,} runs or more" for n in needed]
+    levels = table["parameter"][few].astype(float)
+    fewest = np.ceil(np.log(_TAIL) / np.log(np.maximum(levels, 1 - levels)))
+    doubt = "without a value, which takes {:,.0f} runs or more"
+    table.loc[few, "doubt"] = fewest.map(doubt.format)
     return table
 
 
@@ -108,11 +108,6 @@ def _deviation(values: np.ndarray, noise: float) -> tuple[float, float, float]:
     return float(np.sqrt(max(0.0, variance - noise))), float(low), float(high)
 
 
-def _kurtosis(values: np.ndarray) -> float:
-    variance = float(values.var())
-    return float(((values - values.mean()) ** 4).mean()) / variance**2 if variance else 0.0
-
-
 def _quantile(values: np.ndarray, level: float) -> tuple[float, float, float]:
     """Return a quantile of sorted values and an interval; not-a-number where they are too few."""
     from scipy.stats import binom
@@ -123,11 +118,6 @@ def _quantile(values: np.ndarray, level: float) -> tuple[float, float, float]:
         return np.nan, np.nan, np.nan
     value = float(np.quantile(values, level, method="median_unbiased"))
     return value, float(values[low - 1]), float(values[high])
-
-
-def _fewest(level: float) -> int:
-    """Return the fewest runs that give a quantile an interval."""
-    return int(np.ceil(np.log(_TAIL) / np.log(max(level, 1 - level))))
 
 
 def _exceedance(above: int, count: int) -> tuple[float, float, float]:

@@ -253,7 +253,11 @@ def table_line(path: Path) -> str:
     """
     rows = list(csv.DictReader(table_text(path).splitlines()))
     if spread := [row for row in rows if row.get("index") in _SPREAD]:
-        return ", ".join(map(_spread_text, spread))
+        return ", ".join(
+            f"{_SPREAD[row['index']].format(row['parameter'])} {float(row['value']):.3g} "
+            f"({float(row['low']):.3g} to {float(row['high']):.3g})"
+            for row in spread
+        )
     shown = [row for row in rows if row.get("index") in ("total", "mu_star") and row.get("value")]
     if not shown:
         return ""
@@ -267,11 +271,6 @@ def table_line(path: Path) -> str:
     return f"{index} of {', '.join(texts)}"
 
 
-def _spread_text(row: Mapping[str, str]) -> str:
-    name = _SPREAD[row["index"]].format(row["parameter"])
-    return f"{name} {float(row['value']):.3g} ({float(row['low']):.3g} to {float(row['high']):.3g})"
-
-
 def answer_files(folder: Path) -> list[Path]:
     """Return the files of all answers in a folder of results."""
     kinds = (f"{one.folder}/*{one.ending}" for one in QUESTIONS.values())
@@ -283,12 +282,8 @@ def find_surrogate(folder: Path, name: str | None = None) -> Surrogate:
 
     ``None`` stands for the only one.
 
-    Raises
-    ------
-    InputError
-        When there is none of that name, or several are of that observable.
-    Refusal
-        When the runs do not give it.
+    Raises `InputError` when there is none of that name, or several are of that observable. Raises
+    `Refusal` when the runs do not give it.
     """
     files = {path.stem: path for path in sorted((folder / "surrogates").glob("*.nc"))}
     if name in files:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sim.dataset.gather import measure
-from sim.figures.units import unit_of
+from sim.figures.caption import unit_of
 from sim.parameters import SYSTEMS, complete_values, parse_point
 from sim.parameters.variables import observables, variables_of
 from sim.study.plottable import numbers

@@ -14,9 +14,9 @@ from matplotlib.lines import Line2D
 from sim.dataset.results import Results, load_results
 from sim.figures.data import FigureData, figure_data
 from sim.figures.pictures import Animation
-from sim.figures.render import derive_texts, drawing_of, find_spec, render
+from sim.figures.render import _contents, _texts, drawing_of, find_spec, render
 from sim.figures.style import SETTINGS
-from sim.study.figure_spec import FIGURES
+from sim.study.figure_spec import FIGURES, FigureSpec
 
 _loaded = cache(load_results)
 
@@ -36,6 +36,11 @@ def drawn(name: str, results: Results | Path) -> tuple[Any, FigureData]:
     """Return a figure as its kind draws it, and its data."""
     data = drawing_of(FIGURES[name].kind).select(data_of_figure(name, results))
     return picture(data), data
+
+
+def derive_texts(spec: FigureSpec, results: Results) -> tuple[str, str]:
+    """Return the data (CSV) and the caption of a figure as texts, without drawing it."""
+    return _texts(*_contents(spec, results))
 
 
 def texts(name: str, dataset: Path) -> tuple[pd.DataFrame, str]:

@@ -17,9 +17,9 @@ from sim.figures.caption import caption, parameter_lines, parted
 from sim.figures.pictures import settle
 from sim.figures.plot import _MARKERS
 from sim.figures.regimes import MARKS
-from sim.figures.render import derive_texts
 from sim.figures.style import COLOURS, DASHES, MARKERS, SETTINGS, cycle_style
 from sim.figures.variables import MOST_ENTRIES
+from tests.figures.drawing import derive_texts
 from tests.figures.made_plots import GRID, drawn, flows, made
 from tests.made.processes import ROOT, restore_plugins
 from tests.made.results import MadePoint, made_point

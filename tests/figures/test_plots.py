@@ -11,12 +11,12 @@ from sim.base.statistics import student_half_width
 from sim.dataset.build import build
 from sim.dataset.replicates import mean_interval
 from sim.dataset.results import load_results
+from sim.figures.caption import scale_of, unit_of
 from sim.figures.data import split_curves
-from sim.figures.render import derive_texts, render
-from sim.figures.units import scale_of, unit_of
+from sim.figures.render import render
 from sim.parameters import point_id
 from sim.study.load import load_study
-from tests.figures.drawing import notes
+from tests.figures.drawing import derive_texts, notes
 from tests.figures.made_plots import GRID, SIZE, SPEED, drawn, flows
 from tests.made.results import MadePoint, made_point
 from tests.made.runs import write_run
