@@ -100,7 +100,6 @@ def _require_names(contents: PlotContents, series: Sequence[str], entries: Itera
 def plot_entry(contents: PlotContents, series: Sequence[str]) -> FigureSpec:
     """Return the figure entry of a plot of some series; raise ``InputError`` as `feed` does."""
     contents.require_drawable()
-    own = additions(PLOT).get(contents.plot.kind), additions(FIT).get(contents.plot.fit or "")
     follows = {
         "title": contents.plot.title or default_title(contents),
         "lead": caption_lead(contents),
@@ -109,11 +108,17 @@ def plot_entry(contents: PlotContents, series: Sequence[str]) -> FigureSpec:
         "log": contents.log,
         "foreign": contents.beside,
         "scattered": contents.suits_scatter,
-        "plugin": " ".join(one.plugin.code for one in own if one),
+        "plugin": plugin_code(contents.plot.kind, contents.plot.fit),
     }
     spec = contents.spec.model_copy(update=follows)
     _require_own_places(spec, contents.points, contents.source, contents.place)
     return spec
+
+
+def plugin_code(kind: str, fit: str | None) -> str:
+    """Return the hashes of the plug-ins of a kind and of a law that is fitted; empty for Talus."""
+    own = additions(PLOT).get(kind), additions(FIT).get(fit or "")
+    return " ".join(one.plugin.code for one in own if one)
 
 
 def _require_points_vary(spec: FigureSpec, points: Sequence[Point], source: str, path: str) -> None:

@@ -5,7 +5,7 @@ import pytest
 
 from sim.base.errors import InputError
 from sim.base.plugins import load_plugins
-from sim.study.plottable import plugin_code
+from sim.study.feed import plugin_code
 from tests.figures.drawing import notes
 from tests.figures.made_plots import drawn
 from tests.made.processes import restore_plugins
