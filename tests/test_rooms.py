@@ -41,20 +41,20 @@ ONLY = {
 #: Most lines of code of each room: no docstring, comment, import or blank line. Whoever adds takes
 #: away elsewhere; a commit that raises a number here says what for.
 WEIGHT = {
-    "base": 1_540,
-    "parameters": 1_963,
-    "study": 3_224,
+    "base": 1_498,
+    "parameters": 1_910,
+    "study": 3_193,
     "engine": 6_181,
     "laws": 232,
     "engines": 445,
     "measures": 558,
-    "dataset": 1_498,
-    "surrogates": 1_847,
-    "figures": 3_428,
-    "claims": 1_422,
-    "papers": 2_187,
-    "report": 2_460,
-    "verify": 623,
+    "dataset": 1_472,
+    "surrogates": 1_837,
+    "figures": 3_370,
+    "claims": 1_435,
+    "papers": 2_246,
+    "report": 2_320,
+    "verify": 462,
 }
 
 
