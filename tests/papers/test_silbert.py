@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sim.papers.silbert import judges
-from sim.papers.silbert.judges import HERTZ, SOFT
+from sim.papers.silbert.judges import HERTZ, STIFF
 from sim.study.papers import papers
 from tests.made.results import letters, made_point, spread
 
@@ -19,11 +19,11 @@ WIDE = 1.0
 RESTS = {"regime": "arrested"}
 
 
-def flow(velocity=1.0, *, depth=12, angle=26, scatter=1e-3, spheres=SOFT, profiles=None, **rest):
+def flow(velocity=1.0, *, depth=12, angle=26, scatter=1e-3, spheres=(), profiles=None, **rest):
     """Return a flow of the paper; what are no parameters are numbers of it."""
     named = {name: rest.pop(name) for name in ("initial_velocity",) if name in rest}
     grid = {"height": rest.pop("height", None)}
-    own = {**PAPER, "initial_velocity": 2, "depth": depth, "angle": angle, **spheres, **named}
+    own = {**PAPER, "initial_velocity": 2, "depth": depth, "angle": angle, **dict(spheres), **named}
     own = {name: value for name, value in own.items() if spheres is not HERTZ or name in KEPT}
     numbers = {"velocity": velocity} | rest
     return made_point("chute", numbers, profiles, scatter=scatter, **grid, **own)
@@ -103,7 +103,7 @@ WORLDS = {
     judges.two_angles: (tilted, (0.5, 0.0), (0.05, 0.0)),
     judges.largest_angle: (gaining, (0.3,), (0.0,)),
     judges.force_law: (pair, (1.03, HERTZ), (1.3, HERTZ)),
-    judges.stiffness: (pair, (0.98, {}), (0.7, {})),
+    judges.stiffness: (pair, (0.98, STIFF), (0.7, STIFF)),
     judges.packing_falls: (packed, (0.59, 0.58, 0.57), (0.57, 0.58, 0.59)),
 }
 
@@ -123,8 +123,8 @@ def test_the_packing_of_the_bulk_has_neither_base_nor_surface():
     assert letters(judges.constant_density, thick(np.tile(packing, (5, 1)))) == "R"
 
 
-def test_spheres_a_tenth_as_stiff_have_the_same_restitution():
-    """Their damping falls with the root of the stiffness; 0.883 is told for Hertz's law."""
-    ratio = SOFT["normal_damping"] / PAPER["normal_damping"]
-    assert ratio == pytest.approx(sqrt(SOFT["stiffness"] / PAPER["stiffness"]), rel=1e-4)
+def test_spheres_ten_times_as_stiff_have_the_same_restitution():
+    """Their damping rises with the root of the stiffness; 0.883 is told for Hertz's law."""
+    ratio = STIFF["normal_damping"] / PAPER["normal_damping"]
+    assert ratio == pytest.approx(sqrt(STIFF["stiffness"] / PAPER["stiffness"]), rel=1e-4)
     assert HERTZ["restitution"] == pytest.approx(0.883, abs=5e-4)

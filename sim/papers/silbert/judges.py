@@ -5,9 +5,9 @@ from uncertainties.umath import log
 
 from talus.claims import Untestable, above, below, quotient, trend, within
 
-#: Spheres a tenth as stiff as the paper's, of the same restitution, and what has it by Hertz's law.
-SOFT = {"stiffness": 20000, "normal_damping": 15.811}
-HERTZ = {"law": "hertz", "stiffness": 20000, "restitution": 0.883}
+#: Spheres ten times as stiff as the paper's, of their restitution, and what has it by Hertz's law.
+STIFF = {"stiffness": 2000000, "normal_damping": 158.114}
+HERTZ = {"law": "hertz", "restitution": 0.883}
 
 #: Shares of the height between which a flow has neither base nor surface.
 BULK = (0.2, 0.8)
@@ -17,8 +17,8 @@ STEEP = 26
 
 
 def flow(evidence, depth, angle=STEEP):
-    """Return the flow of soft spheres."""
-    return evidence.at("chute", depth=depth, angle=angle, **SOFT)
+    """Return the flow of the paper's spheres."""
+    return evidence.at("chute", depth=depth, angle=angle)
 
 
 def constant_density(evidence, *, most, angles, depth):
@@ -66,7 +66,7 @@ def height_scaling(evidence, *, power, width, depths):
 
 def linear_profile(evidence, *, most, depth):
     """Judge the power of the profile at the least angle of a flow, and that of a steep one."""
-    line = evidence.line("chute", "angle", depth=depth, **SOFT)
+    line = evidence.line("chute", "angle", depth=depth)
     moving = [place for place in line.values() if place.regime not in ("arrested", "failed")]
     if len(moving) < 2:
         raise Untestable(f"fewer than two angles at which {depth} layers flow")
@@ -81,8 +81,8 @@ def linear_profile(evidence, *, most, depth):
 
 def two_angles(evidence, *, moving, resting, depth):
     """Judge whether a flow goes on where a bed that is tilted from rest stays."""
-    flows = evidence.line("chute", "angle", depth=depth, initial_velocity=2, **SOFT)
-    beds = evidence.line("chute", "angle", depth=depth, initial_velocity=0, **SOFT)
+    flows = evidence.line("chute", "angle", depth=depth, initial_velocity=2)
+    beds = evidence.line("chute", "angle", depth=depth, initial_velocity=0)
     apart = [
         angle
         for angle in sorted(flows.keys() & beds.keys())
@@ -115,9 +115,11 @@ def force_law(evidence, *, most, depth):
 
 
 def stiffness(evidence, *, most, depth):
-    """Compare the paper's spheres with soft ones."""
-    stiff = evidence.at("chute", depth=depth, angle=STEEP)
-    return [_ratio_check("V of stiff over that of soft", stiff, flow(evidence, depth), most)]
+    """Compare stiffer spheres with the paper's."""
+    stiff = evidence.at("chute", depth=depth, angle=STEEP, **STIFF)
+    return [
+        _ratio_check("V of stiffer over that of the paper's", stiff, flow(evidence, depth), most)
+    ]
 
 
 def _ratio_check(quantity, one, other, most):
@@ -127,7 +129,7 @@ def _ratio_check(quantity, one, other, most):
 
 def packing_falls(evidence, *, least, depth):
     """Judge the trend of the packing fraction over the angles of flows that do not accelerate."""
-    line = evidence.line("chute", "angle", depth=depth, initial_velocity=2, **SOFT)
+    line = evidence.line("chute", "angle", depth=depth, initial_velocity=2)
     flows = [place for place in line.values() if place.regime in ("steady", "undetermined")]
     if len(flows) < least:
         raise Untestable(f"fewer than {least} angles with a flow that may be steady")
