@@ -314,7 +314,10 @@ def _find_judge(paper: Paper, key: str, place: Any) -> JudgeFunction:
     held = vars(import_module(f"{paper.package}.{module}"))
     names = {f"{module}.{name}": name for name, one in held.items() if callable(one)}
     if place not in names:
-        raise InputError.of_value(path, key, place, one_of(place, names))
+        own = [
+            one for one in names if getattr(held[names[one]], "__module__", "") == held["__name__"]
+        ]
+        raise InputError.of_value(path, key, place, one_of(place, own))
     function: JudgeFunction = held[names[place]]
     return function
 

@@ -115,6 +115,9 @@ class Paper(Strict):
                     if not (isinstance(claim, dict) and {"id", "judge"} <= claim.keys()):
                         allowed = "a mapping with id, judge and the words of a claim"
                         raise InputError.of_value(str(path), f"claims[{number}]", claim, allowed)
+                    if claim["id"] in [one["id"] for one in claims[:number]]:
+                        key, allowed = f"claims[{number}].id", "a name that no other claim has"
+                        raise InputError.of_value(str(path), key, claim["id"], allowed)
                 return claims
         raise InputError.of_value(str(path), "", contents, "claims, a list, and nothing else")
 
