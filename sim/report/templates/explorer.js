@@ -62,7 +62,8 @@
     choices.replaceChildren();
     if (Object.keys(systems).length > 1) addSelect(choices, "system", "System", Object.keys(systems).map((one) => [one, one]), name);
     addSelect(choices, "x", "x", numbers, parameters[0]?.name);
-    addSelect(choices, "y", "y", numbers, "velocity");
+    const observed = columns.velocity ?? all.find((column) => column.kind === "observable");
+    addSelect(choices, "y", "y", numbers, observed?.name);
     addSelect(choices, "colour", "Colour", [...none, ...all.map((c) => [c.name, c.label])], second?.name ?? "regime");
     addSelect(choices, "size", "Size", [...none, ...numbers], "");
     addSelect(choices, "panels", "Panels", [...none, ...few.map((c) => [c.name, c.label])], "");
