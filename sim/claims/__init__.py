@@ -9,7 +9,7 @@ from typing import Any
 #: What a judge may use, by the module that has it.
 FOR_JUDGES = {
     "evidence": ("Evidence",),
-    "place": ("Place", "ANY", "with_interval", "replicate_mean", "quotient"),
+    "place": ("Place", "ANY", "with_interval", "replicate_mean", "quotient", "select_replicated"),
     "checks": (
         *("above", "below", "within", "reported", "judge_parts", "at_least"),
         *("remove_votes", "withhold"),

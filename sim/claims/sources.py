@@ -82,9 +82,9 @@ def _require_known(file: Path) -> None:
                 _require_one_of(file, node, name, reserved_names() | observables().keys())
 
 
-def _require_one_of(file: Path, node: ast.Call, name: str, known: Collection[str]) -> None:
-    if name not in known:
-        raise InputError.of_value(f"{file}: line {node.lineno}", "", name, one_of(name, known))
+def _require_one_of(file: Path, node: ast.Call, name: str, names: Collection[str]) -> None:
+    if name not in names:
+        raise InputError.of_value(f"{file}: line {node.lineno}", "", name, one_of(name, names))
 
 
 def _globals(code: CodeType) -> Iterator[tuple[str, int, bool]]:

@@ -287,8 +287,6 @@ def plan(check: Check) -> str:
         return ""
     if check.withheld:
         return check.withheld
-    if isnan(check.value):
-        return "runs that have this number: it is not-a-number in some"
     if not check.can_decide:
         return "more independent samples: longer runs or more replicates"
     if check.coarse:

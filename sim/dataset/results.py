@@ -148,8 +148,9 @@ class Groups(Mapping[str, xr.Dataset]):
 
     def __getitem__(self, name: str) -> xr.Dataset:
         if name not in self._loaded:
+            path = self._paths[name]
             with _checked_dataset(self._path), netCDF4.Dataset(self._path) as file:
-                self._loaded[name] = open_group(file, self._paths[name]).load()
+                self._loaded[name] = open_group(file, path).load()
         return self._loaded[name]
 
     def __contains__(self, name: object) -> bool:

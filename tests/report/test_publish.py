@@ -162,7 +162,7 @@ def test_what_is_damaged_is_named_and_set_aside(
     assert not (results / "published").exists()
 
 
-@pytest.mark.parametrize("name", ["dataset.nc", "claims.csv", "figures", "SHA256SUMS"])
+@pytest.mark.parametrize("name", ["boundaries.csv", "claims.csv", "figures", "SHA256SUMS"])
 def test_a_study_file_named_like_what_is_published_is_refused(finished, monkeypatch, name, capsys):
     study, results = finished
     monkeypatch.chdir(study.parent)

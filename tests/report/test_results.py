@@ -46,7 +46,7 @@ def test_a_grid_has_the_mean_and_the_interval_of_each_point():
 def test_what_was_measured_of_failed_runs_is_in_no_mean_of_a_study(monkeypatch):
     lost = {"status": ["completed", "failed"], "velocity": [1.0, np.nan], "base_shear": [1.0, 9e9]}
     points = [GRID[0], made_point("chute", lost, replicates=2, depth=3), BELT]
-    monkeypatch.setattr("sim.dataset.results.load", lambda _: results_of(*points))
+    monkeypatch.setattr("sim.dataset.results.load_results", lambda _: results_of(*points))
     with pytest.warns(UserWarning, match="mine: runs of 1 of 3 points failed"):
         found = sim.load("mine")
     dataset = found.dataset.sel(point=points[1].id)

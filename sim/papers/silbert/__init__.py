@@ -1,5 +1,5 @@
-"""Silbert et al. (2001), spheres down a rough incline: what is claimed, and how it is judged."""
+"""Silbert et al. (2001), spheres down a rough incline: its claims and judges."""
 
-import talus
+from sim.study.papers import paper
 
-talus.paper(__name__)
+paper(__name__)

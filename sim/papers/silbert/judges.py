@@ -3,7 +3,7 @@
 import numpy as np
 from uncertainties.umath import log
 
-from talus.claims import Untestable, above, below, quotient, trend, within
+from sim.claims import Untestable, above, below, quotient, trend, within
 
 #: Spheres ten times as stiff as the paper's, of their restitution, and what has it by Hertz's law.
 STIFF = {"stiffness": 2000000, "normal_damping": 158.114}
@@ -12,18 +12,10 @@ HERTZ = {"law": "hertz", "restitution": 0.883}
 #: Shares of the height between which a flow has neither base nor surface.
 BULK = (0.2, 0.8)
 
-#: Angle far above that of repose, at which most of the claims are judged.
-STEEP = 26
-
-
-def flow(evidence, depth, angle=STEEP):
-    """Return the flow of the paper's spheres."""
-    return evidence.at("chute", depth=depth, angle=angle)
-
 
 def constant_density(evidence, *, most, angles, depth):
     """Compare the packing fraction at the bottom and the top of the bulk."""
-    return [_packing_check(flow(evidence, depth, angle), most) for angle in angles]
+    return [_packing_check(evidence.at("chute", depth=depth, angle=one), most) for one in angles]
 
 
 def _packing_check(place, most):
@@ -39,25 +31,32 @@ def _packing_check(place, most):
     return within(quantity, measured, -most, most, [place])
 
 
-def bagnold_profile(evidence, *, power, width, depths):
+def bagnold_profile(evidence, *, power, width, depths, angle):
     """Judge the power of the velocity profile."""
-    return _power_checks(evidence, "p", "profile_power", power, width, depths)
+    return _power_checks("p", "profile_power", _flows(evidence, depths, angle), power, width)
 
 
-def bagnold_rheology(evidence, *, power, width, depths):
+def bagnold_rheology(evidence, *, power, width, depths, angle):
     """Judge the slope of ln γ̇ over ln σ_xz in the bulk."""
-    return _power_checks(evidence, "d ln γ̇/d ln σ_xz", "rate_exponent", power, width, depths)
+    flows = _flows(evidence, depths, angle)
+    return _power_checks("d ln γ̇/d ln σ_xz", "rate_exponent", flows, power, width)
 
 
-def _power_checks(evidence, quantity, observable, power, width, depths):
+def _flows(evidence, depths, angle):
+    return [evidence.at("chute", depth=depth, angle=angle) for depth in depths]
+
+
+def _power_checks(quantity, observable, flows, power, width):
     low, high = power - width, power + width
-    places = {f"{quantity}, {depth} layers": flow(evidence, depth) for depth in depths}
-    return [within(one, at.value(observable), low, high, [at]) for one, at in places.items()]
+    return [
+        within(f"{quantity}, {one['depth']:g} layers", one.value(observable), low, high, [one])
+        for one in flows
+    ]
 
 
-def height_scaling(evidence, *, power, width, depths):
+def height_scaling(evidence, *, power, width, depths, angle):
     """Judge the slope of ln V over ln h between two flows."""
-    thin, thick = places = [flow(evidence, depth) for depth in depths]
+    thin, thick = places = _flows(evidence, depths, angle)
     speeds = quotient(thick.velocity, thin.velocity)
     heights = quotient(thick.value("flow_height"), thin.value("flow_height"))
     quantity = "d ln V/d ln h, {} to {} layers".format(*depths)
@@ -98,33 +97,31 @@ def two_angles(evidence, *, moving, resting, depth):
     ]
 
 
-def largest_angle(evidence, *, angle, most, depth):
+def largest_angle(evidence, *, angle, usual, most, depth):
     """Judge what V gains over the window, relative to V, far above the largest angle and below."""
-    places = [flow(evidence, depth, one) for one in (angle, STEEP)]
+    places = [evidence.at("chute", depth=depth, angle=one) for one in (angle, usual)]
     gains = [quotient(place.velocity_change, place.velocity) for place in places]
     return [
         above(f"relative gain of V, {angle}°", gains[0], most, places[:1]),
-        within(f"relative gain of V, {STEEP}°", gains[1], -most, most, places[1:]),
+        within(f"relative gain of V, {usual}°", gains[1], -most, most, places[1:]),
     ]
 
 
-def force_law(evidence, *, most, depth):
+def force_law(evidence, *, most, depth, angle):
     """Compare Hertz's spheres with linear springs."""
-    hertz = evidence.at("chute", depth=depth, angle=STEEP, **HERTZ)
-    return [_ratio_check("V of Hertz's over that of springs", hertz, flow(evidence, depth), most)]
+    return [_ratio_check("V of Hertz's over that of springs", evidence, HERTZ, most, depth, angle)]
 
 
-def stiffness(evidence, *, most, depth):
+def stiffness(evidence, *, most, depth, angle):
     """Compare stiffer spheres with the paper's."""
-    stiff = evidence.at("chute", depth=depth, angle=STEEP, **STIFF)
-    return [
-        _ratio_check("V of stiffer over that of the paper's", stiff, flow(evidence, depth), most)
-    ]
+    return [_ratio_check("V of stiffer over that of usual", evidence, STIFF, most, depth, angle)]
 
 
-def _ratio_check(quantity, one, other, most):
-    ratio = quotient(one.velocity, other.velocity)
-    return within(quantity, ratio, 1 - most, 1 + most, [one, other])
+def _ratio_check(quantity, evidence, spheres, most, depth, angle):
+    usual = evidence.at("chute", depth=depth, angle=angle)
+    other = evidence.at("chute", depth=depth, angle=angle, **spheres)
+    ratio = quotient(other.velocity, usual.velocity)
+    return within(quantity, ratio, 1 - most, 1 + most, [other, usual])
 
 
 def packing_falls(evidence, *, least, depth):
