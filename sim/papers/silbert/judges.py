@@ -3,7 +3,10 @@
 import numpy as np
 from uncertainties.umath import log
 
-from sim.claims import Untestable, above, below, quotient, trend, within
+from sim.claims.checks import above, below, within
+from sim.claims.inference import trend
+from sim.claims.place import quotient
+from sim.claims.verdict import Untestable
 
 #: Spheres ten times as stiff as the paper's, of their restitution, and what has it by Hertz's law.
 STIFF = {"stiffness": 2000000, "normal_damping": 158.114}
