@@ -319,3 +319,10 @@ def test_a_study_of_nothing_relevant_leaves_the_claims_on_flows_untestable():
     for judgement in judgements:
         assert judgement.verdict == UNTESTABLE, judgement.claim.id
         assert all(variant.reason for variant in judgement.variants), judgement.claim.id
+
+
+def test_a_paper_with_values_of_its_own_is_judged_by_studies_that_name_it(monkeypatch):
+    monkeypatch.setattr(judge, "run_experiment", lambda claim, changes: ())
+    results = made_results(made_point("chute", {"velocity": 0.5}))
+    for study, judged_papers in (("", {"walton"}), ("silbert", {"walton", "silbert"})):
+        assert {one.claim.paper for one in judge.judge(results, study)} == judged_papers
