@@ -116,9 +116,9 @@ class Evidence:
     ) -> UFloat:
         """Return a boundary found by refinement; its interval is the bracket.
 
-        Boundaries that differ in the seed alone are pooled. The interval is
-        infinite unless some boundary of this kind was searched from two seeds. With
-        ``any_protocol`` the boundary may be of the other protocol.
+        Boundaries that differ in the seed alone are pooled. The interval is infinite unless some
+        boundary of this kind was searched from two seeds. With ``any_protocol`` the boundary may be
+        of the other protocol.
 
         Raises `Untestable` when the study searches no such boundary. Raises `Unbounded` when a seed
         has none within the range: without that seed the others would agree too well.

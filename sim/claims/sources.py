@@ -63,6 +63,7 @@ def _require_names(module: ModuleType, file: Path) -> None:
 
 def _require_known(file: Path) -> None:
     """Refuse a system, parameter or number that a judge asks evidence for and that none has."""
+    numbers = reserved_names() | observables().keys()
     for node in ast.walk(ast.parse(file.read_text("utf-8"))):
         match node:
             case ast.Call(
@@ -72,14 +73,13 @@ def _require_known(file: Path) -> None:
             ):
                 _require_one_of(file, node, system, SYSTEMS)
                 names = [one.value for one in along if isinstance(one, ast.Constant)]
-                names += [one.arg for one in where if one.arg]
-                for name in map(str, names):
+                for name in map(str, names + [one.arg for one in where if one.arg]):
                     _require_one_of(file, node, name, SYSTEMS[system].model_fields)
             case ast.Call(
                 func=ast.Attribute(attr="value" | "values"),
                 args=[ast.Constant(value=str() as name), *_],
             ):
-                _require_one_of(file, node, name, reserved_names() | observables().keys())
+                _require_one_of(file, node, name, numbers)
 
 
 def _require_one_of(file: Path, node: ast.Call, name: str, names: Collection[str]) -> None:
