@@ -47,7 +47,7 @@ WEIGHT = {
     "engine": 6_181,
     "laws": 232,
     "engines": 445,
-    "measures": 558,
+    "measures": 562,
     "dataset": 1_473,
     "surrogates": 1_837,
     "figures": 3_370,

@@ -48,7 +48,10 @@ def bulk_of(run: Mapping[Any, Any]) -> Bulk | None:
 
 
 def bulk_profiles(run: Mapping[Any, Any]) -> dict[str, float]:
-    """Return height, packing fraction, and power of the velocity profile of a replicate.
+    """Return height, packing fraction and its change, and power of the velocity of a replicate.
+
+    The change is that of the straight line with the least squares over the bulk, upwards, relative
+    to the mean.
 
     What lies in a bulk of fewer than five slices has no value.
     """
@@ -58,7 +61,10 @@ def bulk_profiles(run: Mapping[Any, Any]) -> dict[str, float]:
     if bulk.inside.sum() >= MIN_SLICES:
         depth = 1.0 - (np.asarray(run["height"])[bulk.inside] - bulk.base) / bulk.height
         velocity = np.asarray(run["velocity_profile"])[bulk.inside]
-        values["bulk_packing"] = float(np.asarray(run["packing_profile"])[bulk.inside].mean())
+        packing = np.asarray(run["packing_profile"])[bulk.inside]
+        values["bulk_packing"] = float(packing.mean())
+        rise = -np.polyfit(depth, packing, 1)[0] * (BULK[1] - BULK[0])
+        values["packing_change"] = float(rise / packing.mean())
         values["profile_power"] = profile_power(depth, velocity)
     return values
 
@@ -100,6 +106,7 @@ declare_observables(
     {
         "flow_height": ("m", "height of the flow h"),
         "bulk_packing": ("1", "packing fraction of the bulk"),
+        "packing_change": ("1", "relative change of the packing fraction over the bulk, upwards"),
         "profile_power": ("1", "power p of the velocity, 1 - (1 - z/h)^p"),
     },
     system="chute",

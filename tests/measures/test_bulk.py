@@ -47,6 +47,7 @@ def test_numbers_of_a_flow_whose_law_is_known(layers, base, exponent):
     values = measured(bagnold(layers, base, exponent=exponent), "chute")
     assert values["flow_height"] == pytest.approx(layers * SIZE, rel=1e-9)
     assert values["bulk_packing"] == pytest.approx(0.6)
+    assert values["packing_change"] == pytest.approx(0.0, abs=1e-12)
     assert values["profile_power"] == pytest.approx(1 + exponent, rel=1e-3)
     assert values["rate_exponent"] == pytest.approx(exponent)
     assert values["bulk_friction"] == pytest.approx(0.4)
@@ -65,6 +66,15 @@ def test_base_and_surface_do_not_bias_the_bulk():
     for name in [one for one in run if one.endswith("_profile") and one != "packing_profile"]:
         run[name] = np.where(inside, run[name], 7 * run[name])
     assert plain.items() <= measured(run, "chute").items()
+
+
+def test_the_packing_changes_over_the_bulk_alone():
+    """A fall of 0.06 from base to surface is one of six percent over three fifths of the height."""
+    run = bagnold(20, 1.5)
+    share = (HEIGHT / SIZE - 1.5) / 20
+    inside = (share > 0.2) & (share < 0.8)
+    run["packing_profile"] = np.where(inside, 0.63 - 0.06 * share, run["packing_profile"])
+    assert measured(run, "chute")["packing_change"] == pytest.approx(-0.06, rel=1e-3)
 
 
 def test_what_no_profile_tells_has_no_value():

@@ -40,7 +40,7 @@ def test_plug_alone_is_asked_for_its_order():
     # All but those of the simple cubic plug's two faces have six coherent neighbors: none has 8.
     assert values["crystalline_share"] == 0.0
     assert values["layer_order"] > 0.9
-    others = {"flow_height", "bulk_packing"}
+    others = {"flow_height", "bulk_packing", "packing_change"}
     assert set(measured(make_run(), "chute")) == {"shear_depth"} | others
     assert measured(make_run().drop_vars("packing_profile"), "chute") == {}
     forces = measured(make_run(base_normal=2.0, base_shear=0.5), "chute")
