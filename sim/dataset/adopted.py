@@ -16,12 +16,12 @@ from sim.base.seals import append_summary, checked_read, seal
 from sim.dataset.grids import Values, open_group
 from sim.dataset.results import parameters_of_row, with_all_parameters
 from sim.dataset.rounds import points_of_rounds
-from sim.dataset.rows import OF_PROFILES, RUNS, Row, dimensions, stored_names
+from sim.dataset.rows import OF_PROFILES, RUNS, Row, dimensions
 from sim.dataset.sources import read_rows
 from sim.engine.identity import NUMERICS
 from sim.engine.stored_run import STATE, has_enough, is_reduced, measured_codes, read_amounts
 from sim.parameters import Parameters, amounts, canonical_values, covers, point_id
-from sim.parameters.variables import ALL, SCALARS, observable_variables
+from sim.parameters.variables import ALL, SCALARS
 from sim.study.load import load_study
 from sim.study.model import Need
 from sim.study.plottable import Shown
@@ -37,16 +37,16 @@ _KEPT = ("seal", "engine_version", "source_hash", "versions", "created", "caveat
 
 
 def missing_variables(group: Any, system: str) -> list[str]:
-    """Return the variables of a system that this version stores and a dataset's writer did not.
+    """Return the observables of plug-ins that a dataset's writer did not know, of a system.
 
-    ``group`` is the group `RUNS` of the dataset. Observables are none of them: those that a row
-    does not have are measured from what it has.
+    ``group`` is the group `RUNS` of the dataset. What earlier versions of the package did not
+    store is not in their run files either; its observables are measured from what a row has.
     """
     if system not in ALL:
         # It is one of a later version.
         return [system]
     reads = group.getncattr("reads") if "reads" in group.ncattrs() else ""
-    return sorted(stored_names(system) - observable_variables(system).keys() - set(reads.split()))
+    return sorted(measured_codes(system) - set(reads.split()))
 
 
 def adopt(study_path: Path, dataset_path: Path, results: Path = Path("results")) -> str:
@@ -119,8 +119,8 @@ def adopt(study_path: Path, dataset_path: Path, results: Path = Path("results"))
 def _read_points(path: Path) -> dict[str, Parameters]:
     """Return the points of a dataset by id, with the amounts that it holds, as good as run files.
 
-    A row is left out if its numerics differ or if the writer of the dataset did not know a variable
-    of its system that is stored now. Raises an error where that leaves out all rows, or where the
+    A row is left out if its numerics differ or if the writer of the dataset did not know an
+    observable of its system that a plug-in declares. Raises an error where that leaves out all rows, or where the
     file is no dataset.
     """
     with netCDF4.Dataset(path) as file:
