@@ -11,7 +11,7 @@ from numba import types
 from numba.extending import intrinsic
 
 from sim.engine.compile import exact, inlined, kernel
-from sim.engine.dynamics.spheres import nearest_separation
+from sim.engine.dynamics.spheres import Spheres, nearest_separation
 
 # The share of a particle in a slice: of its volume, of its area, or all of it by its centre.
 VOLUME, AREA, CENTRE = range(3)
@@ -374,30 +374,15 @@ def bed_energies(taylor, mass, time_step, amplitude):
     return 0.5 * sums[0], sums[1] / sums[2], near / mass.size
 
 
-@exact
-def flow_energies(position, velocity, rim, mass):
+def flow_energies(spheres: Spheres) -> dict[str, float]:
     """Return kinetic energies and height of all spheres at one moment.
 
-    Parameters
-    ----------
-    position, velocity, rim : (3, N) arrays
-        See ``Spheres`` (m, m/s).
-    mass : (N,) array
-        Masses of the spheres (kg).
-
-    Returns
-    -------
-    tuple of 3 floats
-        Twice the kinetic energy of translation (J), the sum of mass times the square of ``rim``
-        (J), height of the centre of mass (m).
+    These are ``translation``, twice the kinetic energy (J), ``rotation``, the sum of mass times the
+    square of the velocity of the rim (J), and the ``height`` of the centre of mass (m).
     """
-    terms, sums = np.empty((4, mass.size)), np.empty(4)
-    for i in range(mass.size):
-        vx, vy, vz = velocity[0, i], velocity[1, i], velocity[2, i]
-        wx, wy, wz = rim[0, i], rim[1, i], rim[2, i]
-        terms[0, i] = mass[i] * (vx * vx + vy * vy + vz * vz)
-        terms[1, i] = mass[i] * (wx * wx + wy * wy + wz * wz)
-        terms[2, i], terms[3, i] = position[2, i] * mass[i], mass[i]
-    for k in range(4):
-        sums[k] = total(terms[k], REAL)
-    return sums[0], sums[1], sums[2] / sums[3]
+    mass, (vx, vy, vz), (wx, wy, wz) = spheres.mass, spheres.velocity, spheres.rim
+    return {
+        "translation": (mass * (vx * vx + vy * vy + vz * vz)).sum(),
+        "rotation": (mass * (wx * wx + wy * wy + wz * wz)).sum(),
+        "height": (spheres.position[2] * mass).sum() / mass.sum(),
+    }
