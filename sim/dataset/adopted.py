@@ -19,9 +19,9 @@ from sim.dataset.rounds import points_of_rounds
 from sim.dataset.rows import OF_PROFILES, RUNS, Row, dimensions, stored_names
 from sim.dataset.sources import read_rows
 from sim.engine.identity import NUMERICS
-from sim.engine.stored_run import STATE, has_enough, is_reduced, measured_names, read_amounts
+from sim.engine.stored_run import STATE, has_enough, is_reduced, measured_codes, read_amounts
 from sim.parameters import Parameters, amounts, canonical_values, covers, point_id
-from sim.parameters.variables import ALL, SCALARS
+from sim.parameters.variables import ALL, SCALARS, observable_variables
 from sim.study.load import load_study
 from sim.study.model import Need
 from sim.study.plottable import Shown
@@ -39,11 +39,14 @@ _KEPT = ("seal", "engine_version", "source_hash", "versions", "created", "caveat
 def missing_variables(group: Any, system: str) -> list[str]:
     """Return the variables of a system that this version stores and a dataset's writer did not.
 
-    ``group`` is the group `RUNS` of the dataset.
+    ``group`` is the group `RUNS` of the dataset. Observables are none of them: those that a row
+    does not have are measured from what it has.
     """
+    if system not in ALL:
+        # It is one of a later version.
+        return [system]
     reads = group.getncattr("reads") if "reads" in group.ncattrs() else ""
-    # Or it is a system of a later version.
-    return sorted(stored_names(system) - set(reads.split())) if system in ALL else [system]
+    return sorted(stored_names(system) - observable_variables(system).keys() - set(reads.split()))
 
 
 def adopt(study_path: Path, dataset_path: Path, results: Path = Path("results")) -> str:
@@ -177,7 +180,7 @@ def _write_run(path: Path, point: Parameters, row: Row, dataset: str) -> None:
         "reduced": [int(shown), int(bool(values.keys() & OF_PROFILES.keys())), 0],
         "adopted": dataset,
         "variables": " ".join(values),
-        "measured": " ".join(sorted(measured_names(point.system))),
+        "measured": " ".join(sorted(measured_codes(point.system))),
     }
     root = xr.Dataset(
         {**canonical_values(point), "particles": point.particles, "time_step": point.time_step}

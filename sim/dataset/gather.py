@@ -1,6 +1,6 @@
 """Read from a run file what a dataset stores: scalars, measures, profiles, particles."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from math import nan, pi
 from pathlib import Path
 from typing import Any
@@ -98,11 +98,13 @@ def read_run(
 
 def _row(run: RunFile) -> dict[str, np.ndarray]:
     """Return the variables of a reduced run file that are known, as a whole one gives them."""
-    return {
+    known = {
         name: run[name].astype(object if name in WORDS else np.float32 if name in SINGLE else float)
         for name in run.attrs["variables"].split()
         if name in stored_names()
     }
+    # Observables that the writer of the dataset did not know.
+    return known | measures(run, known)
 
 
 def _row_state(run: RunFile, file: netCDF4.Dataset) -> xr.Dataset | None:
@@ -159,9 +161,13 @@ def _state(run: RunFile) -> xr.Dataset | None:
     return xr.Dataset(variables, coords, run.attrs)
 
 
-def measures(run: RunFile) -> dict[str, np.ndarray]:
-    """Return the observables of a run, each an array over its replicates, NaN for failed ones."""
+def measures(run: RunFile, known: Collection[str] = ()) -> dict[str, np.ndarray]:
+    """Return observables of a run but for those ``known``, each an array over its replicates.
+
+    They are NaN for replicates that failed.
+    """
     declared, status = observables(run.attrs["system"]), run["status"]
+    declared = {name: one for name, one in declared.items() if name not in known}
     table = {name: np.full(len(status), nan) for name in declared}
     for index in np.flatnonzero(status == "completed"):
         replicate = Replicate(run, int(index))

@@ -11,7 +11,7 @@ import numpy as np
 from sim.base.additions import codes
 from sim.base.program import files_hash, room_hash
 from sim.engine import identity
-from sim.engine.stored_run import measured_names
+from sim.engine.stored_run import measured_codes
 from sim.parameters.variables import (
     OBSERVABLE,
     SCALARS,
@@ -101,7 +101,7 @@ def _package_hash() -> str:
 def stored_names(system: str | None = None) -> set[str]:
     """Return the names of all variables that this code stores of a system, or of all systems."""
     names = {*row_scalars(system), *row_arrays(system), *STATE_VARIABLES}
-    return names | measured_names(system)
+    return names | measured_codes(system)
 
 
 def amounts_text(amounts: Mapping[str, float] | None) -> str:

@@ -55,17 +55,16 @@ def has_all(attributes: Mapping[str, Any], need: Levels) -> bool:
     has_levels = need is not None and all(
         have >= level for have, level in zip(held, need, strict=True)
     )
-    return has_levels and measured_names(attributes["system"]) <= {*attributes["measured"].split()}
+    return has_levels and measured_codes(attributes["system"]) <= {*attributes["measured"].split()}
 
 
-def measured_names(system: str | None = None) -> set[str]:
-    """Return the names of the observables of a system, or of all.
+def measured_codes(system: str | None = None) -> set[str]:
+    """Return names and hashes of the observables of plug-ins, of a system or of all.
 
-    Those of plug-ins come with their names and hashes too. A whole run is measured anew for them.
+    A whole run is measured anew for them.
     """
     names = observable_variables(system).keys()
-    own_codes = (code for code in codes(OBSERVABLE).split() if code.rpartition(".")[0] in names)
-    return {*names, *own_codes}
+    return {code for code in codes(OBSERVABLE).split() if code.rpartition(".")[0] in names}
 
 
 def require_all(attributes: Mapping[str, Any], path: Path, need: Levels = None) -> None:

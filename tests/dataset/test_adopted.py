@@ -5,6 +5,7 @@ import shutil
 from pathlib import Path
 
 import netCDF4
+import numpy as np
 import pytest
 import xarray as xr
 
@@ -193,6 +194,29 @@ def test_what_other_code_has_read_is_taken_if_it_knew_all_names(study, complete_
     monkeypatch.setattr(adopted, "missing_variables", lambda made, system: ["new_measure"])
     with pytest.raises(InputError, match="got 'a dataset that cannot have new_measure'; allowed"):
         adopt(study.path, complete_study.output, study.results)
+
+
+def test_observables_that_the_writer_did_not_know_are_measured_from_the_rows(
+    study, complete_study, tmp_path
+):
+    """What takes the velocity has its value; what takes paths of particles has none."""
+    older, gone = tmp_path / "older.nc", {"transport_efficiency", "path_drift"}
+    with xr.open_datatree(complete_study.output) as tree:
+        groups = tree.load()
+    groups.dataset = groups.to_dataset().drop_vars(gone)
+    runs = groups["/runs"].to_dataset()
+    of_rows = [" ".join({*row.split()} - gone) for row in runs["variables"].values]
+    runs["variables"] = ("point", np.array(of_rows, object))
+    runs.attrs["reads"] = " ".join({*runs.attrs["reads"].split()} - gone)
+    groups["/runs"].dataset = runs
+    store(groups, older)
+    adopt(study.path, older, study.results)
+    assert len(adopted_ids(study)) == 6
+    build(study.path, study.results)
+    new, whole = (load_results(one.output).dataset for one in (study, complete_study))
+    assert all(np.isfinite(whole[name]).any() for name in gone)
+    np.testing.assert_allclose(new["transport_efficiency"], whole["transport_efficiency"])
+    assert np.isnan(new["path_drift"]).all()
 
 
 def test_an_observable_of_one_system_keeps_no_other_from_being_adopted(
