@@ -8,7 +8,7 @@ import json
 import logging
 import signal
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager, suppress
 from functools import partial
@@ -226,21 +226,19 @@ def _compiled_for(points: Iterable[Parameters]) -> str:
     return hashlib.sha256(repr(facts).encode()).hexdigest()[:12]
 
 
-def _compile(points: Iterable[Parameters]) -> None:
+def _compile(
+    points: Iterable[Parameters], run: Callable[..., object] = lambda task: task()
+) -> None:
     from sim.engine.systems import build
 
     for point in points:
         system = build(point, 0)
-        system.settle()
-        system.sample(1, profiles=True)
+        run(system.settle)
+        run(partial(system.sample, 1, profiles=True))
 
 
 def _compile_ahead(points: Iterable[Parameters]) -> None:
     from sim.engine.compile import compile_ahead
-    from sim.engine.systems import build
 
     log.setLevel(logging.WARNING)
-    for point in points:
-        system = build(point, 0)
-        compile_ahead(system.settle)
-        compile_ahead(partial(system.sample, 1, profiles=True))
+    _compile(points, compile_ahead)

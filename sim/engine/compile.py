@@ -12,6 +12,7 @@ import sys
 from collections.abc import Callable, Hashable
 from contextlib import suppress
 from functools import cache, partial, wraps
+from inspect import isfunction
 from numbers import Real
 from time import process_time
 from typing import Any, NamedTuple
@@ -130,6 +131,16 @@ loop_kernel = numba.njit(**_options, _nrt=False)
 #: For all other pieces: always copied into the caller, so that every process gives the same bits.
 #: Python calls them as plain Python functions: a compiled entry would double the time to compile.
 inlined = register_jitable(**_options, forceinline=True)
+
+
+@cache
+def inlined_with_calls(function):
+    """Register a function of a plug-in, once, with the plain functions that it calls by name."""
+    for other in map(function.__globals__.get, function.__code__.co_names):
+        if isfunction(other) and other is not function:
+            inlined_with_calls(other)
+    return inlined(function)
+
 
 #: For kernels that round as they are written, whoever calls them: sums keep their order, and no
 #: product is fused with a sum.
@@ -276,11 +287,11 @@ def adopt_type(kind: type, has_plugin: bool = True) -> bool:
 
 
 def make_numbers(
-    choice: Choice, p: Parameters, register: Callable[[type, Any, bool], None], *arguments: Any
+    choice: Choice, p: Parameters, register: Callable[[type, Any], None], *arguments: Any
 ) -> NamedTuple:
-    """Return the numbers of the option that a point has; register functions for their type.
+    """Return the numbers of the option that a point has, which ``make`` gives of the arguments.
 
-    The option's ``make`` computes the numbers from the ``arguments``.
+    Where their type is new, ``register`` adds its functions, those of the option.
     """
     name, option = getattr(p, choice.name, choice.usual[0]), p.option(choice.name)
     has_plugin = choice.is_own(name)
@@ -289,8 +300,8 @@ def make_numbers(
         is_named = isinstance(numbers, tuple) and hasattr(numbers, "_fields")
         if has_plugin and not (is_named and all(isinstance(one, Real) for one in numbers)):
             raise TypeError(f"make returns a NamedTuple of numbers: got {in_short(numbers)}")
-        if option.has_functions(type(numbers)):
-            register(type(numbers), option, has_plugin)
+        if option.has_functions(type(numbers)) and adopt_type(type(numbers), has_plugin):
+            register(type(numbers), option)
     return numbers
 
 

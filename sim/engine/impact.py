@@ -1,16 +1,152 @@
 """Single impacts from Python: how one looks at a contact law before a study."""
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from sim.base.errors import InputError
 from sim.engine.contact import Partners, law_of
-from sim.engine.systems.impacts import Impacts
+from sim.engine.systems.moving import Motion
 from sim.parameters import parse_python_point
 
 if TYPE_CHECKING:
     import xarray as xr
+
+#: Distance of impacts from each other, in largest radii, besides what they move meanwhile.
+APART = 12
+
+#: From the first sphere of a pair to the second one, and the way along which that slides.
+NORMAL, TANGENT = np.array([0.6, 0.0, 0.8]), np.array([-0.64, 0.6, 0.48])
+
+
+class Impacts:
+    """Impacts side by side, each of a sphere with the plane or with another sphere.
+
+    ``radii`` (m) and ``mass`` (kg) are those of both spheres, or of the one that meets the plane.
+    ``speeds`` (n,) are those along the normal (m/s) of n impacts, ``slides`` those along which the
+    second surface slides, ``spins`` (n, p, 3) those of all spheres (1/s) along normal, tangent and
+    the direction across both. The momenta of a pair cancel. Impacts begin after ``phases`` of a
+    time step (s); without them they differ. Laws act up to ``reach`` (m) beyond contact.
+    """
+
+    motion_type: ClassVar[type[Motion]] = Motion
+
+    def __init__(
+        self,
+        law: Any,
+        radii: Sequence[float],
+        mass: Any,
+        time_step: float,
+        speeds: Any,
+        slides: Any = 0.0,
+        spins: Any = 0.0,
+        phases: Any = None,
+        longest: int = 2000,
+        reach: float = 0.0,
+    ):
+        self.radii, self.mass = np.array(radii, float), np.array(mass, float)
+        self.is_pair = len(radii) == 2
+        self.frame = np.array([NORMAL, TANGENT] if self.is_pair else [[0, 0, -1.0], [0, 1.0, 0]])
+        self.axes = np.vstack([self.frame, np.cross(*self.frame)])
+        normal, tangent = self.frame
+        speeds = np.atleast_1d(np.array(speeds, float))
+        slides = np.broadcast_to(slides, speeds.shape)
+        self.start = slides[:, None] * tangent - speeds[:, None] * normal
+        self.number = len(speeds)
+        phases = np.linspace(0.1, 0.9, self.number) if phases is None else phases
+        self.delays = np.broadcast_to(time_step * np.array(phases), speeds.shape) + reach / speeds
+        way = longest * time_step * np.linalg.norm(self.start, axis=1).max()
+        size, place = self.radii.max(), np.arange(self.number)
+        spacing, columns = APART * size + 2 * way, int(np.ceil(self.number**0.5))
+        height = 5 * APART * size + way if self.is_pair else size
+        corner = spacing * (np.stack([place % columns, place // columns, place], axis=1) + 0.5)
+        corner[:, 2] = height
+        delays = self.delays[:, None]
+        if self.is_pair:
+            shares = self.mass[::-1] / sum(self.mass)
+            second = corner + sum(self.radii) * normal - delays * self.start
+            position = np.stack([corner, second], axis=1).reshape(-1, 3)
+            velocity = np.stack([-shares[0] * self.start, shares[1] * self.start], axis=1)
+        else:
+            position, velocity = corner + delays * self.start, -self.start
+        spins = np.broadcast_to(spins, (self.number, len(radii), 3)) @ self.axes
+        self.motion = self.motion_type(
+            position,
+            velocity.reshape(-1, 3),
+            spins.reshape(-1, 3),
+            laws=(law, law),
+            time_step=time_step,
+            radius=np.tile(self.radii, self.number),
+            mass=np.tile(self.mass, self.number),
+            box=(spacing * columns,) * 2,
+            skin=0.6 * size,
+            reach=reach,
+        )
+
+    def _relative(self, rows: np.ndarray) -> np.ndarray:
+        """Return rows (n, 3) of the second partners, 0 of the plane, less those of the first."""
+        rows = rows.reshape(self.number, -1, 3)
+        return rows[:, 1] - rows[:, 0] if self.is_pair else -rows[:, 0]
+
+    def velocities(self) -> np.ndarray:
+        """Return velocities of the second along normal and tangent, and all rims', m/s (n, 2 + p).
+
+        Rims move along the tangent where they touch.
+        """
+        spin = self.motion.spin.reshape(self.number, -1, 3)
+        relative = self._relative(self.motion.velocity)
+        return np.hstack([relative @ self.frame.T, self.radii * (spin @ self.axes[2])])
+
+    def contacts(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return overlaps (n,) in m and normals (n, 3), from the first partner to the second."""
+        apart = self._relative(self.motion.position)
+        if not self.is_pair:
+            apart = apart * [0.0, 0.0, 1.0]
+        distance = np.linalg.norm(apart, axis=1)
+        return self.radii.sum() - distance, apart / distance[:, None]
+
+    def record(self, longest: int) -> dict[str, np.ndarray]:
+        """Follow the impacts until all have parted, for so many steps at most.
+
+        Returns overlap (m), normal and tangential force on the first partner (N), and the time
+        since it touched (s), each (n, S) over its time steps, not-a-number after its last force;
+        the ``duration`` (n,) in s, not-a-number where partners still touch.
+        """
+        records, met = [], np.zeros(self.number, bool)
+        for _ in range(longest):
+            overlap, normal = self.contacts()
+            force = self.motion.run(1).force.reshape(self.number, -1, 3)[:, 0]
+            across = self.frame[1] - (normal @ self.frame[1])[:, None] * normal
+            records.append([overlap, -(force * normal).sum(1), -(force * across).sum(1)])
+            acts = force.any(axis=1)
+            met |= acts
+            if met.all() and not acts.any() and (self._parting() > 0).all():
+                break
+        return self._aligned(np.array(records).transpose(1, 2, 0))
+
+    def _parting(self) -> np.ndarray:
+        """Return the velocities along the normals at which partners part, m/s."""
+        _, normal = self.contacts()
+        return (self._relative(self.motion.velocity) * normal).sum(1)
+
+    def _aligned(self, records: np.ndarray) -> dict[str, np.ndarray]:
+        """Return the records (3, n, S) of all impacts from the first step of each with a force."""
+        acts, steps, step = (records[1:] != 0).any(0), records.shape[2], self.motion.time_step
+        first, last = acts.argmax(axis=1), steps - 1 - acts[:, ::-1].argmax(axis=1)
+        column = first[:, None] + np.arange((last - first).max() + 1)
+        past, column = column > last[:, None], np.minimum(column, steps - 1)
+        time = column * step - self.delays[:, None]
+        rows = [*np.take_along_axis(records, column[None], 2), time]
+        names = ("overlap", "normal_force", "tangential_force", "time")
+        found = dict(zip(names, np.where(past, np.nan, rows), strict=True))
+        # In the step after the last force they move freely: back to where they have parted.
+        after = np.minimum(last + 1, steps - 1)
+        gap = np.maximum(0.0, -records[0, np.arange(self.number), after])
+        parting = self._parting()
+        end = after * step - self.delays - gap / np.where(parting > 0, parting, np.inf)
+        return found | {"duration": np.where(last < steps - 1, end, np.nan)}
+
 
 #: Longest impact that is followed, in collision times of the point.
 LONGEST = 60

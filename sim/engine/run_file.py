@@ -133,8 +133,7 @@ def _add_dimensions(file: _Writer, names: Sequence[str], sizes: Sequence[int]) -
 def _put_labels(file: _Writer, name: str, labels: Sequence[str], long_name: str) -> None:
     """Define the labels of a dimension as characters, because CF coordinates must be numbers."""
     width = max(map(len, labels))
-    if (letters := f"letters_{width}") not in file.file.dimensions:
-        file.file.createDimension(letters, width)
+    _add_dimensions(file, [letters := f"letters_{width}"], [width])
     variable = file.file.createVariable(name, "S1", (name, letters))
     variable.long_name, variable._Encoding = long_name, "utf-8"
     file.queue.append((variable, ..., np.array(labels, f"U{width}")))
@@ -173,14 +172,8 @@ def _write_axes(file: _Writer, run: StoredRun, system: Replica) -> None:
     time = np.arange(1, samples + 1) * run.interval
     # An elapsed time without a date: in CF this is neither an axis T nor a time coordinate.
     _put(file, "time", ("time",), time, "s", "end of the sample interval, since the start")
-    height = _put(
-        file,
-        "height",
-        ("height",),
-        system.profile_height,
-        "m",
-        "height of the slice above the base",
-    )
+    meaning = "height of the slice above the base"
+    height = _put(file, "height", ("height",), system.profile_height, "m", meaning)
     height.axis, height.positive, height.standard_name = "Z", "up", "height"
     _put_labels(file, "frame", ("first", "last"), "first or last state")
     _put_labels(file, "axis", system.axes, "direction")

@@ -198,12 +198,13 @@ def read_origin_samples(path: Path) -> list[int]:
 
 
 @contextmanager
-def open_run_file(path: Path, replaceable: bool = False) -> Iterator[netCDF4.Dataset]:
+def open_run_file(path: Path) -> Iterator[netCDF4.Dataset]:
     """Open a run file, without masks; an error in the block becomes one line.
 
-    Errors and ``replaceable`` are those of `sim.base.seals.checked_read`.
+    Errors are those of `sim.base.seals.checked_read`.
     """
-    with checked_read(path, _KIND, replaceable, sealed=True), netCDF4.Dataset(path) as file:
+    read = checked_read(path, _KIND, replaceable=False, sealed=True)
+    with read, netCDF4.Dataset(path) as file:
         file.set_auto_mask(False)
         yield file
 

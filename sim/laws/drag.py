@@ -15,19 +15,13 @@ from sim.parameters.spheres import SphereParameters
 
 
 class Drag(NamedTuple):
-    """``stiffness`` K (N/m); ``damping`` 2ζ √K over the time step, and ``shear`` γ_s over it."""
+    """``stiffness`` K (N/m); ``damping`` 2ζ √K over the time step, and ``shear`` γ_s over it;
+    ``clips`` is 1 where the normal force never pulls, else 0."""
 
     stiffness: float
     damping: float
     shear: float
-
-
-class Clipped(NamedTuple):
-    """The same numbers, for a normal force that never pulls."""
-
-    stiffness: float
-    damping: float
-    shear: float
+    clips: float
 
 
 def collision_time(p: SphereParameters) -> float:
@@ -35,13 +29,12 @@ def collision_time(p: SphereParameters) -> float:
     return 2 * p.loading_time * contact_time(p.restitution, p.attraction)
 
 
-def make(p: SphereParameters, partners: Any) -> Drag | Clipped:
+def make(p: SphereParameters, partners: Any) -> Drag:
     """Return the law of a point, the same for all partners."""
     share, whole = damping_fraction(p.restitution, p.attraction)
-    damping = 2.0 * (share / whole) * sqrt(p.stiffness)
-    shear = p.shear_damping * p.gravity
-    kind = Drag if p.attraction == "kept" else Clipped
-    return kind(float(p.stiffness), damping / partners.time_step, shear / partners.time_step)
+    damping = 2.0 * (share / whole) * sqrt(p.stiffness) / partners.time_step
+    shear = p.shear_damping * p.gravity / partners.time_step
+    return Drag(float(p.stiffness), damping, shear, float(p.attraction == "clipped"))
 
 
 def force(law, overlap, approach, slip, tangential, memory, radius, mass):
@@ -60,16 +53,9 @@ def force(law, overlap, approach, slip, tangential, memory, radius, mass):
         loss += 0.5 * (
             shear_force[0] * slip[0] + shear_force[1] * slip[1] + shear_force[2] * slip[2]
         )
-    return law.stiffness * overlap + drag, shear_force, (drag, 1.0), loss
-
-
-def clipped_force(law, overlap, approach, slip, tangential, memory, radius, mass):
-    """Return what `force` does, without the pull of the normal force."""
-    normal, along, (drag, begun), loss = force(
-        law, overlap, approach, slip, tangential, memory, radius, mass
-    )
-    pull = min(normal, 0.0)
-    return normal - pull, along, (drag - pull, begun), loss - 0.5 * pull * approach
+    normal = law.stiffness * overlap + drag
+    pull = law.clips * min(normal, 0.0)
+    return normal - pull, shear_force, (drag - pull, 1.0), loss - 0.5 * pull * approach
 
 
 def energy(law, overlap, tangential, memory, radius, mass):
@@ -88,5 +74,4 @@ law(
     max_overlap=SMALL_OVERLAP,
     owns=("shear_damping", "attraction"),
     ignores=("friction", "friction_plane", "tangential_ratio"),
-    variants={Clipped: (clipped_force, 2)},
 )

@@ -43,14 +43,6 @@ def surface(height: np.ndarray, packing: np.ndarray) -> float:
     return level(height, packing, SURFACE_SHARE)
 
 
-def surface_velocity(
-    height: np.ndarray, velocity: np.ndarray, packing: np.ndarray, diameter: float
-) -> float:
-    """Return the mean velocity of the mass within a diameter below the surface."""
-    top = surface(height, packing)
-    return mean_between(height, velocity, packing, top - diameter, top)
-
-
 def mean_between(
     height: np.ndarray, values: np.ndarray, packing: np.ndarray, low: float, high: float
 ) -> float:
@@ -62,8 +54,12 @@ def mean_between(
 def shear_depth(
     height: np.ndarray, velocity: np.ndarray, packing: np.ndarray, diameter: float
 ) -> float:
-    """Return δ_s (m), the lowest height at which the velocity is 90 % of the surface's."""
-    threshold = SHEAR_SHARE * surface_velocity(height, velocity, packing, diameter)
+    """Return δ_s (m), the lowest height at which the velocity is 90 % of the surface's.
+
+    That is the mean velocity of the mass within a diameter below the surface.
+    """
+    top = surface(height, packing)
+    threshold = SHEAR_SHARE * mean_between(height, velocity, packing, top - diameter, top)
     fast = np.flatnonzero(velocity >= threshold)
     if not fast.size or not threshold > 0:
         return np.nan

@@ -202,7 +202,7 @@ def test_every_impact_loses_energy_as_the_law_says(case, partners):
 
     def energies() -> np.ndarray:
         spheres = motion.mass * (motion.velocity**2).sum(axis=1)
-        spheres += motion.inertia * (motion.spin**2).sum(axis=1)
+        spheres += motion.moment_of_inertia * (motion.spin**2).sum(axis=1)
         return 0.5 * spheres.reshape(made.number, -1).sum(axis=1)
 
     before = energies()
@@ -391,7 +391,7 @@ def placed(case: str, slope: float, **options) -> SphereMotion:
 @with_property("rest")
 def test_a_sphere_on_the_plane_comes_to_rest_with_its_weight_on_it(case):
     one = placed(case, 0.0).run(6000)
-    weight = one.mass[0] * -one.gravity[2]
+    weight = one.mass[0] * -one.drive.gravity[2]
     for _ in range(50):
         assert one.run(7).force[0, 2] == pytest.approx(weight, rel=1e-6)
 
@@ -404,7 +404,7 @@ def test_a_block_sticks_below_the_friction_limit_and_slides_above_it(case, share
     start, speed = one.position[0, 0], one.velocity[0, 0]
     one.run(steps)
     time = steps * one.time_step
-    excess = one.gravity[0] + FRICTION * one.gravity[2]
+    excess = one.drive.gravity[0] + FRICTION * one.drive.gravity[2]
     way = one.position[0, 0] - start
     if share > 1:
         assert way == pytest.approx(speed * time + 0.5 * excess * time**2, rel=1e-3)

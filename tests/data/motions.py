@@ -26,14 +26,15 @@ def sine(motion, angle):
     return sin(angle), cos(angle), cos(angle)
 
 
+def half_wave(angle, whole):
+    """Return the velocity at an angle of a way that takes the ``whole``."""
+    return pi / whole * sin(pi * angle / whole)
+
+
 def saw(motion, angle):
     """Return height and velocities of the sawtooth."""
     way, whole = angle % (2 * pi), 2 * pi * motion.share
-    if way < whole:
-        along = pi / whole * sin(pi * way / whole)
-    else:
-        rest = 2 * pi - whole
-        along = -pi / rest * sin(pi * (way - whole) / rest)
+    along = half_wave(way, whole) if way < whole else -half_wave(way - whole, 2 * pi - whole)
     return -cos(way), along + motion.running, sin(way)
 
 

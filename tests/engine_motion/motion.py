@@ -2,14 +2,15 @@
 
 import numpy as np
 
+from sim.engine import impact
 from sim.engine.boundary.belt import Belt, Obstacle
 from sim.engine.compile import address_of
 from sim.engine.contact.damping import SpringDamping
 from sim.engine.dynamics.cells import make_box
 from sim.engine.dynamics.disks import Gear, make_disks
 from sim.engine.dynamics.neighbors import double_room, empty_pair_list, make_search
-from sim.engine.systems import impacts, shaking
-from sim.engine.systems.impacts import Motion
+from sim.engine.systems import shaking
+from sim.engine.systems.moving import Motion
 from sim.engine.systems.sharing import refresh_together
 from tests.engine_motion.helpers import (
     BEAD,
@@ -93,7 +94,7 @@ class SphereMotion(Motion):
         return self._ordered(self.spheres.mass)
 
     @property
-    def inertia(self) -> np.ndarray:
+    def moment_of_inertia(self) -> np.ndarray:
         """Moments of inertia (N,), kg m2."""
         return 0.4 * self.mass * self._ordered(self.spheres.radius) ** 2
 
@@ -115,7 +116,7 @@ class SphereMotion(Motion):
     def energy(self) -> float:
         """Kinetic energy of translation and rotation, J."""
         moving = (self.mass[:, None] * self.velocity**2).sum()
-        return 0.5 * float(moving + (self.inertia[:, None] * self.spin**2).sum())
+        return 0.5 * float(moving + (self.moment_of_inertia[:, None] * self.spin**2).sum())
 
     def momentum(self) -> np.ndarray:
         """Total momentum (3,), kg m/s."""
@@ -124,10 +125,10 @@ class SphereMotion(Motion):
     def angular_momentum(self) -> np.ndarray:
         """Orbital angular momentum about the origin and that of the spins (3,), kg m2/s."""
         orbital = self.mass @ np.cross(self.position, self.velocity)
-        return orbital + self.inertia @ self.spin
+        return orbital + self.moment_of_inertia @ self.spin
 
 
-class Impacts(impacts.Impacts):
+class Impacts(impact.Impacts):
     """Impacts of spheres of which the tests know all."""
 
     motion_type = SphereMotion

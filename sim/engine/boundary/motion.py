@@ -1,16 +1,17 @@
 """Motions of belt and plane; the type of a motion's numbers selects its compiled function."""
 
+from collections.abc import Callable
 from math import cos, pi, sin
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from sim.base.additions import plain_name, plugin_error
 from sim.engine.compile import (
-    adopt_type,
+    by_type,
     call_by_type,
-    implements,
     inlined,
+    inlined_with_calls,
     kernel,
     make_numbers,
     require_numbers,
@@ -26,6 +27,9 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)
 #: Differences allowed relative to the largest value: of a motion from itself a thousand cycles
 #: later, and of heights from the integral of their derivative.
 PERIOD_TOLERANCE, HEIGHT_TOLERANCE = 1e-3, 0.02
+
+#: The functions ``state`` of plug-ins' motions, by the types of their numbers.
+_states: dict[type, Callable[..., Any]] = {}
 
 
 class Harmonic(NamedTuple):
@@ -43,7 +47,7 @@ class Harmonic(NamedTuple):
 
 def motion_of(p: Parameters) -> NamedTuple:
     """Return the motion of a point."""
-    motion = make_numbers(MOTION, p, add_motion, p)
+    motion = make_numbers(MOTION, p, lambda kind, one: _states.update({kind: one.state}), p)
     if MOTION.is_own(option := getattr(p, MOTION.name, "")):
         try:
             _require_sound(motion)
@@ -88,41 +92,20 @@ def _require_sound(motion: NamedTuple) -> None:
         )
 
 
+@by_type
 def shape_of(motion, angle):
     """Return the result of a motion's function ``state``, see `sim.parameters.laws.motion`."""
-    raise NotImplementedError
+    if motion.instance_class is Harmonic:
+        return lambda motion, angle: (sin(angle), cos(angle), cos(angle))
+    state = inlined_with_calls(_states[motion.instance_class])
+    return lambda motion, angle: checked_state(motion, state(motion, angle))
 
 
-@implements(shape_of)
-def _harmonic_shape(motion, angle):
-    if motion.instance_class is not Harmonic:
-        return None
-    return lambda motion, angle: (sin(angle), cos(angle), cos(angle))
-
-
+@by_type
 def checked_state(motion, returned):
     """Return the result of a motion's ``state``; refuse other than three numbers when compiled."""
-    raise NotImplementedError
-
-
-def add_motion(kind, motion, has_plugin):
-    """Register a type of numbers as a motion, with its function."""
-    if not adopt_type(kind, has_plugin):
-        return
-    own_state = inlined(motion.state)
-
-    @implements(shape_of)
-    def _shape(motion, angle):
-        if motion.instance_class is not kind:
-            return None
-        return lambda motion, angle: checked_state(motion, own_state(motion, angle))
-
-    @implements(checked_state)
-    def _checked_state(motion_, returned):
-        if motion_.instance_class is not kind:
-            return None
-        require_numbers(motion.state, "what state returns", returned, 3)
-        return lambda motion_, returned: returned
+    require_numbers(_states[motion.instance_class], "what state returns", returned, 3)
+    return lambda motion, returned: returned
 
 
 @kernel

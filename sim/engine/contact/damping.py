@@ -108,12 +108,6 @@ def disk_force(law, overlap, normal, velocity, mass, inverse_partner_mass):
 
 
 @inlined
-def elastic_force(law, overlap):
-    """Return the conservative part of the repulsion (N): that of the spring alone."""
-    return law.spring.stiffness * overlap
-
-
-@inlined
 def elastic_energy(law, overlap):
     """Return the energy (J) stored in the spring at an overlap (m)."""
     return 0.5 * law.spring.stiffness * overlap * overlap
@@ -130,4 +124,5 @@ def dissipated_powers(law, overlap, normal, velocity, force):
     speed = velocity[0] * nx + velocity[1] * nz
     pull = force[0] * nx + force[1] * nz
     power = force[0] * velocity[0] + force[1] * velocity[1]
-    return -(pull + elastic_force(law, overlap)) * speed, pull * speed - power
+    # The conservative part of the repulsion is that of the spring alone.
+    return -(pull + law.spring.stiffness * overlap) * speed, pull * speed - power

@@ -18,37 +18,37 @@ from sim.engine.compile import by_type, implements, inlined
 #: Numbers of the tangential force.
 VECTOR = 3
 
-#: How many numbers of its own each law remembers, by the type of its parameters.
-_own_numbers: dict[type, int] = {}
 
-#: How many vectors are among them, by the types of laws that have any.
-_own_vectors: dict[type, int] = {}
+class Memory(NamedTuple):
+    """How many numbers besides the tangential force a law remembers, ``vectors`` of 3 first.
 
-#: Laws whose memory loops over contacts read whether a contact touched before or not.
-_always_read: set[type] = set()
+    Loads upon a condition keep a loop over contacts from being a vector loop on processors without
+    a fast gather. Laws that are ``always_read``, whether a contact touched before or not, have
+    none; the others would round differently.
+    """
+
+    numbers: int
+    vectors: int
+    always_read: bool
+
+
+#: What each law remembers, by the type of its parameters.
+_memories: dict[type, Memory] = {}
 
 
 def declare_memory(kind: type, numbers: int, always_read: bool = False, vectors: int = 0) -> None:
-    """Declare how many numbers besides the tangential force a law of this type remembers.
-
-    They begin with ``vectors`` of 3 numbers each.
-
-    Loads upon a condition keep a loop over contacts from being a vector loop on processors without
-    a fast gather. Laws that are ``always_read`` have none; the others would round differently.
-    """
-    _own_numbers[kind], _own_vectors[kind] = numbers, vectors
-    if always_read:
-        _always_read.add(kind)
+    """Declare what a law of this type remembers, see `Memory`."""
+    _memories[kind] = Memory(numbers, vectors, always_read)
 
 
 def memory_size(kind: type) -> int:
     """Return how many numbers a contact remembers under a law of this type."""
-    return VECTOR + _own_numbers[kind]
+    return VECTOR + _memories[kind].numbers
 
 
 def turning_numbers(law: NamedTuple) -> int:
     """Return how many numbers of a memory, its first, change sign where partners change places."""
-    return VECTOR * (1 + _own_vectors[type(law)])
+    return VECTOR * (1 + _memories[type(law)].vectors)
 
 
 def make_memory(law: NamedTuple, contacts: int) -> np.ndarray:
@@ -81,7 +81,7 @@ def blank_memory(law):
 
 @implements(blank_memory)
 def _blank_memory(law):
-    if law.instance_class not in _own_numbers:
+    if law.instance_class not in _memories:
         return None
     zeros = (0.0,) * memory_size(law.instance_class)
     return lambda law: zeros
@@ -117,7 +117,7 @@ def recall(new, memory, slot):
 @by_type
 def recall_in_loop(law, new, memory, slot):
     """Return the same as ``recall`` in a loop over contacts that obey a law."""
-    if law.instance_class not in _always_read:
+    if not _memories[law.instance_class].always_read:
         return lambda law, new, memory, slot: recall(new, memory, slot)
     every = range(len(new))
     loads = "; ".join(f"old_{m} = memory[{m}, s]" for m in every)

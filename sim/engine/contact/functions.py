@@ -5,18 +5,15 @@ For each contact such a law is bundled with radius, mass and rotation of its par
 not compiled for it.
 """
 
-from collections.abc import Callable
-from functools import cache
-from inspect import isfunction
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from numba.core.types import BaseTuple, Float
 
 from sim.engine.compile import (
-    adopt_type,
     by_type,
     implements,
     inlined,
+    inlined_with_calls,
     require_numbers,
     typing_error,
 )
@@ -31,25 +28,10 @@ from sim.engine.contact.friction import (
     stored_energy,
     work_against,
 )
-
-
-class Functions(NamedTuple):
-    """A law's functions ``force`` and ``energy``, and what it does.
-
-    It remembers ``numbers`` of its own, the first of which are ``vectors`` that turn with the
-    contact; it ``rolls``, which is to resist rotation; it ``reaches`` beyond contact.
-    """
-
-    force: Callable[..., Any]
-    energy: Callable[..., Any]
-    numbers: int
-    vectors: int
-    rolls: bool
-    reaches: bool
-
+from sim.parameters.laws import Law
 
 #: The laws that are plain functions, by the types of their parameters.
-_laws: dict[type, Functions] = {}
+_laws: dict[type, Law] = {}
 
 #: Numbers remembered of the torque of a law that rolls: all of it, its part across the normal, and,
 #: behind all other numbers, its size about the normal.
@@ -79,7 +61,8 @@ def _rolls(law):
 
 
 def _reaches(law):
-    return law.instance_class in _laws and _laws[law.instance_class].reaches
+    kind = law.instance_class
+    return kind in _laws and "reach" in _laws[kind].model_fields_set
 
 
 @inlined
@@ -208,16 +191,17 @@ def _turning(vectors):
 @by_type
 def force_of(law, given):
     """Return the result of a law's function ``force``, see `sim.parameters.laws.law`."""
-    force = _inline(_laws[law.instance_class].force)
+    force, *_ = _laws[law.instance_class].of(law.instance_class)
+    force = inlined_with_calls(force)
     return lambda law, given: checked_force(law, force(law, *given))
 
 
 @by_type
 def checked_force(law, returned):
     """Return the result of a law's ``force``; refuse other types or numbers when compiled."""
-    force, _, own_numbers, _, rolls, _ = _laws[law.instance_class]
+    force, own_numbers, _ = _laws[law.instance_class].of(law.instance_class)
     parts = ["normal force", "tangential force", "numbers to remember", "energy", "torque"]
-    parts = parts if rolls else parts[:-1]
+    parts = parts if _rolls(law) else parts[:-1]
     if not (isinstance(returned, BaseTuple) and len(returned) == len(parts)):
         wanted = f"{', '.join(parts[:-1])} and {parts[-1]}"
         raise typing_error(force, f"what force returns is no tuple of {wanted}: got {returned}")
@@ -234,7 +218,7 @@ def checked_force(law, returned):
 @by_type
 def energy_of(law, given):
     """Return the result of a law's function ``energy``, see `sim.parameters.laws.law`."""
-    energy = _inline(_laws[law.instance_class].energy)
+    energy = inlined_with_calls(_laws[law.instance_class].energy)
     return lambda law, given: checked_energy(law, energy(law, *given))
 
 
@@ -249,8 +233,9 @@ def checked_energy(law, returned):
 def _contact_force(law, overlap, approach, normal, slip, memory):
     if law.instance_class not in (PartnerLaw, RollingLaw):
         return None
-    functions = _laws[law.types[0].instance_class]
-    turn_vectors = inlined(_turning(functions.vectors))
+    kind = law.types[0].instance_class
+    _, _, vectors = _laws[kind].of(kind)
+    turn_vectors = inlined(_turning(vectors))
     has_turn = law.instance_class is RollingLaw
     turn_in = inlined((lambda law: law.turn) if has_turn else (lambda law: (0.0, 0.0, 0.0)))
 
@@ -277,7 +262,7 @@ def _contact_force(law, overlap, approach, normal, slip, memory):
         remembered = (*tangential, *torque, x, y, z, *numbers, about)
         return force, tangential, remembered, (loss, work)
 
-    return rolling_body if functions.rolls else body
+    return rolling_body if _rolls(law.types[0]) else body
 
 
 @implements(stored_energy)
@@ -294,22 +279,11 @@ def _stored_energy(law, overlap, memory):
         given = overlap, memory[:3], memory[9:-1], law.radius, law.mass, torque
         return energy_of(law.law, given)
 
-    return rolling_body if _laws[law.types[0].instance_class].rolls else body
+    return rolling_body if _rolls(law.types[0]) else body
 
 
-def add_law(kind, law, has_plugin):
+def add_law(kind, law):
     """Register a type of parameters as a law, with its functions, of a plug-in or of Talus."""
-    if adopt_type(kind, has_plugin):
-        force, numbers, vectors = law.of(kind)
-        reaches, torque = "reach" in law.model_fields_set, _TORQUE if law.rolls else 0
-        _laws[kind] = Functions(force, law.energy, numbers, vectors, law.rolls, reaches)
-        declare_memory(kind, torque + numbers, vectors=torque // VECTOR + vectors)
-
-
-@cache
-def _inline(function):
-    """Register a function to be compiled, once, with the plain functions that it calls by name."""
-    for other in map(function.__globals__.get, function.__code__.co_names):
-        if isfunction(other) and other is not function:
-            _inline(other)
-    return inlined(function)
+    _, numbers, vectors = law.of(kind)
+    _laws[kind], torque = law, _TORQUE if law.rolls else 0
+    declare_memory(kind, torque + numbers, vectors=torque // VECTOR + vectors)

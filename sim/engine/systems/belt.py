@@ -206,7 +206,7 @@ class Belt(Replica):
         room = self._room
         room.number[0], room.clock[0] = 0, 0
         while (status := self._fill(min(most, len(room.sums)), profiles)) == LIST_FULL:
-            self._enlarge_list()
+            self.make_room()
         self.loop_time += 1e-6 * float(room.clock[0])
         failure = self._failure(status)
         if not room.number[0]:

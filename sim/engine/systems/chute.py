@@ -5,29 +5,19 @@ a resting plane.
 """
 
 from abc import abstractmethod
-from collections.abc import Sequence
 from copy import deepcopy
-from functools import partial
 from math import isfinite
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from sim.engine.boundary.drive import Gravity, constant_gravity, tilt_after, tilt_of
-from sim.engine.boundary.plane import make_plane, stored_in_plane
-from sim.engine.compile import address_of, call_directly, kind_of
+from sim.engine.boundary.plane import stored_in_plane
+from sim.engine.compile import call_directly
 from sim.engine.contact import Partners, law_of
-from sim.engine.contact.friction import (
-    enlarge_memory,
-    make_memory,
-    memory_after,
-    restart_memory,
-    turning_numbers,
-)
+from sim.engine.contact.friction import memory_after, restart_memory
 from sim.engine.dynamics.cells import BlowUp, make_box
-from sim.engine.dynamics.neighbors import Bond, empty_pair_list
-from sim.engine.dynamics.spheres import SOLID, make_scratch, make_spheres, stored_in_spheres
-from sim.engine.dynamics.team import Team
+from sim.engine.dynamics.spheres import SOLID, make_spheres, stored_in_spheres
 from sim.engine.observe.contacts import ContactSums, Sampling, add_contacts, list_contacts
 from sim.engine.observe.profiles import (
     AREA,
@@ -46,8 +36,8 @@ from sim.engine.observe.samples import (
     zero_samples,
 )
 from sim.engine.systems import leap_frog
+from sim.engine.systems.moving import MovingSpheres
 from sim.engine.systems.replica import PATH_INTERVALS, Replica
-from sim.engine.systems.sharing import Thread, refresh_together
 from sim.engine.systems.slices import flow_profiles
 from sim.engine.systems.start import initial_layer
 from sim.parameters import ChuteParameters
@@ -67,34 +57,11 @@ LOSSES = ("normal_loss", "frictional_loss")
 TERMS = ("kinetic_energy", "rotational_energy", "potential_energy", "stored_energy", *LOSSES)
 
 
-class State(NamedTuple):
-    """The numbers of a sample in the frame of the plane, SI.
-
-    ``sums`` (8,) over its steps, see `leap_frog`; number of the last ``step``; the sums
-    ``translation`` of m v² and ``rotation`` of m times the squared velocity of the rim; mean
-    ``height``; energies in springs between particles (``pair``) and to the plane.
-    """
-
-    sums: np.ndarray
-    step: int
-    translation: float
-    rotation: float
-    height: float
-    pair_normal: float
-    pair_tangential: float
-    plane_normal: float
-    plane_tangential: float
+#: The numbers of a sample by name, or those of K samples, with a first axis over them.
+State = dict[str, Any]
 
 
-def stack(states: Sequence[Any]) -> Any:
-    """Return the states of K samples as one, with a first axis over the samples."""
-    fields = zip(*states, strict=True)
-    return type(states[0])(
-        *(stack(field) if hasattr(field[0], "_fields") else np.array(field) for field in fields)
-    )
-
-
-class PlaneFlow(Replica):
+class PlaneFlow(MovingSpheres, Replica):
     """One replicate of particles on a plane; positions and velocities are relative to the plane.
 
     A concrete flow adds its drive, its scales and the length of its path.
@@ -120,27 +87,18 @@ class PlaneFlow(Replica):
         else:
             breadth = p.breadth * p.diameter
             self.inertia, self._profile_weight, area = SOLID, VOLUME, length * breadth
-        self.box = make_box(length, breadth)
-        layer = initial_layer(p, self.box, replicate)
-        number = len(layer.radius)
-        self.spheres = make_spheres(*layer[:4], p.threads, p.orientations)
+        box, self.overlap_limit = make_box(length, breadth), p.overlap_limit
+        layer = initial_layer(p, box, replicate)
+        spheres = make_spheres(*layer[:4], p.threads, p.orientations)
         if layer.spin is not None:
-            self.spheres.rim[:] = layer.spin.T * layer.radius
-        self.pairs = empty_pair_list(layer.radius, self.box, SKIN * p.diameter, reach=p.law_reach)
-        self.laws = (self._law(p.friction, 0.5 * p.mass), self._law(p.friction_plane, p.mass))
-        self.plane = make_plane(self.laws[1], number, p.threads)
-        self.memory = make_memory(self.laws[0], len(self.pairs.touching))
-        self.bond = Bond(turning_numbers(self.laws[0]), p.law_reach)
-        self.team = Team(p.threads)
-        self.scratch = [make_scratch() for _ in range(p.threads)]
-        self.flow = leap_frog.make_flow(number, p.threads, fixed=p.glued_particles > 0)
+            spheres.rim[:] = layer.spin.T * layer.radius
+        laws = (self._law(p.friction, 0.5 * p.mass), self._law(p.friction_plane, p.mass))
         self.gravity = constant_gravity(p, p.angle)
         self.tilt = tilt_of(p, self.sample_steps)
         if self.tilt:
             self.ledger = make_ledger(*self.ledger.terms, "tilt_work", turnover=LOSSES)
             self.state_names = (*self.state_names, "centre", "slope_work", "tilt_work")
-        self.drive = self._drive()
-        self.kind = kind_of(self.laws, self.drive)
+        self.set_up(spheres, laws, self._drive(), box, SKIN * p.diameter, p.law_reach)
         self.slices = flow_profiles(p, layer.height, area, -self.gravity[2])
         if p.stress_profiles:
             self.history_profiles = tuple(parts(HISTORY, p.system).values())
@@ -211,29 +169,10 @@ class PlaneFlow(Replica):
             self.pairs = self.pairs._replace(largest=largest)
             self.pairs.valid[0] = False
 
-    def _advance(self, steps: int) -> int:
-        return self.team.run(partial(self._advance_thread, steps))
-
-    def _advance_thread(self, steps: int, rank: int) -> int:
-        limit = self.parameters.overlap_limit
-        thread = Thread(rank, self.team.gate, self.scratch[rank])
-        spheres, flow, contacts = self.spheres, self.flow, self._contacts()
-        moved = spheres, self.pairs, self.plane, flow.sharing, thread, self.memory[0], self.bond
-        refresh = address_of(refresh_together, self.kind, *moved)
-        motion = leap_frog.Motion(self.drive, self.time_step, limit, self.inertia, refresh)
-        kernel = leap_frog.advance_spheres
-        return call_directly(kernel, self.kind, spheres, contacts, flow, motion, thread, steps)
-
-    def _contacts(self) -> leap_frog.FlowContacts:
-        return leap_frog.FlowContacts(self.laws, self.pairs, self.plane, self.memory, self.bond)
-
-    def _enlarge_list(self) -> None:
-        super()._enlarge_list()
-        self.memory = enlarge_memory(self.memory, len(self.pairs.touching))
-
     def _take(self, most: int, profiles: bool) -> tuple[Samples | None, str]:
         count, states, failure = min(most, max(1, self._stretch // self.sample_steps)), [], ""
-        sums = tuple(zero_samples(count, part) for part in self.no_profiles()) if profiles else None
+        empty = self.slices.empty() if profiles else ()
+        sums = tuple(zero_samples(count, part) for part in empty)
         try:
             for k in range(count):
                 self._continue(self._missing_steps())
@@ -244,47 +183,54 @@ class PlaneFlow(Replica):
             failure = str(error)
         if not states:
             return None, failure
-        sums = sums and first_samples(sums, len(states))
-        return Samples(self._values(stack(states)), sums), failure
+        sums = first_samples(sums, len(states))
+        stacked = {name: np.array([one[name] for one in states]) for name in states[0]}
+        return Samples(self._values(stacked), sums or None), failure
 
-    def _state(self) -> Any:
-        """Return the state at the end of a sample."""
+    def _state(self) -> State:
+        """Return the numbers of a sample at its end in the frame of the plane, SI.
+
+        These are the ``sums`` (8,) over its steps, see `leap_frog`; the number of the last
+        ``step``; the sums ``translation`` of m v² and ``rotation`` of m times the squared velocity
+        of the rim; the mean ``height``; the energies in ``normal`` and ``tangential`` springs.
+        """
         spheres, plane, step = self.spheres, self.plane, self.flow.step[0]
         (pair_law, plane_law), time_step = self.laws, self.time_step
         memory, plane_memory = memory_after(self.memory, step), memory_after(plane.memory, step)
         between = pair_law, spheres, self.pairs, memory, time_step
         below = plane_law, spheres, plane, plane_memory, time_step
-        return State(
-            self.flow.sums.copy(),
-            int(step),
-            *flow_energies(spheres.position, spheres.velocity, spheres.rim, spheres.mass),
-            *call_directly(stored_in_spheres, self.kind, *between),
-            *call_directly(stored_in_plane, self.kind, *below),
-        )
+        pair_normal, pair_tangential = call_directly(stored_in_spheres, self.kind, *between)
+        plane_normal, plane_tangential = call_directly(stored_in_plane, self.kind, *below)
+        return flow_energies(spheres) | {
+            "sums": self.flow.sums.copy(),
+            "step": int(step),
+            "normal": pair_normal + plane_normal,
+            "tangential": pair_tangential + plane_tangential,
+        }
 
-    def _values(self, state: Any) -> dict[str, np.ndarray]:
+    def _values(self, state: State) -> dict[str, np.ndarray]:
         """Return the values (K,) of each time series in the frame of the plane.
 
         The work done against friction is stored or lost.
         """
-        sums, tangential = state.sums.T, state.pair_tangential + state.plane_tangential
+        sums, tangential, height = state["sums"].T, state["tangential"], state["height"]
         mean = sums / sums[leap_frog.STEPS]
         velocity = mean[leap_frog.MOMENTUM] / self.mass
         displacement = sums[leap_frog.MOMENTUM] / self.mass * self.time_step
         along = self.gravity[0] * self._total("travelled", displacement)
-        across = -self.gravity[2] * state.height
+        across = -self.gravity[2] * height
         work = self._total("work_done", sums[leap_frog.FRICTION_WORK])
         inertia = self.inertia if isfinite(self.inertia) else 0.0
         return {
             "mean_velocity": velocity,
             "mass_flux": velocity * self.mass / self.flux_area,
-            "kinetic_energy": 0.5 * state.translation,
-            "rotational_energy": 0.5 * inertia * state.rotation,
+            "kinetic_energy": 0.5 * state["translation"],
+            "rotational_energy": 0.5 * inertia * state["rotation"],
             "potential_energy": self.mass * (across - along),
-            "stored_energy": state.pair_normal + state.plane_normal + tangential,
+            "stored_energy": state["normal"] + tangential,
             "normal_loss": self._total("lost", sums[leap_frog.NORMAL_LOSS]),
             "frictional_loss": work - tangential,
-            "height_of_mass": state.height,
+            "height_of_mass": height,
             "contact_number": mean[leap_frog.CONTACTS] / self.parameters.particles,
             "largest_overlap": sums[leap_frog.LARGEST],
             "base_normal_force": mean[leap_frog.PLANE_Z],
@@ -295,16 +241,17 @@ class PlaneFlow(Replica):
         """Return the height of the centre of mass above the plane, m."""
         return float((self.spheres.mass * self.spheres.position[2]).sum() / self.mass)
 
-    def _tilted(self, state: Any, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    def _tilted(self, state: State, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         """Return the values (K,) of time series that are others where gravity turns.
 
         Its direction changes smoothly within a sample: work along x is that of the mean direction.
         """
         if not self.tilt:
             return {}
-        steps, height = state.sums[:, leap_frog.STEPS], values["height_of_mass"]
+        steps, height = state["sums"][:, leap_frog.STEPS], values["height_of_mass"]
         before, self.centre = np.array([self.centre, *height[:-1]]), float(height[-1])
-        ends = state.step, state.step - steps, state.step - 0.5 * (steps + 1)
+        last = state["step"]
+        ends = last, last - steps, last - 0.5 * (steps + 1)
         after, at_start, mean = (
             np.array([tilt_after(self.tilt, step) for step in each]).T for each in ends
         )
@@ -391,6 +338,6 @@ class Chute(PlaneFlow):
     def _drive(self) -> Gravity:
         return Gravity(self.tilt or self.gravity)
 
-    def _values(self, state: Any) -> dict[str, np.ndarray]:
+    def _values(self, state: State) -> dict[str, np.ndarray]:
         values = super()._values(state)
         return values | self._tilted(state, values)

@@ -1,16 +1,10 @@
 """A vibrating plane with spheres or discs on it, computed in the frame of the plane."""
 
 from math import inf, pi
-from typing import Any, NamedTuple
 
 import numpy as np
 
-from sim.engine.boundary.drive import (
-    Vibration,
-    plane_position,
-    plane_velocity,
-    vibration,
-)
+from sim.engine.boundary.drive import Vibration, plane_position, plane_velocity, vibration
 from sim.engine.observe.regime import Scales
 from sim.engine.observe.samples import make_ledger
 from sim.engine.systems import leap_frog
@@ -18,19 +12,6 @@ from sim.engine.systems.chute import LOSSES, TERMS, PlaneFlow, State
 from sim.parameters import ConveyorParameters
 from sim.parameters.belt import LEAST_TRANSPORT
 from sim.parameters.chute import negligible_acceleration
-
-
-class ShakenState(NamedTuple):
-    """The numbers of a sample on a vibrating plane, SI.
-
-    ``flow`` those in the frame of the plane; momentum ``along`` x and ``upward`` in that frame;
-    ``work`` of the plane during the sample.
-    """
-
-    flow: State
-    along: float
-    upward: float
-    work: float
 
 
 class Conveyor(PlaneFlow):
@@ -88,17 +69,18 @@ class Conveyor(PlaneFlow):
         along, normal = self._plane_velocity(0.5 * self.time_step) - self._starting_velocity()
         return np.array([[along], [0.0], [normal]])
 
-    def _state(self) -> ShakenState:
+    def _state(self) -> State:
+        """Add the momentum ``along`` x and ``upward``, and the ``work`` of the plane."""
         spheres = self.spheres
         along, upward = (spheres.mass * spheres.velocity[::2]).sum(axis=1)
         work, self.drive.work[0] = float(self.drive.work[0]), 0.0
-        return ShakenState(super()._state(), along, upward, work)
+        return super()._state() | {"along": along, "upward": upward, "work": work}
 
-    def _values(self, state: Any) -> dict[str, np.ndarray]:
+    def _values(self, state: State) -> dict[str, np.ndarray]:
         """Return the values (K,) of each time series in the laboratory."""
-        values = super()._values(state.flow)
-        time = state.flow.step * self.time_step
-        interval = state.flow.sums[:, leap_frog.STEPS] * self.time_step
+        values = super()._values(state)
+        time = state["step"] * self.time_step
+        interval = state["sums"][:, leap_frog.STEPS] * self.time_step
         # Velocities live half a step before the positions.
         ux, uz = (plane_velocity(self.drive, d, time - 0.5 * self.time_step) for d in (0, 1))
         x, z = (plane_position(self.drive, d, time) for d in (0, 1))
@@ -108,14 +90,14 @@ class Conveyor(PlaneFlow):
         values["mass_flux"] = values["mean_velocity"] * self.mass / self.flux_area
         values["kinetic_energy"] = (
             values["kinetic_energy"]
-            + (state.along * ux + state.upward * uz)
+            + (state["along"] * ux + state["upward"] * uz)
             + 0.5 * self.mass * (ux * ux + uz * uz)
         )
         potential = -self.gravity[2] * z - self.gravity[0] * displacement
         values["potential_energy"] = values["potential_energy"] + self.mass * potential
         values["height_of_mass"] = values["height_of_mass"] + z
-        values |= self._tilted(state.flow, values)
+        values |= self._tilted(state, values)
         return values | {
-            "plane_work": self._total("plane_work", state.work),
-            "plane_phase": 2.0 * pi * (state.flow.step % self.cycle_steps) / self.cycle_steps,
+            "plane_work": self._total("plane_work", state["work"]),
+            "plane_phase": 2.0 * pi * (state["step"] % self.cycle_steps) / self.cycle_steps,
         }

@@ -119,7 +119,7 @@ class Recorder:
         self._table = table if samples else self._table
         for path, array in subtree("snapshots", state).items():
             self.snapshots.setdefault(path.partition(".")[0], []).append(array)
-        self._profiles.restore(subtree("profiles", state), self.system.no_profiles())
+        self._profiles.restore(subtree("profiles", state), self.system.slices.empty())
         self._trajectory.restore(subtree("frames", state), samples)
         if samples in self._looks:
             self._look()
@@ -219,14 +219,14 @@ class Recorder:
 
     def _add_profiles(self, record: Record) -> None:
         """Add profiles and tables; they are undefined without a sample past the transient."""
-        empty = self.system.no_profiles()
+        empty = self.system.slices.empty()
         window = self._profiles.sum_since(self._start - self._transient)
         latest = self._profiles.latest
         with np.errstate(invalid="ignore", divide="ignore"):
             for suffix, sums in (("", window), (INSTANTANEOUS, latest)):
-                for name, values in self.system.profiles(sums or empty).items():
+                for name, values in self.system.slices.profiles(sums or empty).items():
                     record.profiles[name + suffix] = values
-            record.tables = self.system.tables(window or empty)
+            record.tables = self.system.slices.tables(window or empty)
             if self.system.history_profiles:
                 record.tables |= self._history()
 
@@ -238,7 +238,7 @@ class Recorder:
         slices, blocks = len(self.system.profile_height), self._profiles.blocks()
         end = np.full(MAX_BLOCKS, np.nan)
         end[: len(blocks)] = [(self._transient + count) * self._interval for count, _ in blocks]
-        profiles = [self.system.profiles(sums) for _, sums in blocks]
+        profiles = [self.system.slices.profiles(sums) for _, sums in blocks]
         tables = {"block_end": end}
         for name in self.system.history_profiles:
             table = tables[name + HISTORY] = np.full((MAX_BLOCKS, slices), np.nan, np.float32)

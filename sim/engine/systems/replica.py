@@ -10,7 +10,7 @@ from sim.engine.compile import working_time
 from sim.engine.dynamics.cells import LIST_FULL, BlowUp, Box, failure_reason
 from sim.engine.dynamics.neighbors import PairList, double_room
 from sim.engine.observe.regime import Scales
-from sim.engine.observe.samples import ContactList, Ledger, Samples, Sums, no_contacts
+from sim.engine.observe.samples import ContactList, Ledger, Samples, no_contacts
 from sim.parameters import Parameters
 from sim.parameters.variables import recorded_by
 
@@ -50,7 +50,8 @@ class Replica(ABC):
     mass: float
     weight: tuple[float, float]
 
-    #: How profiles cut the flow, and names of those that are stored by block, as functions of time.
+    #: How profiles cut the flow: it gives ``empty`` sums, and of sums ``profiles`` (H,) and
+    #: ``tables``. Names of those profiles that are stored by block, as functions of time.
     slices: Any
     history_profiles: tuple[str, ...] = ()
 
@@ -170,7 +171,7 @@ class Replica(ABC):
         while step[0] < last:
             target, start = min(last, step[0] + self._stretch), working_time()
             while (status := self._advance(target - step[0])) == LIST_FULL:
-                self._enlarge_list()
+                self.make_room()
             failure = self._failure(status)
             self.loop_time += working_time() - start
             if failure:
@@ -178,7 +179,8 @@ class Replica(ABC):
             if target < last:
                 self.pause()
 
-    def _enlarge_list(self) -> None:
+    def make_room(self) -> None:
+        """Double the room of the list."""
         self.pairs = double_room(self.pairs)
 
     def _failure(self, status: int) -> str:
@@ -192,18 +194,6 @@ class Replica(ABC):
         total = np.cumsum([getattr(self, name), *gains])
         setattr(self, name, float(total[-1]))
         return total[1:]
-
-    def no_profiles(self) -> Sums:
-        """Return sums of profiles that are zero."""
-        return self.slices.empty()
-
-    def profiles(self, sums: Any) -> dict[str, np.ndarray]:
-        """Return the profiles, named arrays (H,), from their sums."""
-        return self.slices.profiles(sums)
-
-    def tables(self, sums: Any) -> dict[str, np.ndarray]:
-        """Return the tables, named arrays with other dimensions than height, from their sums."""
-        return self.slices.tables(sums)
 
     def _mean_displacement(self) -> np.ndarray:
         """Return the mean displacement (D,) in the last steps, m, where it may be large."""

@@ -157,11 +157,6 @@ def initial_layer(p: SphereParameters, box: Box, replicate: int) -> Layer:
         return _given_layer(p, box, replicate)
     rng = np.random.default_rng([p.seed, replicate])
     dimension, solid, root = (2, 4.0, np.sqrt) if p.is_flat else (3, 6.0, np.cbrt)
-    cell = make_box(box.length[0]) if p.is_flat else box
-
-    def in_space(vectors: np.ndarray) -> np.ndarray:
-        return np.insert(vectors, 1, 0.0, axis=1) if p.is_flat else vectors
-
     height = p.depth * pi / solid * p.diameter / p.initial_packing
     spread, size = p.diameter_spread, np.ones(p.particles)
     if spread > 0.0:
@@ -173,15 +168,28 @@ def initial_layer(p: SphereParameters, box: Box, replicate: int) -> Layer:
     if allowed := wider_cell(narrow, float(size.max()), p.bumps, reach):
         raise InputError.of_value(point_id(p), "cell", narrow, allowed)
     radius = 0.5 * p.diameter * size
-    position = random_packing(cell, height, radius, rng)
+    position = random_packing(_cell_of(p, box), height, radius, rng)
     velocity = _random_velocities(p, position.shape, rng)
     mass = p.mass * size**dimension
     if p.initial_height:
         position[:, -1] += p.initial_height * p.diameter - (position[:, -1] - radius).min()
-    mobile = Layer(in_space(position), in_space(velocity), radius, mass, height)
+    mobile = Layer(_in_space(p, position), _in_space(p, velocity), radius, mass, height)
     if not p.bumps:
         return mobile
-    return _lift_above(mobile, p, in_space(_bump_positions(p, cell, replicate)))
+    diameter = p.bumps * p.diameter
+    top = np.array([0.0, 0.0, TOP * diameter if p.bump_arrangement == "packing" else diameter])
+    raised = mobile._replace(position=mobile.position + top, height=height + top[2])
+    return _with_glued(raised, p, box, replicate)
+
+
+def _cell_of(p: SphereParameters, box: Box) -> Box:
+    """Return the periodic cell of a point in its own dimensions, two of discs."""
+    return make_box(box.length[0]) if p.is_flat else box
+
+
+def _in_space(p: SphereParameters, vectors: np.ndarray) -> np.ndarray:
+    """Return vectors (N, D) of a point as those of spheres (N, 3)."""
+    return np.insert(vectors, 1, 0.0, axis=1) if p.is_flat else vectors
 
 
 def _random_velocities(p: SphereParameters, shape: tuple[int, ...], rng) -> np.ndarray:
@@ -203,10 +211,7 @@ def _given_layer(p: SphereParameters, box: Box, replicate: int) -> Layer:
     )
     if not p.bumps:
         return layer
-    cell = make_box(box.length[0]) if p.is_flat else box
-    glued = _bump_positions(p, cell, replicate)
-    glued = np.insert(glued, 1, 0.0, axis=1) if p.is_flat else glued
-    layer = _with_glued(layer, p, glued)
+    layer = _with_glued(layer, p, box, replicate)
     if pair := overlapping_pair(layer.position, layer.radius, p, movable=len(given.radius)):
         allowed = f"a state that overlaps no glued particle as number {min(pair) + 1} does"
         raise InputError.of_value(point_id(p), "initial_state", p.initial_state, allowed)
@@ -226,16 +231,9 @@ def _bump_positions(p: SphereParameters, box: Box, replicate: int) -> np.ndarray
     return np.stack([axis.ravel() for axis in grid], axis=1)
 
 
-def _lift_above(mobile: Layer, p: SphereParameters, glued: np.ndarray) -> Layer:
-    """Return the mobile particles, raised above those glued at these positions, which follow."""
-    diameter = p.bumps * p.diameter
-    top = TOP * diameter if p.bump_arrangement == "packing" else diameter
-    raised = mobile.position + np.array([0.0, 0.0, top])
-    return _with_glued(mobile._replace(position=raised, height=mobile.height + top), p, glued)
-
-
-def _with_glued(mobile: Layer, p: SphereParameters, glued: np.ndarray) -> Layer:
-    """Return mobile particles followed by those glued at these positions."""
+def _with_glued(mobile: Layer, p: SphereParameters, box: Box, replicate: int) -> Layer:
+    """Return mobile particles followed by those that are glued to the plane."""
+    glued = _in_space(p, _bump_positions(p, _cell_of(p, box), replicate))
     still, number = np.zeros_like(glued), len(glued)
     return mobile._replace(
         position=np.concatenate([mobile.position, glued]),

@@ -176,9 +176,6 @@ class LammpsFlow(PlaneFlow):
             start=np.full_like(self.pairs.start, touches.sum()),
         )
 
-    def _stored(self) -> tuple[float, ...]:
-        return (np.nan,) * 4
-
     def _values(self, state: Any) -> dict[str, np.ndarray]:
         values = super()._values(state)
         return {name: values[name] for name in self.series}

@@ -83,7 +83,7 @@ def test_impulses_of_the_plane_and_gravity_are_the_change_of_momentum():
     sums, mass = motion.flow.sums, motion.mass.sum()
     time = 777 * motion.time_step
     plane = motion.time_step * np.array([sums[leap_frog.PLANE_X], sums[leap_frog.PLANE_Z]])
-    weight = mass * time * np.array(motion.gravity)[[0, 2]]
+    weight = mass * time * np.array(motion.drive.gravity)[[0, 2]]
     change = (motion.momentum() - before)[[0, 2]]
     assert plane + weight == pytest.approx(change, abs=1e-12 * mass * GRAVITY * time)
     assert sums[leap_frog.STEPS] == 777

@@ -125,7 +125,7 @@ def test_angular_momentum_of_a_free_gas_changes_only_by_the_overlap():
     """Torques act at full radii and centres are closer by the overlap: overlap * k x T per step."""
     motion = gas(sphere_law(), shape=(3, 3, 3), open_sides=True, implode=1.0)
     start, drift = motion.angular_momentum(), np.zeros(3)
-    scale = float((motion.inertia @ np.abs(motion.spin)).max())
+    scale = float((motion.moment_of_inertia @ np.abs(motion.spin)).max())
     for _ in range(1500):
         place = motion.position
         overlap, normal = overlaps(motion.run(1), place)
@@ -150,7 +150,7 @@ def test_elastic_frictionless_gas_keeps_its_energy_to_second_order_in_the_step()
                 motion.run(1)
                 # Velocities half a step apart on both sides of the positions that store energy.
                 moving = 0.5 * (motion.mass[:, None] * before * motion.velocity).sum()
-                turning = 0.5 * (motion.inertia[:, None] * motion.spin**2).sum()
+                turning = 0.5 * (motion.moment_of_inertia[:, None] * motion.spin**2).sum()
                 total = moving + turning + stored_energy(motion, place)
                 deviations.append(abs(total / start - 1))
         worst.append(max(deviations))

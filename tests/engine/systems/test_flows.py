@@ -173,13 +173,13 @@ def test_start_overlaps_neither_belt_nor_obstacle():
 def test_profiles_of_the_start_of_the_cycle_are_those_of_one_sample_in_twenty(phase, begins):
     """Samples are 18 degrees apart: from 80 on number 16, at 8 degrees, is nearer than 15."""
     system = settled_belt(phase=phase, phase_0_profiles=True, slice_height=0.5)
-    total, start_profiles = system.no_profiles(), []
+    total, start_profiles = system.slices.empty(), []
     for number in range(1, 41):
         sums = sums_of(system)
         total = add_sums(total, sums)
         if number % 20 == begins:
-            start_profiles.append(system.profiles(sums))
-    tables, profiles = system.tables(total), system.profiles(total)
+            start_profiles.append(system.slices.profiles(sums))
+    tables, profiles = system.slices.tables(total), system.slices.profiles(total)
     for phased, name in parts(AT_PHASE_0, "belt").items():
         mean = np.mean([profiles_of_start[name] for profiles_of_start in start_profiles], axis=0)
         if name != "velocity_profile":

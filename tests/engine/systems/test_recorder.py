@@ -31,7 +31,7 @@ SHORT = {"transient": 2, "average": 3, "replicates": 2, "progress": False}
 
 
 class Ramp:
-    """A system whose mean velocity is its sample's number, and whose one slice counts samples."""
+    """A system, and its slices: the mean velocity is the sample's number; one slice counts them."""
 
     series = {
         "mean_velocity": ("m s-1", ""),
@@ -52,6 +52,7 @@ class Ramp:
 
     def __init__(self, parameters, velocity=float):
         self.parameters, self.velocity, self.number = parameters, velocity, 0
+        self.slices = self
 
     def sample(self, most, profiles):
         first = self.number
@@ -73,7 +74,7 @@ class Ramp:
             "lost": 1.02 * self.number,
         }
 
-    def no_profiles(self):
+    def empty(self):
         return (empty_profile(1, 3),)
 
     def profiles(self, sums):

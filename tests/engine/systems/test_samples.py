@@ -52,6 +52,7 @@ def test_a_blow_up_holds_the_samples_before_it(point):
     limit = 0.5 * (overlap[last] + max(overlap[:last]))
     system = running_system(point)
     system.parameters = point.model_copy(update={"overlap_limit": limit})
+    system.overlap_limit = limit
     with pytest.raises(BlowUp, match="an overlap exceeds overlap_limit at step") as error:
         system.sample(12)
     found = error.value.samples.values["mean_velocity"]
