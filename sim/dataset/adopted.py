@@ -120,8 +120,8 @@ def _read_points(path: Path) -> dict[str, Parameters]:
     """Return the points of a dataset by id, with the amounts that it holds, as good as run files.
 
     A row is left out if its numerics differ or if the writer of the dataset did not know an
-    observable of its system that a plug-in declares. Raises an error where that leaves out all rows, or where the
-    file is no dataset.
+    observable of its system that a plug-in declares. Raises an error where that leaves out all
+    rows, or where the file is no dataset.
     """
     with netCDF4.Dataset(path) as file:
         if "study" not in file.ncattrs():
