@@ -43,7 +43,7 @@ ONLY = {
 WEIGHT = {
     "base": 1_498,
     "parameters": 1_910,
-    "study": 3_196,
+    "study": 3_198,
     "engine": 6_082,
     "laws": 223,
     "engines": 443,

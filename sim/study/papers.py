@@ -155,11 +155,14 @@ def papers() -> dict[str, Paper]:
 
 
 def foreign_papers(study: str) -> set[str]:
-    """Return the papers that ship with values of their own, which points of a study lack.
+    """Return the papers that ship and whose values points of a study lack.
 
-    ``study`` is the paper that the study names.
+    ``study`` is the paper that the study names. If that has values of its own, these are all
+    others, else those with values of their own.
     """
-    return {one.name for one in shipped(PAPER).values() if one.defaults and one.name != study}
+    has_own = study in papers() and papers()[study].defaults
+    others = (one for one in shipped(PAPER).values() if one.name != study)
+    return {one.name for one in others if one.defaults or has_own}
 
 
 def default_in(one: Paper | None, system: str, name: str, row: Mapping[str, Any]) -> Any:

@@ -17,10 +17,13 @@ WIDE = 1.0
 #: What a bed at rest says of itself.
 RESTS = {"regime": "arrested"}
 
+#: A bed that starts from another one.
+BED = {"initial_velocity": 0, "start_from": "bed.nc"}
+
 
 def flow(velocity=1.0, *, depth=12, angle=26, scatter=1e-3, spheres=(), **rest):
     """Return a flow of the paper; what are no parameters are numbers of it."""
-    named = {name: rest.pop(name) for name in ("initial_velocity",) if name in rest}
+    named = {name: rest.pop(name) for name in BED if name in rest}
     own = {**PAPER, "initial_velocity": 2, "depth": depth, "angle": angle, **dict(spheres), **named}
     own = {name: value for name, value in own.items() if spheres is not HERTZ or name in KEPT}
     numbers = {"velocity": velocity} | rest
@@ -28,7 +31,7 @@ def flow(velocity=1.0, *, depth=12, angle=26, scatter=1e-3, spheres=(), **rest):
 
 
 #: Values that flows with Hertz's law have.
-KEPT = {*PAPER, *HERTZ, "initial_velocity"} - {"normal_damping"}
+KEPT = {*PAPER, *HERTZ, *BED} - {"normal_damping"}
 
 
 def dense(change, scatter=1e-3):
@@ -59,13 +62,10 @@ def sloped(slow, fast, **options):
 
 
 def tilted(slowed, bed, **options):
-    """Return flows and beds at two angles; at the larger one both flow."""
-    return [
-        flow(slowed, angle=22, **options),
-        flow(bed, angle=22, initial_velocity=0, **RESTS),
-        flow(2.0, angle=24),
-        flow(2.0, angle=24, initial_velocity=0),
-    ]
+    """Return flows and beds, each from the one before, at three angles; at the last both flow."""
+    beds = [flow(bed, angle=angle, **BED, **RESTS) for angle in (21, 22)]
+    flows = [flow(0.05, angle=21), flow(slowed, angle=22, **options), flow(2.0, angle=24)]
+    return [*flows, *beds, flow(2.0, angle=24, **BED)]
 
 
 def gaining(gain, **options):

@@ -4,7 +4,7 @@ from uncertainties.umath import log
 
 from sim.claims.checks import above, below, within
 from sim.claims.inference import trend
-from sim.claims.place import quotient
+from sim.claims.place import ANY, quotient
 from sim.claims.verdict import Untestable
 
 #: Spheres ten times as stiff as the paper's, of their restitution, and what has it by Hertz's law.
@@ -77,7 +77,7 @@ def linear_profile(evidence, *, most, depth):
 def two_angles(evidence, *, moving, resting, depth):
     """Judge whether a flow goes on where a bed that is tilted from rest stays."""
     flows = evidence.line("chute", "angle", depth=depth, initial_velocity=2)
-    beds = evidence.line("chute", "angle", depth=depth, initial_velocity=0)
+    beds = evidence.line("chute", "angle", depth=depth, initial_velocity=0, start_from=ANY)
     apart = [
         angle
         for angle in sorted(flows.keys() & beds.keys())
@@ -85,7 +85,7 @@ def two_angles(evidence, *, moving, resting, depth):
     ]
     if not apart:
         raise Untestable("no angle at which the one flows and the other rests")
-    angle = apart[0]
+    angle = apart[-1]
     slowed, bed = flows[angle], beds[angle]
     return [
         above(f"V of the flow, {angle:g}°", slowed.velocity, moving, [slowed], "√(gd)"),
