@@ -105,8 +105,9 @@ def point_notes(data: FigureData, shown: Sequence[Quantity] | None = None) -> li
             text += "; of one replicate within the run, without how much initial states differ"
         text += "."
     is_mean = (rows["regime"] != "steady") | is_undecided(rows)
+    line = "a thin line" if data.spec.joins_open else "no line"
     mean = (
-        "Pale and open markers, too, are means over the averaging window; no line joins open ones."
+        f"Pale and open markers, too, are means over the averaging window; {line} joins open ones."
     )
     return [text, mean if is_mean.any() else ""]
 

@@ -13,13 +13,12 @@ from sim.figures.caption import not_drawn, point_notes
 from sim.figures.data import (
     FigureData,
     Quantity,
-    is_undecided,
     quantities,
     quantity_table,
-    split_curves,
     varying_parameters,
     velocity_table,
 )
+from sim.figures.family import APART, X_HALF, Y_HALF, X, Y, draw_family
 from sim.figures.fit import Fit, draw_fits, fit_columns, fit_curves, fit_notes
 from sim.figures.plot import (
     append_foreign_data,
@@ -31,23 +30,16 @@ from sim.figures.plot import (
     mark_runs,
     observed_quantity,
     panels,
+    replicate_values,
     write_no_data,
 )
 from sim.figures.style import (
     LEVEL,
-    PALE_LINE,
-    PALE_MARKER_SIZE,
     PATTERNS,
-    RING,
-    RING_MEANS,
     CurveStyle,
     Look,
-    explain_markers,
-    faces,
-    labels_and_styles,
     limit_axis,
     look_of,
-    name_protocols,
     set_log,
     set_plain_ticks,
 )
@@ -56,17 +48,13 @@ from sim.measures.belt import speed_along_x
 from sim.parameters import SYSTEMS
 from sim.study.figure_spec import Measure
 from sim.study.plot_contents import SCATTER_HINT, in_words, parameter_phrase
+from sim.study.plottable import numbers
 
 #: Largest acceleration of the belt that is drawn (g): well within the flow.
 _LARGEST = 3.0
 
-#: Column of the acceleration of the belt (g), and of what is drawn: places along both axes, half
-#: widths of their intervals, and whether these are too wide for a line. None is a parameter's name.
+#: Column of the acceleration of the belt (g).
 _ACCELERATION = "acceleration_ratio"
-_X, _Y, _X_HALF, _Y_HALF, _TOO_WIDE = "along x", "along y", "half of x", "half of y", "too wide"
-
-#: Most points of a line that have bars, which would touch; more have a band, and smaller markers.
-MOST_BARS, _CROWDED_MARKER_SIZE = 20, 2.8
 
 
 def select(data: FigureData) -> FigureData:
@@ -105,10 +93,9 @@ def _draw_curves(
     measures: Sequence[Measure | None] = spec.quantities or [None]
     on_y = [quantity for axis, quantity in drawable.items() if axis != "x"]
     for one, measure in zip(on_y, measures, strict=True):
-        columns = {_Y: one.value, _Y_HALF: one.half_width}
-        columns[_TOO_WIDE] = one.half_width > (spec.widest or np.inf) * one.value.abs()
+        columns = {Y: one.value, Y_HALF: one.half_width, APART: _replicates_apart(data, one)}
         drawn = points[points["completed"] > 0].assign(**columns)
-        _draw_family(axes, drawn, _keys(data), _look(data, measure))
+        draw_family(axes, drawn, _keys(data), _look(data, measure), joins_open=spec.joins_open)
         if measure and measure.dashes and not measure.colour:
             # Dashes alone tell the measures of a curve apart.
             dashes: dict[str, Any] = {"linestyle": PATTERNS[measure.dashes]}
@@ -116,61 +103,23 @@ def _draw_curves(
     draw_fits(axes, _fits(data, rows, drawable), _look(data))
 
 
-def _draw_family(axes: Axes, rows: pd.DataFrame, keys: Sequence[str], look: Look) -> None:
-    """Draw one curve per set of parameters.
-
-    A curve of the converged protocol is pale beside the published one of the same entry.
-    """
-    if rows.empty:
-        return
-    explain_markers(axes, rows)
-    single = rows[rows[_Y_HALF].isna() & rows[_Y].notna()]
-    if len(single) and rows[_Y_HALF].notna().any():
-        axes.plot(single[_X], single[_Y], label=RING_MEANS, **RING)
-    curves = split_curves(rows, _X, keys, ())
-    curves.sort(key=lambda curve: curve[1]["protocol"].iloc[0] != "published")
-    labels, styles = labels_and_styles([names for names, _ in curves], look)
-    drawn: set[str] = set()
-    for (_, curve), label in zip(curves, labels, strict=True):
-        style, pale = styles[label], label in drawn
-        _draw_curve(axes, curve, style, pale=pale)
-        if not pale:
-            entry = {"linestyle": style.dashes, "marker": style.marker, "label": label}
-            axes.plot([], [], color=style.colour, **entry)
-        drawn.add(label)
-    if len(drawn) < len(curves):
-        name_protocols(axes, str(rows["system"].iloc[0]))
-
-
-def _draw_curve(axes: Axes, rows: pd.DataFrame, style: CurveStyle, *, pale: bool) -> None:
-    """Draw the points of a curve with their intervals, and its line.
-
-    It joins steady points, and those of runs too short to tell, if their intervals are narrow.
-    """
-    along, value, half, spread = (rows[name] for name in (_X, _Y, _Y_HALF, _X_HALF))
-    size = PALE_MARKER_SIZE if pale else None
-    if style.dashes != "none":
-        is_joined = (rows["regime"] == "steady") | is_undecided(rows)
-        line, size = value.where(is_joined & ~rows[_TOO_WIDE]), None
-        wide = PALE_LINE if pale else {}
-        axes.plot(along, line, color=style.colour, linestyle=style.dashes, **wide)
-        if len(rows) > MOST_BARS:
-            size, band = _CROWDED_MARKER_SIZE, (line - half, line + half)
-            axes.fill_between(along, *band, color=style.colour, alpha=0.2, linewidth=0, zorder=1.5)
-            half = half.mask(line.notna())
-    look: dict[str, Any] = {"color": style.colour, "alpha": PALE_LINE["alpha"] if pale else None}
-    # Below the markers of all curves.
-    bars = None if spread.isna().all() else spread
-    axes.errorbar(along, value, half, bars, fmt="none", elinewidth=0.9, zorder=2.6, **look)
-    for chosen, face in faces(rows, style.colour):
-        look |= {"markerfacecolor": face, "markersize": size, "linestyle": "none"}
-        axes.plot(along[chosen], value[chosen], marker=style.marker, zorder=3, **look)
+def _replicates_apart(data: FigureData, one: Quantity) -> pd.Series:
+    """Return the replicates of points whose interval is too wide for a mean, by point."""
+    rows, widest = data.rows, data.spec.widest
+    too_wide = one.half_width > widest * one.value.abs()
+    if not (widest and too_wide.any()):
+        return pd.Series(None, rows.index, object)
+    values = replicate_values(data, numbers(data.spec.system)[one.name])
+    # In the unit of the quantity, which may be over a parameter.
+    means = np.array([each.mean() if each.size else np.nan for each in values])
+    scaled = [each * unit for each, unit in zip(values, one.value / means, strict=True)]
+    return pd.Series(scaled, rows.index).where(too_wide, None)
 
 
 def _along(data: FigureData) -> str:
     if data.spec.relative:
         return _ACCELERATION
-    return data.spec.axes[0] if data.spec.axes else _X
+    return data.spec.axes[0] if data.spec.axes else X
 
 
 def _draw_levels(data: FigureData, axes: Axes) -> None:
@@ -196,15 +145,15 @@ def _points(data: FigureData, rows: pd.DataFrame, drawable: dict[str, Quantity])
     """Return the points that have all values, with their places along x."""
     points = rows[_has_all_values(drawable)[rows.index]]
     if "x" in drawable:
-        return points.assign(**{_X: drawable["x"].value, _X_HALF: drawable["x"].half_width})
-    return points.assign(**{_X: points[_along(data)], _X_HALF: np.nan})
+        return points.assign(**{X: drawable["x"].value, X_HALF: drawable["x"].half_width})
+    return points.assign(**{X: points[_along(data)], X_HALF: np.nan})
 
 
 def _fits(data: FigureData, rows: pd.DataFrame, drawable: dict[str, Quantity]) -> list[Fit]:
     if not data.spec.fit:
         return []
     keys = list(dict.fromkeys([*_keys(data), *data.spec.groups]))
-    return fit_curves(data.spec.fit, _points(data, rows, drawable), drawable["y"], _X, keys)
+    return fit_curves(data.spec.fit, _points(data, rows, drawable), drawable["y"], X, keys)
 
 
 def quantities_by_axis(data: FigureData) -> dict[str, Quantity]:

@@ -32,7 +32,8 @@ with attribute_additions_to(TALUS):
         second="x",
         log=("x", "y"),
         others=("curves", "panels", "beside", "fit"),
-        of_papers="units labels levels level quantities styles entry relative alike widest",
+        of_papers="units labels levels level quantities styles entry relative alike widest "
+        "joins_open",
     )
     _declare(
         "map",

@@ -98,6 +98,9 @@ class FigureSpec(PlotFile):
     vary: list[str] = Field([], description="parameters, on no axis, that the points must vary")
     labels: dict[Literal["x", "y", "right"], Text] = Field({}, description="labels of the axes")
     widest: float = Field(0, description="largest relative interval that a line joins, 0 for any")
+    joins_open: bool = Field(
+        False, description="whether a thin line joins points that are not steady, too"
+    )
     levels: list[float] = Field([], description="values to compare with")
     level: Text = Field("", description="their entry in the legend")
     quantities: list[Measure] = Field([], description="measures that it shows, each with a look")

@@ -13,7 +13,8 @@ from matplotlib.colors import to_rgb
 from scipy.stats import t
 
 from sim.dataset.results import load_results
-from sim.figures.curves import MOST_BARS, quantities_by_axis
+from sim.figures.curves import quantities_by_axis
+from sim.figures.family import MOST_BARS, Y_HALF, X, Y, _with_gaps
 from sim.figures.plot import completed_rows
 from sim.figures.profiles import THIN, means
 from sim.figures.regimes import MARKS, boundary_sentences, creeping
@@ -29,7 +30,7 @@ from tests.made.runs import FAILURE, is_hurt, is_lost
 
 #: Legend entries and dashes of papers, by their figures.
 STYLES = {
-    "gallas_1a": {"α = π/3": DASH_DOT, "α = π/4": "-", "α = π/6": SHORT_DASH},
+    "gallas_1a": {"α = 60°": DASH_DOT, "α = 45°": "-", "α = 30°": SHORT_DASH},
     "gallas_1b": {"$A_z$/⟨d⟩ = 1.5": DASH_DOT, "$A_z$/⟨d⟩ = 1": "-", "$A_z$/⟨d⟩ = 0.5": SHORT_DASH},
     "gallas_1c": {"f = 50 Hz": "-", "f = 20 Hz": LONG_DASH},
     "gallas_2a": {
@@ -68,7 +69,7 @@ def curve(axes, colour: str, dash: object = "-") -> dict[float, float]:
         line
         for line in axes.get_lines()
         if line.get_linestyle() != "None" and len(line.get_xdata()) > 2
-        if line.get_color() == colour and dashes(line) == dash
+        if line.get_color() == colour and dashes(line) == dash and line.get_linewidth() > 1
     )
     return dict(zip(line.get_xdata(), line.get_ydata(), strict=True))
 
@@ -97,7 +98,7 @@ def test_points_that_are_not_steady_have_open_markers(velocities):
     ("regime", "slope", "velocity"),
     [("accelerating", 2.0, (0.5, 0.5)), ("steady", 0.0, (0.2, 2.0))],
 )
-def test_flows_that_accelerate_or_disagree_are_not_joined(
+def test_flows_that_accelerate_or_disagree_are_not_joined_and_these_are_drawn_one_by_one(
     regime, slope, velocity, velocities, tmp_path
 ):
     with xr.open_dataset(velocities) as opened:
@@ -114,6 +115,24 @@ def test_flows_that_accelerate_or_disagree_are_not_joined(
         if line.get_linestyle() != "None" and 5 in line.get_xdata()[1:]
     }
     assert joined == {"#000000": True, "#0072b2": False, "#d55e00": True}
+    lines = [line for line in figure.axes[0].get_lines() if line.get_markersize() < 4]
+    apart = [value for line in lines for value in line.get_ydata() if len(line.get_xdata())]
+    assert apart == ([] if regime == "accelerating" else list(velocity))
+    assert ("single replicates" in entries(figure)) == bool(apart)
+
+
+def test_a_pale_line_breaks_where_the_other_protocol_lies_off_it():
+    line = pd.Series([1.0, 2.0, 3.0], [10.0, 20.0, 30.0])
+    beside = pd.DataFrame({X: [10, 15, 25, 30], Y: [9, 1.6, 2.7, 9], Y_HALF: [0.1, 0.11, 0.1, 0.1]})
+    path = _with_gaps(line, beside)
+    assert list(path.index) == [10, 20, 25, 30] and list(path.isna()) == [0, 0, 1, 0]
+
+
+def test_a_thin_line_joins_open_points_where_a_figure_says_so(velocities):
+    for name in ("walton_2", "gallas_1a"):
+        figure, _ = drawn(name, velocities)
+        thin = [line for line in figure.axes[0].get_lines() if line.get_alpha() == 0.6]
+        assert bool(thin) == (name == "gallas_1a")
 
 
 def test_captions_say_what_is_missing_and_what_the_bars_are(velocities, made):
