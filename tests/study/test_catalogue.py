@@ -22,10 +22,10 @@ def test_an_entry_says_what_is_drawn_and_what_the_paper_says(name):
     assert spec.says.startswith("The paper") and spec.says.endswith(".") and spec.lead.endswith(".")
     parameters = {*spec.named, *spec.axes, *spec.groups, *spec.where}
     assert spec.named and parameters <= set(SYSTEMS[spec.system].model_fields)
-    # Curves of one entry share its look, all others differ in colour.
+    # Curves of one entry share its look, all others differ in colour or, of one colour, in dashes.
     styles = [*{style.entry or style.at: style for style in spec.styles}.values()]
     styles += [measure for measure in spec.quantities if measure.colour]
-    assert len({style.colour for style in styles}) == len(styles)
+    assert len({(style.colour, style.dashes) for style in styles}) == len(styles)
 
 
 def test_captions_say_how_much_of_the_cell_pictures_show():
