@@ -36,7 +36,7 @@ MOST_NAMED = 3
 _KEPT = ("seal", "engine_version", "source_hash", "versions", "created", "caveat")
 
 
-def missing_variables(group: Any, system: str) -> list[str]:
+def unknown_observables(group: Any, system: str) -> list[str]:
     """Return the observables of plug-ins that a dataset's writer did not know, of a system.
 
     ``group`` is the group `RUNS` of the dataset. What earlier versions of the package did not
@@ -133,7 +133,7 @@ def _read_points(path: Path) -> dict[str, Parameters]:
         runs, systems = file.groups[RUNS], file["system"][:].tolist()
         if str(NUMERICS) not in (numerics := str(file.getncattr("numerics"))).split(", "):
             raise InputError.of_value(path, "numerics", numerics, str(NUMERICS))
-        lacking = {system: missing_variables(runs, system) for system in sorted({*systems})}
+        lacking = {system: unknown_observables(runs, system) for system in sorted({*systems})}
         if all(lacking.values()):
             names = ", ".join(next(iter(lacking.values()))[:MOST_NAMED])
             allowed = "one with them; make it again from its runs"

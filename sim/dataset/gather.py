@@ -98,10 +98,11 @@ def read_run(
 
 def _row(run: RunFile) -> dict[str, np.ndarray]:
     """Return the variables of a reduced run file that are known, as a whole one gives them."""
+    names = stored_names()
     known = {
         name: run[name].astype(object if name in WORDS else np.float32 if name in SINGLE else float)
         for name in run.attrs["variables"].split()
-        if name in stored_names()
+        if name in names
     }
     # Observables that the writer of the dataset did not know.
     return known | measures(run, known)

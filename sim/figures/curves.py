@@ -13,6 +13,7 @@ from sim.figures.caption import not_drawn, point_notes
 from sim.figures.data import (
     FigureData,
     Quantity,
+    measured_replicates,
     quantities,
     quantity_table,
     varying_parameters,
@@ -93,7 +94,8 @@ def _draw_curves(
     measures: Sequence[Measure | None] = spec.quantities or [None]
     on_y = [quantity for axis, quantity in drawable.items() if axis != "x"]
     for one, measure in zip(on_y, measures, strict=True):
-        columns = {Y: one.value, Y_HALF: one.half_width, APART: _replicates_apart(data, one)}
+        columns = {Y: one.value, Y_HALF: one.half_width}
+        columns[APART] = _replicates_apart(data, one, measure)
         drawn = points[points["completed"] > 0].assign(**columns)
         draw_family(axes, drawn, _keys(data), _look(data, measure), joins_open=spec.joins_open)
         if measure and measure.dashes and not measure.colour:
@@ -103,17 +105,20 @@ def _draw_curves(
     draw_fits(axes, _fits(data, rows, drawable), _look(data))
 
 
-def _replicates_apart(data: FigureData, one: Quantity) -> pd.Series:
+def _replicates_apart(data: FigureData, one: Quantity, measure: Measure | None) -> pd.Series:
     """Return the replicates of points whose interval is too wide for a mean, by point."""
     rows, widest = data.rows, data.spec.widest
     too_wide = one.half_width > widest * one.value.abs()
     if not (widest and too_wide.any()):
         return pd.Series(None, rows.index, object)
-    values = replicate_values(data, numbers(data.spec.system)[one.name])
-    # In the unit of the quantity, which may be over a parameter.
-    means = np.array([each.mean() if each.size else np.nan for each in values])
-    scaled = [each * unit for each, unit in zip(values, one.value / means, strict=True)]
-    return pd.Series(scaled, rows.index).where(too_wide, None)
+    if data.spec.relative:
+        velocities = measured_replicates(data, Measure(name="velocity", label=one.label))
+        values = [each / speed for each, speed in zip(velocities, speed_along_x(rows), strict=True)]
+    elif measure:
+        values = measured_replicates(data, measure)
+    else:
+        values = replicate_values(data, numbers(data.spec.system)[one.name])
+    return pd.Series(values, rows.index).where(too_wide, None)
 
 
 def _along(data: FigureData) -> str:

@@ -240,14 +240,19 @@ def velocity(rows: pd.DataFrame) -> Quantity:
 
 def _measured(data: FigureData, measure: Measure) -> Quantity:
     """Return a measure of the dataset: its mean over the replicates that have a finite value."""
+    finite = measured_replicates(data, measure)
+    return replicate_means(measure.name, measure.label, finite, data.rows.index)
+
+
+def measured_replicates(data: FigureData, measure: Measure) -> list[np.ndarray]:
+    """Return one array per point: a measure of its replicates that have a finite value."""
     rows, dataset = data.rows, data.results.dataset
     if measure.name not in dataset:
         raise InputError(f"no {measure.name} in the dataset")
     values = dataset[measure.name].sel(point=rows["point"].values).values
     if measure.over:
         values = values / rows[measure.over].to_numpy()[:, None]
-    finite = [replicates[np.isfinite(replicates)] for replicates in values]
-    return replicate_means(measure.name, measure.label, finite, rows.index)
+    return [replicates[np.isfinite(replicates)] for replicates in values]
 
 
 def replicate_means(

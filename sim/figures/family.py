@@ -86,7 +86,9 @@ def _draw_curve(
         is_joined = (rows["regime"] == "steady") | is_undecided(rows)
         line, size = value.where(is_joined), None
         wide = PALE_LINE if pale else {}
-        path = line.set_axis(along) if beside is None else _with_gaps(line.set_axis(along), beside)
+        path = line.set_axis(along)
+        if beside is not None:
+            path = _with_gaps(path, beside)
         axes.plot(path.index, path, color=style.colour, linestyle=style.dashes, **wide)
         if joins_open and not pale:
             axes.plot(along, value, color=style.colour, **_THIN_LINE)

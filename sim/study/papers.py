@@ -160,9 +160,9 @@ def foreign_papers(study: str) -> set[str]:
     ``study`` is the paper that the study names. If that has values of its own, these are all
     others, else those with values of their own.
     """
-    has_own = study in papers() and papers()[study].defaults
+    own = papers().get(study)
     others = (one for one in shipped(PAPER).values() if one.name != study)
-    return {one.name for one in others if one.defaults or has_own}
+    return {one.name for one in others if one.defaults or (own and own.defaults)}
 
 
 def default_in(one: Paper | None, system: str, name: str, row: Mapping[str, Any]) -> Any:

@@ -191,7 +191,7 @@ def test_what_other_code_has_read_is_taken_if_it_knew_all_names(study, complete_
     xr.testing.assert_identical(
         xr.load_dataset(study.output), xr.load_dataset(complete_study.output)
     )
-    monkeypatch.setattr(adopted, "missing_variables", lambda made, system: ["new_measure"])
+    monkeypatch.setattr(adopted, "unknown_observables", lambda made, system: ["new_measure"])
     with pytest.raises(InputError, match="got 'a dataset that cannot have new_measure'; allowed"):
         adopt(study.path, complete_study.output, study.results)
 

@@ -13,7 +13,7 @@ from matplotlib.colors import to_rgb
 from scipy.stats import t
 
 from sim.dataset.results import load_results
-from sim.figures.curves import quantities_by_axis
+from sim.figures.curves import _replicates_apart, quantities_by_axis
 from sim.figures.family import MOST_BARS, Y_HALF, X, Y, _with_gaps
 from sim.figures.plot import completed_rows
 from sim.figures.profiles import THIN, means
@@ -119,6 +119,17 @@ def test_flows_that_accelerate_or_disagree_are_not_joined_and_these_are_drawn_on
     apart = [value for line in lines for value in line.get_ydata() if len(line.get_xdata())]
     assert apart == ([] if regime == "accelerating" else list(velocity))
     assert ("single replicates" in entries(figure)) == bool(apart)
+
+
+@pytest.mark.parametrize("relative", [False, True])
+def test_replicates_are_drawn_in_the_unit_of_their_mean(relative, velocities):
+    _, data = drawn("gallas_1a", velocities)
+    data = replace(data, spec=data.spec.model_copy(update={"widest": 1e-12, "relative": relative}))
+    one = quantities_by_axis(data)["y"]
+    apart = _replicates_apart(data, one, None).dropna()
+    assert len(apart)
+    for row, values in apart.items():
+        assert values.mean() == pytest.approx(one.value[row])
 
 
 def test_a_pale_line_breaks_where_the_other_protocol_lies_off_it():
