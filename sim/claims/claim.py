@@ -147,6 +147,7 @@ class Claim(Declared):
     bounds: dict[str, Bound] = Field({}, exclude=True, description="numbers of the criterion")
     reason: Text = Field("", description="why the criterion is what it is")
     needs: Text = Field("", description="runs that decide it")
+    instead: Text = Field("", description="what happens instead, where it does not simply hold")
     kind: Literal["model", "flow"] = Field("flow", description="judged by itself or from runs")
     figures: list[str] = Field([], description="figures that show it")
     first: First | None = Field(None, description="how it was judged first")
