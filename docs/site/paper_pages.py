@@ -6,16 +6,16 @@ site alone.
 
 import json
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import jinja2
 import xarray as xr
+from uncertainties import ufloat
 
 from sim.report.claims import VERDICTS, count_verdicts, read_claims
-from sim.report.numbers import value_with_interval
 from sim.report.publish import PUBLISHED
 from sim.study.papers import papers
 
@@ -37,9 +37,9 @@ explains the words. Each claim has four verdicts:
 - *now*: by the present rules, on these runs and on beds and readings added since
   ([how often they err](validation.md#how-often-the-judge-is-right)).
 
-A verdict that changed since the second round is bold. It may hold under a condition ("at K1 =
-1,000 N/m"). Letters are the statements of a claim with several. *By number of ours* has the verdict
-as a function of a number that the paper does not give.
+A dash marks a claim that was added later. A verdict that changed since the second round is bold.
+It may hold under a condition ("at K1 = 1,000 N/m"). Letters are the statements of a claim with
+several. *By number of ours* has the verdict as a function of a number that the paper does not give.
 
 Sentences, criteria, reasons and evidence are in the reports
 ([Walton](../results/published/paper_walton/report.html),
@@ -96,7 +96,8 @@ def results_page(
     text = template.render(
         claim=partial(_claim, claims),
         number=partial(_number, claims),
-        counts=count_verdicts(list(claims.values())),
+        counts=count_verdicts(_on_flows(claims.values())),
+        checks=[name for name, claim in claims.items() if claim["kind"] != "flow"],
         changes=changes(list(claims.values())),
         statements=len(claims),
         papers={name: paper.author for name, paper in PAPERS.items()},
@@ -122,11 +123,13 @@ def _number(
     what: str,
     interval: bool = True,
     reading: str = "",
+    times: float = 1,
 ) -> str:
     """Return the measured value of a check under a reading and the deciding protocol.
 
-    ``what`` names the check; by default the reading is that of the headline. The value has the half
-    width of its 95 % interval, or three digits where ``interval`` is false or there is none.
+    ``what`` names the check; by default the reading is that of the headline. The value, which is
+    multiplied by ``times``, has the half width of its 95 % interval, to one digit of it, or two
+    digits where ``interval`` is false or there is none.
     """
     claim = claims[name]
     readings = [reading] if reading else claim["headings"]
@@ -141,8 +144,15 @@ def _number(
     if len(checks) != 1:
         raise ValueError(f"{name} has {len(checks)} checks {what!r} instead of one")
     value, half_width = checks[0]["value"], checks[0]["half_width"]
-    text = value_with_interval(value, half_width) if interval and half_width else f"{value:.3g}"
+    text = f"{times * value:.2g}"
+    if interval and half_width:
+        text = f"{ufloat(times * value, times * half_width):.1uP}".replace("±", " ± ")
     return text.replace("-", "\N{MINUS SIGN}")
+
+
+def _on_flows(claims: Iterable[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+    """Return the claims but those that check the model."""
+    return [claim for claim in claims if claim["kind"] == "flow"]
 
 
 def verdicts_page(claims: Sequence[Mapping[str, Any]]) -> str:
@@ -178,7 +188,7 @@ def _totals(claims: Sequence[Mapping[str, Any]]) -> str:
         for paper in PAPERS:
             of_paper = [claim for claim in claims if claim["paper"] == paper]
             cells += [
-                sum(claim[when]["verdict"] == verdict for claim in of_paper)
+                sum(_verdict(claim[when]) == verdict for claim in of_paper)
                 for when in ("first", "round_two")
             ]
             cells.append(now[paper][verdict])
@@ -188,16 +198,26 @@ def _totals(claims: Sequence[Mapping[str, Any]]) -> str:
 
 
 def changes(claims: Sequence[Mapping[str, Any]]) -> tuple[int, int]:
-    """Return how many headline verdicts changed from the first to the second round, and to now."""
+    """Return how many headline verdicts changed from the first to the second round, and to now.
+
+    Claims that were added since count in neither.
+    """
+    judged = [claim for claim in claims if claim["round_two"]]
     return (
-        sum(claim["first"]["verdict"] != claim["round_two"]["verdict"] for claim in claims),
-        sum(claim["round_two"]["verdict"] != claim["verdict"] for claim in claims),
+        sum(claim["first"]["verdict"] != claim["round_two"]["verdict"] for claim in judged),
+        sum(claim["round_two"]["verdict"] != claim["verdict"] for claim in judged),
     )
 
 
+def _verdict(judged: Mapping[str, Any] | None) -> str:
+    """Return the verdict of a round, a dash for a claim that was not judged in it."""
+    return judged["verdict"] if judged else "–"
+
+
 def _row(claim: Mapping[str, Any]) -> str:
-    first, second, now = claim["first"], claim["round_two"], claim["verdict"]
-    verdict = f"**{now}**" if second["verdict"] != now else now
+    first, second, now = _verdict(claim["first"]), _verdict(claim["round_two"]), claim["verdict"]
+    referee = claim["round_two"]["referee"] if claim["round_two"] else "–"
+    verdict = f"**{now}**" if second not in (now, "–") else now
     if claim["condition"]:
         verdict += f" {claim['condition']}"
     if claim["part_verdicts"]:
@@ -208,7 +228,7 @@ def _row(claim: Mapping[str, Any]) -> str:
         f"{number['value']:g}: {number['verdict']}" for number in claim["by_number"]
     )
     title = f"{claim['id']} {claim['title']}"
-    cells = title, first["verdict"], second["verdict"], second["referee"], verdict, numbers
+    cells = title, first, second, referee, verdict, numbers
     return f"| {' | '.join(cells)} |"
 
 
