@@ -80,7 +80,10 @@ def trend(
     if margin is None:
         return check
     groups, pairs = [*chain.from_iterable(strata)], _pairs([*map(len, strata)])
-    ordered = [(groups[one], groups[other])[::sign] for one, other, _ in pairs]
+    ordered = [
+        (groups[one], groups[other]) if rising else (groups[other], groups[one])
+        for one, other, _ in pairs
+    ]
     watched = [place.looks for place in places] or [0] * len(groups)
     looks = [max(watched[one], watched[other]) for one, other, _ in pairs]
     p_beyond, p_within = (
