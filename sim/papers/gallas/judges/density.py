@@ -160,7 +160,6 @@ def g17(evidence: Evidence, *, frequencies: Numbers, margin: float) -> list[Chec
             [groups],
             places,
             rising=is_rising,
-            monotone=True,
             margin=margin,
             labels=[f"{f:g} Hz" for f in line],
             unit="⟨d⟩⁻²" if power < 0 else "⟨d⟩",
