@@ -4,7 +4,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
-from itertools import combinations
+from itertools import chain, combinations, pairwise
 from math import inf, nan, prod
 
 import numpy as np
@@ -14,7 +14,7 @@ from uncertainties import UFloat, ufloat
 from sim.base.statistics import share_of_rises, student
 from sim.claims.checks import reported, within
 from sim.claims.place import Place, replicate_mean, with_interval
-from sim.claims.verdict import RISK, SIGMAS, Check, holm_p
+from sim.claims.verdict import RISK, SIGMAS, Check, holm_p, spent
 
 Groups = Sequence[np.ndarray]
 
@@ -34,7 +34,6 @@ def trend(
     places: Iterable[Place] = (),
     *,
     rising: bool = True,
-    monotone: bool = False,
     margin: float | None = None,
     labels: Sequence[str] = (),
     unit: str = "",
@@ -49,20 +48,20 @@ def trend(
         For each stratum the groups of replicates in the order of the parameter: one stratum, or one
         per cell or frequency within which groups can be compared. Their p-values are combined
         (Stouffer, weighted with the root of their sizes).
-    monotone : bool
-        Whether the claim is about any two groups and every stratum. Then it also fails where one
-        of them clearly goes the other way, with Holm's correction. All pairs are tested, not
-        neighbours alone: single steps may be too small to show a decrease over several steps.
+    places : iterable of Place
+        Those of the groups; with a ``margin`` one per group, in the same order.
     margin : float, optional
-        With ``monotone`` and positive values: the claim holds only where surely no two groups go
-        the other way by this share or more (one-sided equivalence), since that no reversal is seen
-        is no evidence that there is none. It fails only where two surely do.
+        For positive values: the claim is about any two groups of a stratum. It holds only where
+        surely no two of them go the other way by this share or more (one-sided equivalence), since
+        that no reversal is seen is no evidence that there is none. It fails only where two surely
+        do, with Holm's correction. All pairs are tested, not neighbours alone: single steps may be
+        too small to show a decrease over several steps. A pair pays for looks at its own places.
     labels : sequence of str
-        Names of the groups, ``"20 Hz"`` for instance. With ``monotone`` the text of the check then
+        Names of the groups, ``"20 Hz"`` for instance. With a margin the text of the check then
         names the surest reversal, if that refutes the claim, with the interval of the difference,
         whose ``unit`` is that of the values.
     """
-    sign = 1 if rising else -1
+    sign, places = 1 if rising else -1, tuple(places)
     sizes = [sum(map(len, groups)) for groups in strata]
     rank_trends = [
         _rank_trend(
@@ -71,35 +70,44 @@ def trend(
         )
         for groups in strata
     ]
-    pairs = [pair for groups in strata for pair in combinations(groups, 2)] if monotone else []
-    p_pairs, p_apart = _against(pairs, rising, margin)
-    taus, p_rising, p_falling = zip(*rank_trends, strict=True)
-    p_contrary = [_stouffer_p(p_falling, sizes)]
-    if monotone:
-        p_contrary += [*(p_falling if len(strata) > 1 else ()), *p_pairs]
+    taus, *p_values = zip(*rank_trends, strict=True)
     tau = float(np.average(taus, weights=sizes))
-    p_fails = holm_p(p_contrary)
-    # A clear fall somewhere refutes a rise, however clear the overall trend.
-    p_holds = max(_stouffer_p(p_rising, sizes), *p_apart) if p_fails > RISK else 1.0
+    p_rising, p_falling = (_stouffer_p(ps, sizes) for ps in p_values)
     # The threshold applies to τ, whose sign is the direction of the trend.
     bounds, name = ((0.0, inf) if rising else (-inf, 0.0)), f"Kendall's τ of {quantity}"
-    check = _p_value_check(name, sign * tau, bounds, (p_holds, p_fails), places)
-    if not (labels and pairs and p_fails <= RISK):
+    check = _p_value_check(name, sign * tau, bounds, (p_rising, p_falling), places)
+    if margin is None:
         return check
-    numbers = [pair for groups in strata for pair in combinations(range(len(groups)), 2)]
-    surest = int(np.argmin(p_pairs))
-    reversal = _reversal(pairs[surest], [labels[one] for one in numbers[surest]], unit)
+    groups, pairs = [*chain.from_iterable(strata)], _pairs([*map(len, strata)])
+    ordered = [(groups[one], groups[other])[::sign] for one, other in pairs]
+    watched = [place.looks for place in places] or [0] * len(groups)
+    looks = [max(watched[one], watched[other]) for one, other in pairs]
+    p_beyond, p_within = (
+        [spent(p, number) for p, number in zip(ps, looks, strict=True)]
+        for ps in _against(ordered, margin)
+    )
+    p_fails = holm_p(p_beyond)
+    # All of these have paid for their looks.
+    check = replace(check, tested=(max(check.p_holds, *p_within), p_fails), looks=0)
+    if not (labels and p_fails <= RISK):
+        return check
+    one, other = pairs[int(np.argmin(p_beyond))]
+    reversal = _reversal((groups[one], groups[other]), (labels[one], labels[other]), unit)
     return replace(check, text=f"{check.value:.3g}; {reversal}")
 
 
+def _pairs(sizes: Sequence[int]) -> list[tuple[int, int]]:
+    """Return the numbers of any two groups of one stratum, counted through all strata."""
+    ends = np.cumsum([0, *sizes]).tolist()
+    return [pair for first, end in pairwise(ends) for pair in combinations(range(first, end), 2)]
+
+
 def _against(
-    pairs: Sequence[tuple[np.ndarray, np.ndarray]], rising: bool, margin: float | None
+    pairs: Sequence[tuple[np.ndarray, np.ndarray]], margin: float
 ) -> tuple[list[float], list[float]]:
-    """Return the p-values that pairs go the other way, and that they do not by the margin."""
-    ordered = [pair if rising else pair[::-1] for pair in pairs]
-    raised = tuple((tuple(low), tuple((1 + (margin or 0)) * high)) for low, high in ordered)
-    within_margin = [] if margin is None else _mann_whitney_ps(tuple(one[::-1] for one in raised))
-    return _mann_whitney_ps(raised), [0.0, *within_margin]
+    """Return the p-values that the second of a pair is lower by the margin, and that it is not."""
+    raised = tuple((tuple(low), tuple((1 + margin) * high)) for low, high in pairs)
+    return _mann_whitney_ps(raised), _mann_whitney_ps(tuple(one[::-1] for one in raised))
 
 
 def _reversal(pair: tuple[np.ndarray, np.ndarray], labels: Sequence[str], unit: str) -> str:

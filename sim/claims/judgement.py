@@ -214,19 +214,41 @@ class Judgement:
     def _is_reading_dependent(self, part: str) -> bool:
         """True where a reading decides a part by itself, and the other way than the headline one.
 
-        Runs of the deciding protocol are compared. A reading without such runs is compared under
-        another protocol that both have: runs of different lengths are never mixed. There is no
-        correction for the number of readings, which would hide a contradiction the better the more
-        readings are run: two readings contradict each other by chance in less than 5 of 100 cases.
+        Readings are compared under every protocol that both have runs of, and runs of different
+        lengths are never mixed. There is no correction for the number of readings, which would hide
+        a contradiction the better the more readings are run: two readings contradict each other by
+        chance in less than 5 of 100 cases.
         """
-        headline = self._voting_variants(self.heading(part), part)
+        heading = self.heading(part)
         readings = {variant.reading for variant in self.variants if not variant.control}
-        for reading in readings - {self.heading(part)}:
-            other = self._voting_variants(reading, part)
-            shared = next((protocol for protocol in headline if protocol in other), None)
-            if shared and _contradict((headline[shared], other[shared]), part):
-                return True
-        return False
+        headline = self._compared_variants(heading, part)
+        return any(
+            _contradict((headline[protocol], other[protocol]), part)
+            for other in (self._compared_variants(one, part) for one in readings - {heading})
+            for protocol in headline.keys() & other.keys()
+        )
+
+    def _compared_variants(self, reading: str, part: str) -> dict[str, Variant]:
+        """Return the variants of a reading that are compared with those of others, by protocol.
+
+        What converged runs of the same reading contradict is a transient: it makes a part depend on
+        the protocol, and is withheld here. This rule was chosen after the first judging. A claim
+        that names its protocol is compared under that alone.
+        """
+        voting = self._voting_variants(reading, part)
+        if self.claim.protocol:
+            return {name: one for name, one in voting.items() if name == self.claim.protocol}
+        if not voting.keys() >= {*PROTOCOLS}:
+            return voting
+        converged, published = (voting[protocol] for protocol in PROTOCOLS)
+        settled = {check.what: check.verdict for check in converged.votes_on(part)}
+        checks = tuple(
+            replace(check, withheld="a transient")
+            if {check.verdict, settled.get(check.what)} == {REPRODUCED, NOT_REPRODUCED}
+            else check
+            for check in published.checks
+        )
+        return voting | {published.protocol: replace(published, checks=checks)}
 
     def _voting_variants(self, reading: str, part: str) -> dict[str, Variant]:
         """Return the variants of a reading that vote on a part by protocol, the deciding first."""
