@@ -34,7 +34,7 @@ from sim.papers.gallas.judges.lines import (
     pair_label,
     peak_density,
 )
-from sim.papers.gallas.judges.ranks import ALL, compare, width_label, width_of_beads
+from sim.papers.gallas.judges.ranks import ALL, width_label, width_of_beads
 
 DENSITY = "number_density"
 
@@ -160,7 +160,6 @@ def g17(evidence: Evidence, *, frequencies: Numbers, shares: Numbers, margin: fl
             [groups],
             places,
             rising=is_rising,
-            monotone=True,
             margin=margin,
             labels=[f"{f:g} Hz" for f in line],
             unit="⟨d⟩⁻²" if power < 0 else "⟨d⟩",
@@ -276,10 +275,13 @@ def g20(
     )
     checks = []
     for wide, narrow in ((at_loose, at_usual), (at_loose, at_firm), (at_shearing, at_firm)):
-        places = wide, narrow
-        ratio = quotient(*(place.measure(width_of_beads(share), DENSITY) for place in places))
-        quantity = f"{width_label(share)}, {_pair_label(wide)} over {_pair_label(narrow)}"
-        checks.append(replace(compare(quantity, ratio, margin, places), part="a"))
+        places = narrow, wide
+        widths = [place.measure_replicates(width_of_beads(share), DENSITY) for place in places]
+        labels = [_pair_label(place) for place in places]
+        quantity = f"{width_label(share)}, {labels[1]} over {labels[0]}"
+        check = trend(quantity, [widths], places, margin=margin, labels=labels)
+        ratio = quotient(*map(replicate_mean, widths[::-1]))
+        checks += [replace(check, part="a"), reported(quantity, ratio, places)]
     for place in (at_loose, at_shearing):
         change = density_near_belt(place, height) / density_near_belt(at_firm, height) - 1
         pair = f"{_pair_label(place)} over {_pair_label(at_firm)}"

@@ -81,7 +81,6 @@ def velocity_trend(
         [groups],
         line.values(),
         rising=rising,
-        monotone=margin is not None,
         margin=margin,
         labels=[f"{value:g} {unit}" for value in line],
         unit="m/s",

@@ -10,11 +10,10 @@ from uncertainties import UFloat
 from sim.claims.checks import Numbers, Pair, above, below, judge_parts, reported, withhold, within
 from sim.claims.evidence import Evidence
 from sim.claims.inference import reported_share, trend
-from sim.claims.place import Place, quotient
+from sim.claims.place import Place, quotient, replicate_mean
 from sim.claims.verdict import Check, Untestable
 from sim.measures.layers import level
 from sim.papers.gallas.judges.lines import bed, complete_line, mean_between
-from sim.papers.gallas.judges.ranks import compare
 
 #: Occupancy of the belt's reach: in the mean over the cycle, and at its beginning as in Fig. 5.
 TIME_MEAN, PHASE_0 = "base_occupancy", "base_occupancy_at_phase_0"
@@ -133,9 +132,13 @@ def g28(
     evidence: Evidence, *, levels: Pair, frequency: float, firm: float, margin: float
 ) -> list[Check]:
     """The bed is packed more densely between two levels with a firm γ (g) than with γ = g."""
-    places = [bed(evidence, frequency, damping=damping) for damping in (firm, 1)]
-    ratio = quotient(*(packing(place, levels) for place in places))
-    check = compare(f"packing at γ = {firm}g over that at γ = g", ratio, margin, places)
+    places = [bed(evidence, frequency, damping=damping) for damping in (1, firm)]
+    light, dense = (
+        place.measure_replicates(packing_between(*levels), *PACKING) for place in places
+    )
+    quantity = f"packing at γ = {firm}g over that at γ = g"
+    check = trend(quantity, [[light, dense]], places, margin=margin, labels=["g", f"{firm}g"])
+    ratio = quotient(replicate_mean(dense), replicate_mean(light))
     lost = [
         reported_share(
             f"beds lost, γ = {place['damping']:g}g",
@@ -145,7 +148,7 @@ def g28(
         )
         for place in places
     ]
-    return [check, *lost]
+    return [check, reported(quantity, ratio, places), *lost]
 
 
 def g40(evidence: Evidence, *, levels: Pair, frequencies: Numbers, margin: float) -> list[Check]:
@@ -163,7 +166,6 @@ def g40(evidence: Evidence, *, levels: Pair, frequencies: Numbers, margin: float
         [groups],
         line.values(),
         rising=False,
-        monotone=True,
         margin=margin,
         labels=[f"{f:g} Hz" for f in line],
     )

@@ -1,21 +1,19 @@
 """Judges of Gallas' claims on what the steady velocity depends on: belt, damping, start."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import combinations
 from math import pi, radians, tan
 
+import numpy as np
 from uncertainties import UFloat
 
 from sim.claims.checks import Numbers, Pair, above, judge_parts, within
 from sim.claims.evidence import Evidence
 from sim.claims.place import Place, quotient, select_replicated
 from sim.claims.verdict import Check, Untestable
-from sim.papers.gallas.judges.lines import bed, pair_label, velocity_trend
+from sim.papers.gallas.judges.flux import determination
+from sim.papers.gallas.judges.lines import bed, pair_label
 from sim.papers.gallas.judges.velocity import fastest_start
-
-#: Frequencies (Hz) of a curve that are needed, just after its jump and at its end.
-ENDS = (25, 80)
 
 
 def g37(evidence: Evidence, *, max_change: float, angles: Numbers, lowest: float) -> list[Check]:
@@ -55,51 +53,52 @@ def g38(
     evidence: Evidence,
     *,
     min_ratio: float,
+    angles: Numbers,
     pairs: Sequence[Pair],
+    amplitudes: Numbers,
     jump: Pair,
-    lowest: float,
-    highest: float,
-    margin: float,
+    straight: Pair,
+    min_r2: float,
 ) -> list[Check]:
-    """At each pair of damping and shear damping (g) V jumps (a), and then rises (b).
+    """V jumps (a) and in the end grows linearly (b) along the curves beside the usual one.
 
-    It jumps where it rises ``min_ratio`` times as steeply between the two frequencies of the
-    ``jump`` (Hz) as from there to the ``highest``; it then rises from the ``lowest`` on.
+    They are those of other angles (degrees), pairs of damping and shear damping (g), and for (b)
+    amplitudes (⟨d⟩). V jumps where it rises ``min_ratio`` times as steeply between the frequencies
+    (Hz) of the ``jump`` as from there to the end; it is ``straight`` between two others.
     """
-    lines = {
-        pair_label(damping, shear): select_replicated(
-            evidence.line("belt", "frequency", damping=damping, shear_damping=shear)
-        )
-        for damping, shear in pairs
-    }
+    alike: list[dict[str, float]] = [
+        *({"vibration_angle": angle} for angle in angles),
+        *({"damping": damping, "shear_damping": shear} for damping, shear in pairs),
+    ]
+    others = [{"amplitude": amplitude} for amplitude in amplitudes]
+
+    def curve(setting: dict[str, float]) -> tuple[str, dict[float, Place]]:
+        line = select_replicated(evidence.line("belt", "frequency", **setting))
+        needed = {*jump, straight[1]} if setting in alike else {*straight}
+        label = ", ".join(f"{name.replace('_', ' ')} {value:g}" for name, value in setting.items())
+        if not line.keys() >= needed:
+            raise Untestable(f"no several beds at {sorted(needed)} Hz, {label}")
+        return label, line
 
     def jumps() -> list[Check]:
         checks = []
-        for label, line in lines.items():
-            places = [_on(line, f, label) for f in (*jump, highest)]
-            steep, gentle = (_slope(*places[first : first + 2]) for first in (0, 1))
-            quantity = f"slope of V, {jump[0]:g} to {jump[1]:g} Hz, less {min_ratio:g} times that"
-            quantity = f"{quantity} from there to {highest:g} Hz, {label}"
-            checks.append(above(quantity, steep - min_ratio * gentle, 0, places, "m/s/Hz"))
+        for label, line in map(curve, alike):
+            low, high, end = places = [line[f] for f in (*jump, straight[1])]
+            excess = _slope(low, high) - min_ratio * _slope(high, end)
+            quantity = f"slope of V at the jump less {min_ratio:g} times that beyond, {label}"
+            checks.append(above(quantity, excess, 0, places, "m/s/Hz"))
         return checks
 
-    def rises() -> list[Check]:
+    def lines() -> list[Check]:
         checks = []
-        for label, line in lines.items():
-            for frequency in ENDS:
-                _on(line, frequency, label)
-            flowing = {f: place for f, place in line.items() if f >= lowest}
-            check = velocity_trend(flowing, "f (Hz)", margin=margin, unit="Hz")
-            checks.append(replace(check, what=f"{check.what}, {label}"))
+        for label, line in map(curve, [*alike, *others]):
+            fast = {f: place for f, place in line.items() if straight[0] <= f <= straight[1]}
+            fit = determination(np.array([*fast]), [place.velocity for place in fast.values()])
+            quantity = f"R² of a line through V(f), {{}} to {{}} Hz, {label}".format(*straight)
+            checks.append(above(quantity, fit, min_r2, fast.values()))
         return checks
 
-    return judge_parts(a=jumps, b=rises)
-
-
-def _on(line: dict[float, Place], frequency: float, label: str) -> Place:
-    if frequency not in line:
-        raise Untestable(f"no several beds at {frequency:g} Hz, {label}")
-    return line[frequency]
+    return judge_parts(a=jumps, b=lines)
 
 
 def _slope(low: Place, high: Place) -> UFloat:

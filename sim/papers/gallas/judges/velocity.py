@@ -20,7 +20,6 @@ from sim.papers.gallas.judges.lines import (
     mean_between,
     pair_label,
 )
-from sim.papers.gallas.judges.ranks import compare
 
 PROFILES = ("velocity_profile", "number_density")
 
@@ -60,7 +59,6 @@ def g21(
     middle: float,
     max_spread: float,
     end: float,
-    margin: float,
 ) -> list[Check]:
     """A plateau (a), slower beads at the belt (b), and at the top in runs not yet relaxed (c).
 
@@ -91,12 +89,11 @@ def g21(
     def slower(name: str, shares: Pair, found: list[Place]) -> list[Check]:
         quantity = f"v_x of the {name} {100 * end:g} % of the beads over the middle"
         return [
-            compare(
+            below(
                 f"{quantity}, {_curve_label(place)}",
                 relative_velocity(place, shares, middle),
-                margin,
+                1,
                 [place],
-                larger=False,
             )
             for place in found
         ]
