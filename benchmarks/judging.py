@@ -9,6 +9,7 @@ docs/validation.md.
 import argparse
 from collections.abc import Callable
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 import xarray as xr
@@ -22,7 +23,6 @@ from sim.claims.judgement import Judgement, Variant
 from sim.claims.place import Place, quotient
 from sim.claims.verdict import (
     NOT_REPRODUCED,
-    READING_DEPENDENT,
     REPRODUCED,
     Check,
     combined_verdict,
@@ -46,6 +46,9 @@ PLACE_LABELS = ("system", "target", "gravity", "angle", "depth", "diameter")
 
 #: Margin of an equality, and trials that give the half width of a statement.
 MARGIN, PILOT = 0.1, 60
+
+#: What orders forgive, and scatter of beds relative to their mean.
+ORDER_MARGIN, ORDER_SCATTER = 0.05, 0.02
 
 #: Distances (half widths) of the headline reading and of another one from their threshold.
 APART = ((0, 0), (0.5, 0.5), (1, 1), (0.5, -0.5), (1, -1), (1.5, -1.5))
@@ -327,11 +330,41 @@ def look_rates(looks: int, distance: float, counted: bool, trials: int) -> tuple
     return outcomes[REPRODUCED] / trials, outcomes[NOT_REPRODUCED] / trials
 
 
-def dependence_rate(readings: int, headline: float, other: float, trials: int) -> float:
+def order_rates(reversal: float, looks: int, trials: int) -> tuple[float, float]:
+    """Return how often an order of five points is called held and failed.
+
+    Two of them are reversed by a share, and beds are bought for these until the order is decided:
+    eight at first, half as many again at each further look. Another point has had five looks.
+    """
+    rng = np.random.default_rng([trials, looks, int(1e4 * reversal)])
+    means = np.array([1.0, 1.5, 1.5 / (1 + reversal), 2.0, 2.5])
+    outcomes = {REPRODUCED: 0, NOT_REPRODUCED: 0}
+    for _ in range(trials):
+        beds = [mean * (1 + ORDER_SCATTER * rng.normal(size=8)) for mean in means]
+        for look in range(1, looks + 1):
+            watched = (1, look, look, 1, 5)
+            points = [
+                SimpleNamespace(id=f"{number}", samples=99, freedom=7, looks=one)
+                for number, one in enumerate(watched)
+            ]
+            verdict = trend("V", [beds], points, margin=ORDER_MARGIN).verdict
+            if verdict in outcomes:
+                outcomes[verdict] += 1
+                break
+            for one in (1, 2):
+                more = rng.normal(size=beds[one].size // 2)
+                beds[one] = np.append(beds[one], means[one] * (1 + ORDER_SCATTER * more))
+    return outcomes[REPRODUCED] / trials, outcomes[NOT_REPRODUCED] / trials
+
+
+def dependence_rate(
+    readings: int, headline: float, other: float, trials: int, transient: float | None = None
+) -> float:
     """Return how often a claim is said to depend on the reading.
 
     Each reading has 8 beds of its own. The headline reading and all others but one lie ``headline``
-    half widths above a threshold, the last one ``other``.
+    half widths above a threshold, the last one ``other``. With a ``transient`` there are as many
+    runs of the paper's length beside these, and those of the last reading lie there.
     """
     rng = np.random.default_rng([trials, readings, int(10 + headline), int(10 + other)])
     claim = Claim(
@@ -342,21 +375,21 @@ def dependence_rate(readings: int, headline: float, other: float, trials: int) -
         system="belt",
         judge=lambda evidence: (),
     )
-    distances = [headline] * (readings - 1) + [other]
+    of_protocols = {"converged": other} | ({} if transient is None else {"published": transient})
     dependent = 0
     for _ in range(trials):
-        beds = rng.normal(size=(readings, 8))
-        errors = beds.std(axis=1, ddof=1) / np.sqrt(8)
-        means = beds.mean(axis=1) + np.array(distances) * float(student(7)) / np.sqrt(8)
-        checks = (
-            Check("V", float(mean), float(student(7)) * float(error), 0.0, np.inf, freedom=7)
-            for mean, error in zip(means, errors, strict=True)
-        )
-        variants = (
-            Variant("published", DEFAULT if number == 0 else f"reading {number}", (check,))
-            for number, check in enumerate(checks)
-        )
-        dependent += Judgement(claim, tuple(variants)).verdict == READING_DEPENDENT
+        variants = []
+        for protocol, last in of_protocols.items():
+            beds = rng.normal(size=(readings, 8))
+            errors = beds.std(axis=1, ddof=1) / np.sqrt(8)
+            distances = np.array([headline] * (readings - 1) + [last])
+            means = beds.mean(axis=1) + distances * float(student(7)) / np.sqrt(8)
+            for number, (mean, error) in enumerate(zip(means, errors, strict=True)):
+                half = float(student(7)) * float(error)
+                check = Check("V", float(mean), half, 0.0, np.inf, freedom=7)
+                reading = f"reading {number}" if number else DEFAULT
+                variants.append(Variant(protocol, reading, (check,)))
+        dependent += Judgement(claim, tuple(variants)).reading_dependent
     return dependent / trials
 
 
@@ -404,6 +437,19 @@ def main() -> None:
     for readings in (2, 5, 10, 20):
         cells = (f"{100 * dependence_rate(readings, a, b, 20 * trials):.1f}" for a, b in APART)
         print(f"| {readings} | {' | '.join(cells)} |", flush=True)
+    print("\n| converged | the paper's length | depends |\n| --- | --- | --- |")
+    for converged, transient in ((0, 0), (1, 1), (1.5, -1.5), (0, -1.5)):
+        rate = dependence_rate(
+            2, 1.5 if transient < 0 else converged, converged, 20 * trials, transient
+        )
+        print(f"| {converged:+g} | {transient:+g} | {100 * rate:.1f} |", flush=True)
+    shares = (0, 0.025, 0.05, 0.1)
+    heads = " | ".join(f"{100 * share:g} %" for share in shares)
+    print(f"\n| looks | {heads} |\n|" + " --- |" * (1 + len(shares)))
+    for looks in (1, 4):
+        columns = [order_rates(share, looks, 5 * trials) for share in shares]
+        cells = " | ".join(f"{100 * held:.1f} / {100 * failed:.1f}" for held, failed in columns)
+        print(f"| {looks} | {cells} |", flush=True)
     numbers = (3, 6, 12, 24, 48)
     heads = " | ".join(map(str, numbers))
     print(f"\n| statement | flows | {heads} |\n|" + " --- |" * (2 + len(numbers)))

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from itertools import chain, combinations, pairwise
-from math import inf, nan, prod
+from math import comb, inf, nan, prod
 
 import numpy as np
 from scipy import stats
@@ -14,7 +14,7 @@ from uncertainties import UFloat, ufloat
 from sim.base.statistics import share_of_rises, student
 from sim.claims.checks import reported, within
 from sim.claims.place import Place, replicate_mean, with_interval
-from sim.claims.verdict import RISK, SIGMAS, Check, holm_p, spent
+from sim.claims.verdict import RISK, SIGMAS, Check, spent
 
 Groups = Sequence[np.ndarray]
 
@@ -54,8 +54,9 @@ def trend(
         For positive values: the claim is about any two groups of a stratum. It holds only where
         surely no two of them go the other way by this share or more (one-sided equivalence), since
         that no reversal is seen is no evidence that there is none. It fails only where two surely
-        do, with Holm's correction. All pairs are tested, not neighbours alone: single steps may be
-        too small to show a decrease over several steps. A pair pays for looks at its own places.
+        do, corrected for the number of pairs. All pairs are tested, not neighbours alone: single
+        steps may be too small to show a decrease over several. A pair pays for the looks at its own
+        places.
     labels : sequence of str
         Names of the groups, ``"20 Hz"`` for instance. With a margin the text of the check then
         names the surest reversal, if that refutes the claim, with the interval of the difference,
@@ -79,27 +80,36 @@ def trend(
     if margin is None:
         return check
     groups, pairs = [*chain.from_iterable(strata)], _pairs([*map(len, strata)])
-    ordered = [(groups[one], groups[other])[::sign] for one, other in pairs]
+    ordered = [(groups[one], groups[other])[::sign] for one, other, _ in pairs]
     watched = [place.looks for place in places] or [0] * len(groups)
-    looks = [max(watched[one], watched[other]) for one, other in pairs]
+    looks = [max(watched[one], watched[other]) for one, other, _ in pairs]
     p_beyond, p_within = (
         [spent(p, number) for p, number in zip(ps, looks, strict=True)]
         for ps in _against(ordered, margin)
     )
-    p_fails = holm_p(p_beyond)
+    p_of_any = [min(1.0, number * p) for p, (*_, number) in zip(p_beyond, pairs, strict=True)]
+    p_fails = min(p_of_any, default=1.0)
     # All of these have paid for their looks.
     check = replace(check, tested=(max(check.p_holds, *p_within), p_fails), looks=0)
     if not (labels and p_fails <= RISK):
         return check
-    one, other = pairs[int(np.argmin(p_beyond))]
+    one, other, _ = pairs[int(np.argmin(p_of_any))]
     reversal = _reversal((groups[one], groups[other]), (labels[one], labels[other]), unit)
     return replace(check, text=f"{check.value:.3g}; {reversal}")
 
 
-def _pairs(sizes: Sequence[int]) -> list[tuple[int, int]]:
-    """Return the numbers of any two groups of one stratum, counted through all strata."""
+def _pairs(sizes: Sequence[int]) -> list[tuple[int, int, int]]:
+    """Return any two groups of a stratum, as numbers through all strata, and their correction.
+
+    It is a factor on their p-value for all pairs of all strata (Bonferroni). Strata have equal
+    shares of the risk: one with many groups takes nothing from the others.
+    """
     ends = np.cumsum([0, *sizes]).tolist()
-    return [pair for first, end in pairwise(ends) for pair in combinations(range(first, end), 2)]
+    return [
+        (*pair, len(sizes) * comb(end - first, 2))
+        for first, end in pairwise(ends)
+        for pair in combinations(range(first, end), 2)
+    ]
 
 
 def _against(

@@ -241,7 +241,11 @@ class Judgement:
         if not voting.keys() >= {*PROTOCOLS}:
             return voting
         converged, published = (voting[protocol] for protocol in PROTOCOLS)
-        settled = {check.what: check.verdict for check in converged.votes_on(part)}
+        # Some names of checks tell the protocol.
+        settled = {
+            check.what.replace(converged.protocol, published.protocol): check.verdict
+            for check in converged.votes_on(part)
+        }
         checks = tuple(
             replace(check, withheld="a transient")
             if {check.verdict, settled.get(check.what)} == {REPRODUCED, NOT_REPRODUCED}

@@ -68,14 +68,16 @@ def test_a_trend_is_one_of_all_groups(means, verdict):
         # That no reversal is seen is no evidence of none.
         ((1, 2, 2, 3), {"scatter": 0.02}, (REPRODUCED, REPRODUCED, INCONCLUSIVE)),
         # A sure reversal of 3 %: smaller than the share it refutes nothing.
-        ((1, 2, 1.94, 3), {"scatter": 0.01}, (NOT_REPRODUCED, REPRODUCED, NOT_REPRODUCED)),
+        ((1, 2, 1.94, 3), {"scatter": 0.01}, (REPRODUCED, REPRODUCED, NOT_REPRODUCED)),
+        # Nor does a trend that is a sure reversal as a whole.
+        ((1, 0.97), {"scatter": 0.01}, (NOT_REPRODUCED, INCONCLUSIVE, NOT_REPRODUCED)),
     ],
 )
 def test_a_reversal_counts_on_either_side_from_one_share_on(means, options, verdicts):
     rising = groups(*means, replicates=12, **options)
     for margin, verdict in zip((None, 0.05, 0.001), verdicts, strict=True):
         for samples, is_rising in ((rising, True), (rising[::-1], False)):
-            check = trend("x", [samples], rising=is_rising, monotone=True, margin=margin)
+            check = trend("x", [samples], rising=is_rising, margin=margin)
             assert check.verdict == verdict
 
 
@@ -96,7 +98,33 @@ def test_strata_are_compared_within():
     assert trend("x", strata).verdict == NOT_REPRODUCED
     mixed = [groups(1, 2, 3), groups(1, 2, 3), groups(1, 2, 3), groups(3, 2, 1)]
     assert trend("x", mixed).verdict == REPRODUCED
-    assert trend("x", mixed, monotone=True).verdict == NOT_REPRODUCED
+    assert trend("x", mixed, margin=0.05).verdict == NOT_REPRODUCED
+
+
+def watched(*looks):
+    """Return places that have been looked at so often."""
+    return [SimpleNamespace(id=f"{n}", samples=99, freedom=7, looks=n) for n in looks]
+
+
+def test_a_pair_pays_for_the_looks_at_its_own_places():
+    """A reversal between the first two; the third has been looked at nine times."""
+    samples = groups(2, 1.5, 3, replicates=8)
+    free, paid = (trend("x", [samples], places, margin=0.05) for places in ((), watched(1, 1, 9)))
+    assert paid.p_fails == pytest.approx(4 * free.p_fails)
+    assert paid.verdict == NOT_REPRODUCED
+    assert trend("x", [samples], watched(1, 9, 1), margin=0.05).verdict == INCONCLUSIVE
+    # That all of them rise is shown by all of them.
+    rising = groups(1, 2, 3, replicates=8)
+    assert trend("x", [rising], watched(1, 1, 9)).p_holds == pytest.approx(
+        2**10 * trend("x", [rising]).p_holds
+    )
+
+
+def test_a_stratum_of_many_groups_takes_nothing_from_another():
+    """One that falls is as sure beside one of ten groups as beside one of two."""
+    falls, few, many = groups(2, 1.5), groups(1, 2), groups(*range(1, 11))
+    p_values = {trend("x", [falls, other], margin=0.05).p_fails for other in (few, many)}
+    assert len(p_values) == 1 and p_values != {1.0}
 
 
 def test_ranks_need_no_distribution():

@@ -40,6 +40,7 @@ from tests.made.results import made_point, made_results
 
 HOLDS = Check("x", 2.0, 0.1, 1.0, 3.0, points=("p",), samples=50.0)
 FAILS = Check("y", 4.0, 0.1, 1.0, 3.0)
+SETTLES = replace(FAILS, what=HOLDS.what)
 OPEN = Check("z", 3.0, 0.1, 1.0, 3.0)
 NO_RUNS = Variant("converged", DEFAULT, reason="no runs")
 
@@ -106,7 +107,27 @@ def test_the_converged_protocol_decides_where_it_was_run(variants, verdict):
                 variant_of(FAILS, reading="other"),
                 variant_of(OPEN, "converged", "other"),
             ],
+            "reading",
+        ),
+        # What converged runs of the same reading contradict is a transient.
+        (
+            [
+                variant_of(HOLDS, "converged"),
+                variant_of(HOLDS),
+                variant_of(SETTLES, reading="other"),
+                variant_of(HOLDS, "converged", "other"),
+            ],
             "",
+        ),
+        # Another quantity that holds there makes it none.
+        (
+            [
+                variant_of(HOLDS, "converged"),
+                variant_of(HOLDS),
+                variant_of(FAILS, reading="other"),
+                variant_of(HOLDS, "converged", "other"),
+            ],
+            "reading",
         ),
     ],
 )
@@ -124,6 +145,8 @@ def test_a_claim_may_name_the_protocol_that_decides_it():
         claim = judged(*variants).claim.model_copy(update={"protocol": "published"})
         judgement = Judgement(claim, variants)
         assert (judgement.verdict, judgement.decided_by) == (REPRODUCED, "published")
+        another = variant_of(FAILS, "converged", "other"), variant_of(HOLDS, reading="other")
+        assert not Judgement(claim, (*variants, *another)).reading_dependent
 
 
 def test_a_control_is_no_reading():

@@ -14,6 +14,7 @@ from benchmarks.judging import (
     dependence_rate,
     look_rates,
     majority_rates,
+    order_rates,
     rates,
     rates_by_replicates,
     steadiness,
@@ -206,6 +207,18 @@ def test_a_claim_depends_on_readings_that_differ_and_hardly_on_others():
     """Two readings three half widths apart are noticed, and ten on one threshold are not."""
     assert dependence_rate(10, 0, 0, MANY) <= at_most(0.05, MANY)
     assert 1 - dependence_rate(2, 1.5, -1.5, MANY) <= at_most(0.2, MANY)
+
+
+def test_a_transient_of_a_reading_makes_nothing_depend_on_it():
+    """Unless its converged runs leave open what they say."""
+    assert dependence_rate(2, 1.5, 1.5, MANY, transient=-1.5) <= at_most(0.1, MANY)
+    assert dependence_rate(2, 1.5, 0, MANY, transient=-1.5) > 0.7
+
+
+def test_an_order_forgives_a_margin_and_no_more():
+    """A reversal by the margin itself is open, however often it is looked at."""
+    assert order_rates(0, 1, FEW)[0] >= 0.8 and order_rates(0.1, 4, FEW)[1] >= 0.8
+    assert sum(order_rates(0.05, 4, 2 * FEW)) <= at_most(0.05, 2 * FEW)
 
 
 def test_looking_again_until_chance_decides_has_its_price():

@@ -13,9 +13,6 @@ from sim.parameters.belt import ONSET_TRANSPORT
 from tests.made.paper_belt import paper_point
 from tests.made.results import letters, made_boundary, made_results
 
-#: The judge of the other reading, on frequencies in fine steps.
-fine_g1 = partial(g1, step=2)
-
 #: A judge at another threshold.
 g14 = partial(judge_g14, threshold=0.02)
 
@@ -34,6 +31,27 @@ def rows(name, values, frequencies=(20, 50, 80), scalars=None, **rest):
 def base(**rest):
     """Return the row of frequencies with the paper's other parameters."""
     return [paper_point(frequency=frequency, **rest) for frequency in ALL_FREQUENCIES]
+
+
+#: Parameters of the curves of Figs. 1a and 1b but the usual one.
+OTHERS = (
+    *({"vibration_angle": angle} for angle in (30, 60)),
+    *({"amplitude": amplitude} for amplitude in (0.5, 1.5)),
+    {"damping": 0},
+    {"damping": 10, "shear_damping": 10},
+    {"shear_damping": 100},
+)
+
+
+def curves(**rest):
+    """Return all curves of Figs. 1a and 1b."""
+    flowing = (20, 25, 30, 40, 60, 80, 100)
+    others = [
+        paper_point(frequency=frequency, **other, **rest)
+        for other in OTHERS
+        for frequency in flowing
+    ]
+    return [*base(**rest), *others]
 
 
 def replaced(points, scalars, **parameters):
@@ -56,6 +74,9 @@ def halved(frequencies=(14, 14.5, 15, 15.5, 16, 17, 20, 80), **rest):
 
 #: Many beds show what few cannot.
 MANY = {"replicates": 8}
+
+#: So few that scatter so much tell little.
+FEW = {"replicates": 3, "scatter": 0.3}
 
 
 def bent(angle, velocity):
@@ -160,12 +181,19 @@ SMALL = (15, 16, 17, 17.5, 18, 19, 20)
 
 #: Judges, the verdicts of their parts, and worlds that make them.
 WORLDS = [
-    (g1, "R", lambda: base()),
-    # On frequencies 10 Hz apart a dip between them does not show.
-    (g1, "R", lambda: replaced(base(**MANY), {"velocity": 0.05}, frequency=25, **MANY)),
-    (fine_g1, "N", lambda: replaced(base(**MANY), {"velocity": 0.05}, frequency=25, **MANY)),
-    (g1, "N", lambda: replaced(base(**MANY), {"velocity": 0.1}, frequency=60, **MANY)),
-    (g1, "I", lambda: base(scatter=1.5, replicates=3)),
+    (g1, "aR bR", lambda: curves()),
+    # One reversal refutes a rise, of whichever curve.
+    (g1, "aN bR", lambda: replaced(curves(**MANY), {"velocity": 0.05}, frequency=25, **MANY)),
+    (
+        g1,
+        "aN bR",
+        lambda: replaced(curves(**MANY), {"velocity": 0.05}, frequency=60, amplitude=1.5, **MANY),
+    ),
+    # The others have to be known where none is seen.
+    (g1, "aI bR", lambda: base()),
+    (g1, "aN bR", lambda: replaced(base(**MANY), {"velocity": 0.05}, frequency=25, **MANY)),
+    (g1, "aN bN", lambda: replaced(curves(**MANY), {"velocity": 0.1}, frequency=60, **MANY)),
+    (g1, "aI bI", lambda: replaced(curves(**FEW), {"velocity": 0.26}, frequency=60, **FEW)),
     (g2, "R", lambda: rows("vibration_angle", (30, 45, 60))),
     (g2, "N", lambda: [*rows("vibration_angle", (45,)), *bent(30, 1e-3), *bent(60, 0.5)]),
     (g2, "I", lambda: rows("vibration_angle", (30, 45, 60), scatter=3, replicates=2)),

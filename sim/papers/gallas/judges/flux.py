@@ -1,42 +1,60 @@
 """Judges of Gallas' claims about the mean velocity: frequency, angle, amplitude, stiffness."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from math import copysign
 
 import numpy as np
 from uncertainties import UFloat
 
-from sim.claims.checks import Numbers, Pair, above, remove_votes, reported, withhold, within
+from sim.claims.checks import (
+    Numbers,
+    Pair,
+    above,
+    judge_parts,
+    remove_votes,
+    reported,
+    withhold,
+    within,
+)
 from sim.claims.claim import fill
 from sim.claims.evidence import Evidence
-from sim.claims.inference import reported_likelihood, single_rise
+from sim.claims.inference import reported_likelihood, single_rise, trend
 from sim.claims.place import Place, quotient, select_replicated
-from sim.claims.verdict import Check, Untestable
+from sim.claims.verdict import NOT_REPRODUCED, Check, Untestable
 from sim.papers.gallas.judges.lines import (
     MARKERS,
-    MIN_FLOW_FREQUENCY,
     bed,
     pair_label,
     peak_density,
     velocity_order,
-    velocity_trend,
 )
 
-#: Frequencies (Hz) that are needed: those of the coarse grid, and those just after the jump of V.
-COARSE, FINE = (20, 30, 40, 50, 60, 80, 100), (16, 18, 20, 25, 30)
+#: Frequencies (Hz) that are needed at 45°, those just after the jump of V included.
+NEEDED = (16, 18, 20, 25, 30, 40, 50, 60, 80, 100)
 
-#: Step (Hz) of the coarse grid.
-COARSE_STEP = 10
+#: The curve with most frequencies.
+USUAL_CURVE = "45°"
 
 #: Curves of Figs. 1a (the first three) and 1b: label, parameters, and the frequencies (Hz) of beds
 #: that flow.
 _FLOWING = (20, 25, 30, 40, 50, 60, 80, 100)
 CURVES: tuple[tuple[str, dict[str, float], tuple[int, ...]], ...] = (
     ("30°", {"vibration_angle": 30}, _FLOWING),
-    ("45°", {}, _FLOWING),
+    (USUAL_CURVE, {}, _FLOWING),
     ("60°", {"vibration_angle": 60}, _FLOWING),
     ("A_z = 1.5⟨d⟩", {"amplitude": 1.5}, (20, 25, 30, 40, 60, 80, 100)),
     ("A_z = 0.5⟨d⟩", {"amplitude": 0.5}, (25, 30, 40, 60, 80, 100)),
 )
+
+#: The pairs of damping of Fig. 1b, by label.
+DAMPED = {
+    pair_label(*pair): dict(zip(("damping", "shear_damping"), pair, strict=True))
+    for pair in MARKERS
+}
+
+#: Fewest points that tell a straight line from another.
+FEWEST = 3
 
 #: Frequencies (Hz) at which beds creep; in the paper no bed flows there.
 CREEP = (10, 14)
@@ -48,52 +66,73 @@ LIMIT = 500
 def g1(
     evidence: Evidence,
     *,
-    step: float,
     lowest: float,
-    fine_step: float,
-    fine_end: float,
+    lowest_small: float,
     straight: Pair,
     min_r2: float,
     margin: float,
 ) -> list[Check]:
-    """V rises over frequencies at most ``step`` (Hz) apart: a coarse grid, or all of them.
+    """V rises over f along every curve of Figs. 1a and 1b (a), in the end on a line at 45° (b).
 
-    All vote where the step is ``fine_step`` or less; the other grid is shown. The creep, that is
-    V at 10 and 14 Hz over V(20 Hz), is reported.
+    Frequencies are those from ``lowest`` (Hz) on, at the small amplitude from ``lowest_small`` on.
+    Lines through other curves are reported, and the creep: V at 10 and 14 Hz over V(20 Hz).
     """
-    line = select_replicated(evidence.line("belt", "frequency"))
-    if not set(line) >= {*COARSE, *FINE}:
-        raise Untestable("no frequencies 16, 18, 20, 25, 30, 40, 50, 60, 80, 100 Hz with two beds")
-    flowing = {f: place for f, place in line.items() if f in FINE or f >= MIN_FLOW_FREQUENCY}
-    fine = {f: place for f, place in flowing.items() if f >= lowest}
-    coarse = {f: place for f, place in fine.items() if f % COARSE_STEP == 0}
-    fast = {f: place for f, place in coarse.items() if straight[0] <= f <= straight[1]}
-    widest = np.diff([f for f in fine if f <= fine_end]).max()
-    too_coarse = f"frequencies up to {fine_step:g} Hz apart" if widest > fine_step else ""
-    fit = determination(np.array([*fast]), [place.velocity for place in fast.values()])
-    quantity = "R² of a line through V(f), {} to {} Hz".format(*straight)
+    usual = select_replicated(evidence.line("belt", "frequency"))
+    if not set(usual) >= {*NEEDED}:
+        frequencies = ", ".join(map(str, NEEDED))
+        raise Untestable(f"no frequencies {frequencies} Hz with two beds")
+    lines = {}
+    for label, setting in ({label: setting for label, setting, _ in CURVES} | DAMPED).items():
+        first = lowest_small if setting.get("amplitude", 1) < 1 else lowest
+        line = select_replicated(evidence.line("belt", "frequency", **setting))
+        lines[label] = {f: place for f, place in line.items() if f >= first}
     creep = [
         reported(
             f"creep, V({f:g} Hz)/V(20 Hz)",
-            quotient(line[f].velocity, line[20].velocity),
-            (line[f], line[20]),
+            quotient(usual[f].velocity, usual[20].velocity),
+            (usual[f], usual[20]),
         )
         for f in CREEP
-        if f in line
+        if f in usual
     ]
-    by_grid = [
-        velocity_trend(coarse, "f (Hz)", margin=margin, unit="Hz"),
-        *withhold([velocity_trend(fine, "f (Hz)", margin=margin, unit="Hz")], too_coarse),
-    ]
-    if step <= fine_step:
-        by_grid.reverse()
-    return [
-        by_grid[0],
-        *remove_votes(by_grid[1:]),
-        above(quantity, fit, min_r2, fast.values()),
-        *creep,
-        *_single_rises(evidence),
-    ]
+    parts = judge_parts(
+        a=lambda: _rise(lines, margin), b=lambda: _straightness(lines, straight, min_r2)
+    )
+    return [*parts, *creep, *_single_rises(evidence)]
+
+
+def _rise(lines: Mapping[str, Mapping[float, Place]], margin: float) -> list[Check]:
+    """Return the check that V rises along all curves; frequencies of one curve are compared.
+
+    One reversal refutes it, whatever other curves do. That there is none takes all of them.
+    """
+    curves = {label: line for label, line in lines.items() if len(line) > 1}
+    check = trend(
+        "V over f, along each curve",
+        [[place.values("velocity") for place in line.values()] for line in curves.values()],
+        [place for line in curves.values() for place in line.values()],
+        margin=margin,
+        labels=[f"{label}, {f:g} Hz" for label, line in curves.items() for f in line],
+        unit="m/s",
+    )
+    missing = ", ".join(label for label in lines if label not in curves)
+    is_open = missing and check.verdict != NOT_REPRODUCED
+    return withhold([check], f"not run: {missing}" if is_open else "")
+
+
+def _straightness(
+    lines: Mapping[str, Mapping[float, Place]], straight: Pair, min_r2: float
+) -> list[Check]:
+    """Return the checks that V lies on a rising line; that at 45° votes."""
+    checks = []
+    for label, line in lines.items():
+        fast = {f: place for f, place in line.items() if straight[0] <= f <= straight[1]}
+        if len(fast) >= FEWEST:
+            fit = determination(np.array([*fast]), [place.velocity for place in fast.values()])
+            quantity = "R² of a line through V(f), {} to {} Hz, {}".format(*straight, label)
+            check = above(quantity, fit, min_r2, fast.values())
+            checks.append(replace(check, votes=label == USUAL_CURVE))
+    return checks
 
 
 def _single_rises(evidence: Evidence) -> list[Check]:
@@ -127,12 +166,13 @@ def _single_rises(evidence: Evidence) -> list[Check]:
 
 
 def determination(abscissa: np.ndarray, values: Sequence[UFloat]) -> UFloat:
-    """Return R² of the straight line through some values."""
+    """Return R² of the straight line through some values, negative where it falls."""
     centred = abscissa - abscissa.mean()
     mean = sum(values) / len(values)
     deviations = [value - mean for value in values]
     product = sum(x * y for x, y in zip(centred, deviations, strict=True))
-    return product**2 / ((centred**2).sum() * sum(y**2 for y in deviations))
+    share = product**2 / ((centred**2).sum() * sum(y**2 for y in deviations))
+    return copysign(1, product.nominal_value) * share
 
 
 def g2(evidence: Evidence, *, angles: Numbers, lowest: float) -> list[Check]:

@@ -1,15 +1,22 @@
 """Judges of Gallas' claims about the shear friction coefficient."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from math import copysign, log, nan, sqrt
 
 from uncertainties import ufloat
 
-from sim.claims.checks import Numbers, Pair, above, reported, withhold, within
+from sim.claims.checks import Numbers, Pair, above, below, reported, withhold, within
 from sim.claims.evidence import Evidence
 from sim.claims.place import Place, quotient
 from sim.claims.verdict import Check, Untestable
-from sim.papers.gallas.judges.lines import bed, complete_line, elasticity, reason_drifting
+from sim.papers.gallas.judges.lines import (
+    bed,
+    complete_line,
+    elasticity,
+    reason_drifting,
+    velocity_trend,
+)
 
 
 def g9(
@@ -19,28 +26,32 @@ def g9(
     knee: float,
     most: float,
     max_slope: float,
+    margin: float,
     frequencies: Numbers,
     max_drift: float,
     cycles: int,
 ) -> list[Check]:
-    """More than ``min_share`` of the rise with γ_s up to ``most`` (g) is complete at ``knee``.
+    """More than ``min_share`` of the rise with γ_s up to ``most`` (g) is complete at the knee (a).
 
-    Beyond the knee V rises gently: its elasticity is below ``max_slope``.
+    Beyond the ``knee`` (g) V rises gently (b): its elasticity is below ``max_slope``.
     """
     checks = []
     for frequency in frequencies:
         steps = (0, knee, 20, 50, most)
         line = complete_line(evidence, "shear_damping", steps, frequency=frequency)
         gentle = {value: place for value, place in line.items() if value >= knee}
-        start = line[0].velocity
+        start, places = line[0].velocity, tuple(gentle.values())
         share = (line[knee].velocity - start) / (line[most].velocity - start)
         quantity = f"[V({knee}g) - V(0)]/[V({most}g) - V(0)] at {frequency} Hz"
-        rise = f"d ln V/d ln γ_s, {knee}g to {most}g, at {frequency} Hz"
-        pair = [
-            above(quantity, share, min_share, (line[0], line[knee], line[most])),
-            within(rise, elasticity(gentle), 0, max_slope, gentle.values()),
-        ]
-        checks += withhold(pair, _reason_unconverged(evidence, gentle.values(), max_drift, cycles))
+        slope = f"d ln V/d ln γ_s, {knee}g to {most}g, at {frequency} Hz"
+        rise = velocity_trend(gentle, f"γ_s (g), {frequency} Hz,", margin=margin, unit="g")
+        most_of_it = above(quantity, share, min_share, (line[0], line[knee], line[most]))
+        is_gentle = below(slope, elasticity(gentle), max_slope, places)
+        parts = ("a", most_of_it), ("b", rise), ("b", is_gentle)
+        checks += withhold(
+            [replace(check, part=part) for part, check in parts],
+            _reason_unconverged(evidence, places, max_drift, cycles),
+        )
     return checks
 
 
