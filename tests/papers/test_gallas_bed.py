@@ -1,5 +1,6 @@
 """Judges of claims about the bed over height: density, velocity, agitation, snapshots."""
 
+from functools import partial
 from math import nan
 
 import numpy as np
@@ -16,12 +17,13 @@ from sim.papers.gallas.judges.density import (
     g20,
     plateau_end,
 )
-from sim.papers.gallas.judges.snapshots import g26, g27, g28
+from sim.papers.gallas.judges.ranks import ALL, width_of_beads
+from sim.papers.gallas.judges.snapshots import g26, g27, g28, g40
 from sim.papers.gallas.judges.velocity import g21, g22, g23, g29, g30
 from tests.made.paper_belt import BEAD, density, paper_point, temperature_profile, velocity_profile
-from tests.made.results import letters
+from tests.made.results import by_part, checks_of, letters
 
-FREQUENCIES = (10, 20, 60, 80)
+FREQUENCIES = (10, 20, 40, 60, 80, 100)
 PAIRS = ((10, 10), (0, 50), (50, 50), (50, 100))
 
 
@@ -54,6 +56,15 @@ def test_a_plateau_ends_where_the_density_begins_to_fall(slices, end, fall):
     number = exact.reshape(20 * slices, -1).mean(axis=1)
     height = (np.arange(20 * slices) + 0.5) / slices * BEAD
     assert plateau_end(BEAD)(height, number) / BEAD == pytest.approx(end, abs=0.5 / slices)
+
+
+@pytest.mark.parametrize("slices", [1, 2])
+@pytest.mark.parametrize(("share", "width"), [(0.6, 6.0), (0.9, 9.0), (ALL, 10 / 12**0.5)])
+def test_the_width_of_an_even_layer_is_its_share(share, width, slices):
+    """The layer lies between 2 and 12⟨d⟩, whatever the slices."""
+    height = (np.arange(20 * slices) + 0.5) / slices * BEAD
+    number = 1.0 * (abs(height - 7 * BEAD) < 5 * BEAD)
+    assert width_of_beads(share)(height, number) / BEAD == pytest.approx(width, rel=0.01)
 
 
 #: Densities of the bed at 80 Hz: more beads of the usual shape, and a thin layer with a gas.
@@ -96,6 +107,12 @@ def test_chance_alone_makes_differences_neither_small_nor_large():
     assert compare_differences(beds, 0.1)[1][1] <= RISK
 
 
+def gaseous(height):
+    """Return the density of the firmest bed with some beads far above it."""
+    firm = density(paper_point(frequency=80, shear_damping=100).parameters)
+    return firm(height) + 1e4 * (abs(height - 150 * BEAD) < 20 * BEAD)
+
+
 def friction(profiles=None, **rest):
     """Return points at several pairs of damping, those of ``profiles`` with other densities."""
     return [
@@ -133,6 +150,30 @@ def started(fast_lag=0.0, long_lag=0.1, short_lag=0.4, initial=20.0, scatter=1e-
     return points
 
 
+#: Curves of Fig. 3 by their parameters.
+FIGURE_3 = (
+    *({"frequency": f} for f in (20, 60, 80)),
+    *({"frequency": 60, "vibration_angle": angle} for angle in (30, 60)),
+    *({"frequency": 80, "damping": g, "shear_damping": shear} for g, shear in PAIRS if g != shear),
+    {"frequency": 80, "damping": 10, "shear_damping": 10},
+)
+
+
+def figure_3(velocity=None, which=-1, **rest):
+    """Return the points of Fig. 3; that of one curve has another velocity over height."""
+    changed = FIGURE_3[which]
+    profiles = None if velocity is None else {"velocity_profile": velocity}
+    return [
+        paper_point(profiles=profiles if curve is changed else None, **curve, **rest)
+        for curve in FIGURE_3
+    ]
+
+
+def test_the_fall_at_the_top_is_asked_of_runs_of_the_published_length_alone():
+    relaxed = figure_3(protocol="converged")
+    assert by_part(checks_of(g21, relaxed, protocol="converged")).keys() == {"a", "b"}
+
+
 def angles(values=(30, 45, 60, 90), **rest):
     """Return points at several angles."""
     return [paper_point(frequency=60, vibration_angle=angle, **rest) for angle in values]
@@ -148,8 +189,7 @@ def waves(early, later=2.0, **rest):
     ]
 
 
-#: A bed that has not relaxed, one at 20 Hz, and few beds that differ.
-YOUNG = paper_point(frequency=80, damping=10, shear_damping=10)
+#: A bed at 20 Hz, and few beds that differ.
 HOT = paper_point(frequency=20)
 USUAL_HEAT = temperature_profile(HOT.parameters)(HOT.height)
 FEW = {"scatter": 3, "replicates": 2}
@@ -161,11 +201,6 @@ EVEN = {f: {"velocity_profile": lambda z, v=v: v + 0 * z} for f, v in ((10, 1.0)
 WAVES = 0.2 + 0.2 * np.array([[0.2], [-0.2], [0.3], [-0.1], [0.05]]) * np.sin(
     2 * np.arange(200) + 1
 )
-
-
-def profile(velocity):
-    """Return a velocity over height of the bed at 60 Hz."""
-    return {60: {"velocity_profile": velocity}}
 
 
 def beads(frequency, number):
@@ -204,11 +239,24 @@ def occupied(*shares, frequencies=(20, 80, 100), phase=0.01):
     ]
 
 
+def packed(factor):
+    """Return the profiles of the firm bed with a factor on its packing."""
+    number = density(paper_point(frequency=100).parameters)
+    return {
+        "number_density": number,
+        "packing_profile": lambda height: factor * 0.8 * number(height) * BEAD**2,
+    }
+
+
 def firm_and_soft(profiles=None, **rest):
     """Return beds at two coefficients of damping; the softer one may have other profiles."""
     soft = paper_point(profiles=profiles, frequency=100, damping=1, **rest)
     return [paper_point(frequency=100, **rest), soft]
 
+
+#: The reading of a void in the mean over the cycle, and what is none at the beginning.
+mean_g27 = partial(g27, at_phase_0=0)
+AT_PHASE_0 = {"base_occupancy_at_phase_0": 0.1}
 
 #: Judges, the verdicts of their parts, and worlds that make them.
 WORLDS = [
@@ -219,8 +267,9 @@ WORLDS = [
     (g16, "N", lambda: row((20, 60, 80), beads(60, block))),
     (g16, "I", lambda: row((20, 60, 80), scatter=20)),
     (g17, "aR bR", lambda: row()),
-    (g17, "aN bR", lambda: row(profiles=beads(80, SMEARED["denser"]))),
-    (g17, "aR bN", lambda: row(profiles=beads(80, SMEARED["thinner"]))),
+    # Five beds are few for fifteen pairs of frequencies.
+    (g17, "aN bR", lambda: row(profiles=beads(100, SMEARED["denser"]), replicates=8)),
+    (g17, "aR bN", lambda: row(profiles=beads(100, SMEARED["thinner"]), replicates=8)),
     # Two beds cannot show that no pair of frequencies is the other way.
     (g17, "aI bI", lambda: row(replicates=2, scatter=0.5)),
     (g18, "R", lambda: row((10, 60, 80))),
@@ -234,20 +283,17 @@ WORLDS = [
     (g19, "-", lambda: dense_angles(0.0, values=(30, 45, 60))),
     (g20, "aR bR", lambda: friction()),
     (g20, "aN bN", lambda: friction({(10, 10): block})),
+    # A few beads high above widen the whole, and not the layer.
+    (g20, "aR bR", lambda: friction({(50, 100): gaseous})),
+    (partial(g20, share=ALL), "aR bR", lambda: friction()),
+    (partial(g20, share=ALL), "aN bR", lambda: friction({(50, 100): gaseous})),
     (g20, "aR bI", lambda: friction(scatter=0.5)),
-    (g21, "aR bR cR", lambda: [*row(), YOUNG]),
-    (g21, "aN bR cN", lambda: [*row(profiles=profile(lambda z: 0.02 * z / BEAD)), YOUNG]),
-    (
-        g21,
-        "aR bN cN",
-        lambda: [
-            *row(profiles=profile(velocity_profile(row((60,))[0].parameters, lag=-0.3))),
-            YOUNG,
-        ],
-    ),
-    (g21, "aI bI", lambda: row(profiles=profile(WAVES))),
-    # Of runs that have relaxed no fall is asked for.
-    (g21, "aR bR", lambda: row()),
+    (g21, "aR bR cR", lambda: figure_3()),
+    # One curve refutes what all exhibit.
+    (g21, "aN bR cN", lambda: figure_3(lambda z: 0.02 * z / BEAD)),
+    (g21, "aR bN cN", lambda: figure_3(velocity_profile(row((80,))[0].parameters, lag=-0.3), 2)),
+    (g21, "aI bI cI", lambda: figure_3(WAVES)),
+    (g21, "-", lambda: figure_3()[:-1]),
     (g22, "R", lambda: started()),
     (g22, "N", lambda: started(fast_lag=0.3)),
     (g22, "N", lambda: started(long_lag=0.6)),
@@ -273,18 +319,26 @@ WORLDS = [
     ),
     (g26, "aR bR cN", lambda: snapshots("c", {"base_occupancy_at_phase_0": 0.1})),
     (g26, "aR cR", lambda: snapshots()[::2]),
-    (g27, "aR bR", lambda: occupied(0.1, 0.005, 0.001)),
-    (g27, "aN bR", lambda: occupied(0.1, 0.05, 0.001)),
-    (g27, "aI bR", lambda: occupied(0.1, [0.005, 0.05, 0.01, 0.02, 0.02], 0.001)),
-    (g27, "aR bI", lambda: occupied(0.1, 0.005, 0.001, phase=None)),
-    (g27, "aR bN", lambda: occupied(0.1, 0.005, 0.001, phase=0.08)),
+    (partial(g26, at_phase_0=0), "aR bR cR", lambda: snapshots("c", AT_PHASE_0)),
+    (g27, "R", lambda: occupied(0.1, 0.05, 0.05)),
+    (g27, "N", lambda: occupied(0.1, 0.005, 0.001, phase=0.08)),
+    (g27, "I", lambda: occupied(0.1, 0.005, 0.001, phase=None)),
+    (mean_g27, "R", lambda: occupied(0.1, 0.005, 0.001, phase=0.08)),
+    (mean_g27, "N", lambda: occupied(0.1, 0.05, 0.001)),
+    (mean_g27, "I", lambda: occupied(0.1, [0.005, 0.05, 0.01, 0.02, 0.02], 0.001)),
     (g28, "R", lambda: firm_and_soft()),
     (
         g28,
         "N",
         lambda: firm_and_soft({"packing_profile": lambda height: 0.8 * (height < 20 * BEAD)}),
     ),
+    # Less packed by 3 % is neither.
+    (g28, "I", lambda: firm_and_soft(packed(1.03))),
+    (g28, "N", lambda: firm_and_soft(packed(1.08))),
     (g28, "I", lambda: firm_and_soft(scatter=0.5)),
+    (g40, "R", lambda: row(FREQUENCIES[1:])),
+    (g40, "N", lambda: row(FREQUENCIES[1:], {100: {"packing_profile": lambda z: 0.8 + 0 * z}})),
+    (g40, "I", lambda: row(FREQUENCIES[1:], scatter=0.5)),
 ]
 
 

@@ -5,7 +5,7 @@ from contextlib import suppress
 from dataclasses import replace
 from functools import cache
 from itertools import combinations
-from math import inf, nan, sqrt
+from math import nan, sqrt
 
 import numpy as np
 from scipy import stats
@@ -24,18 +24,17 @@ from sim.claims.checks import (
 )
 from sim.claims.evidence import Evidence
 from sim.claims.inference import reported_order, trend
-from sim.claims.place import Place, replicate_mean, select_replicated
+from sim.claims.place import Place, quotient, replicate_mean, select_replicated
 from sim.claims.verdict import Check, Untestable
 from sim.papers.gallas.judges.lines import (
     bed,
     common_beds,
     complete_line,
     half_height,
-    height_spread,
-    layer_width,
     pair_label,
     peak_density,
 )
+from sim.papers.gallas.judges.ranks import ALL, width_label, width_of_beads
 
 DENSITY = "number_density"
 
@@ -138,18 +137,19 @@ def belt_density_ratio(_: np.ndarray, number: np.ndarray) -> float:
     return float(number[0] / number.max())
 
 
-def g17(evidence: Evidence, *, frequencies: Numbers, margin: float) -> list[Check]:
+def g17(evidence: Evidence, *, frequencies: Numbers, shares: Numbers, margin: float) -> list[Check]:
     """Over the frequencies (Hz) the largest density falls (a), and the layer widens (b).
 
-    A reversal between any two that is surely larger than the share ``margin`` refutes either. That
-    there is none so large must be sure as well.
+    Its widths hold the middle ``shares`` of the beads; both have to widen. A reversal between any
+    two frequencies that is surely larger than the share ``margin`` refutes either part. That there
+    is none so large must be sure as well.
     """
     line = complete_line(evidence, "frequency", frequencies)
     places, values = list(line.values()), ", ".join(f"{f:g}" for f in line)
     checks = []
     for part, quantity, measure, power, is_rising in (
         ("a", "ρ_max", peak_density, -2, False),
-        ("b", "width of the layer", layer_width, 1, True),
+        *(("b", width_label(share), width_of_beads(share), 1, True) for share in shares),
     ):
         groups = [
             place.measure_replicates(measure, DENSITY) / place["diameter"] ** power
@@ -167,28 +167,10 @@ def g17(evidence: Evidence, *, frequencies: Numbers, margin: float) -> list[Chec
         order = "rises" if is_rising else "falls"
         likely = reported_order(f"{quantity} {order} over f", [groups], rising=is_rising)
         checks += [replace(check, part=part), likely]
-    for f, place in line.items():
-        width = place.measure(height_spread, DENSITY) / place["diameter"]
-        checks.append(
-            reported(f"standard deviation of the heights, {f:g} Hz", width, [place], "⟨d⟩")
-        )
-    return checks
-
-
-def check_wider(wide: Place, narrow: Place, comparison: str) -> list[Check]:
-    """Return the check that the layer is wider at one place than at another.
-
-    The standard deviation of all heights is reported only: few beads high above can dominate it.
-    """
-    checks = []
-    for quantity, measure, threshold in (
-        ("width of the layer", layer_width, 0),
-        ("standard deviation of the heights", height_spread, -inf),
-    ):
-        gain = (wide.measure(measure, DENSITY) - narrow.measure(measure, DENSITY)) / wide[
-            "diameter"
-        ]
-        checks.append(above(f"{quantity} {comparison}", gain, threshold, (wide, narrow), "⟨d⟩"))
+    for share in (*shares, ALL):
+        for f, place in line.items():
+            width = place.measure(width_of_beads(share), DENSITY) / place["diameter"]
+            checks.append(reported(f"{width_label(share)}, {f:g} Hz", width, [place], "⟨d⟩"))
     return checks
 
 
@@ -278,12 +260,14 @@ def g20(
     shearing: Pair,
     usual: Pair,
     firm: Pair,
+    share: float,
+    margin: float,
     height: float,
     max_change: float,
 ) -> list[Check]:
     """Less friction widens the layer (a); beads below ``height`` (⟨d⟩) hardly change (b).
 
-    Pairs are damping and shear damping (g).
+    Pairs are damping and shear damping (g). The width is that of the middle ``share`` of the beads.
     """
     at_loose, at_shearing, at_usual, at_firm = (
         bed(evidence, frequency, damping=damping, shear_damping=shear)
@@ -291,8 +275,13 @@ def g20(
     )
     checks = []
     for wide, narrow in ((at_loose, at_usual), (at_loose, at_firm), (at_shearing, at_firm)):
-        label = f"at {_pair_label(wide)} less {_pair_label(narrow)}"
-        checks += [replace(check, part="a") for check in check_wider(wide, narrow, label)]
+        places = narrow, wide
+        widths = [place.measure_replicates(width_of_beads(share), DENSITY) for place in places]
+        labels = [_pair_label(place) for place in places]
+        quantity = f"{width_label(share)}, {labels[1]} over {labels[0]}"
+        check = trend(quantity, [widths], places, margin=margin, labels=labels)
+        ratio = quotient(*map(replicate_mean, widths[::-1]))
+        checks += [replace(check, part="a"), reported(quantity, ratio, places)]
     for place in (at_loose, at_shearing):
         change = density_near_belt(place, height) / density_near_belt(at_firm, height) - 1
         pair = f"{_pair_label(place)} over {_pair_label(at_firm)}"

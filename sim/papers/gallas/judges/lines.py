@@ -161,32 +161,9 @@ def mean_between(values: np.ndarray, number: np.ndarray, low: float, high: float
     return float(np.average(values[has_value], weights=weight[has_value]))
 
 
-def height_spread(height: np.ndarray, number: np.ndarray) -> float:
-    """Return the standard deviation (m) of the beads' heights."""
-    mean = np.average(height, weights=number)
-    return float(np.sqrt(np.average((height - mean) ** 2, weights=number)))
-
-
 def peak_density(height: np.ndarray, number: np.ndarray) -> float:
     """Return the largest number density (m⁻²)."""
     return float(number.max())
-
-
-def layer_width(height: np.ndarray, number: np.ndarray) -> float:
-    """Return the width (m) of the layer: where the density exceeds half of its largest value.
-
-    If the lowest slice exceeds it, the layer begins at the belt.
-    """
-    half = 0.5 * number.max()
-    inside = np.flatnonzero(number >= half)
-    first, last = int(inside[0]), int(inside[-1])
-    begin = height[0] - 0.5 * (height[1] - height[0])
-    if first:
-        begin = np.interp(half, number[first - 1 : first + 1], height[first - 1 : first + 1])
-    end = height[-1]
-    if last < height.size - 1:
-        end = np.interp(-half, -number[last : last + 2], height[last : last + 2])
-    return float(end - begin)
 
 
 def half_height(height: np.ndarray, number: np.ndarray) -> float:

@@ -1,6 +1,6 @@
 """Judges of Gallas' claims about velocity and agitation over height, and about density waves."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any
@@ -14,7 +14,12 @@ from sim.claims.inference import mean_of_others, reported_order, trend
 from sim.claims.place import Place, replicate_mean
 from sim.claims.verdict import Check, Untestable
 from sim.measures.belt import EARLY_CYCLES
-from sim.papers.gallas.judges.lines import beads_between, complete_line, mean_between
+from sim.papers.gallas.judges.lines import (
+    beads_between,
+    complete_line,
+    mean_between,
+    pair_label,
+)
 
 PROFILES = ("velocity_profile", "number_density")
 
@@ -47,57 +52,62 @@ def g21(
     evidence: Evidence,
     *,
     frequencies: Numbers,
+    angles: Numbers,
+    angled: float,
+    pairs: Sequence[Pair],
+    damped: float,
     middle: float,
     max_spread: float,
     end: float,
-    frequency: float,
-    damping: float,
 ) -> list[Check]:
     """A plateau (a), slower beads at the belt (b), and at the top in runs not yet relaxed (c).
 
-    ``middle`` and ``end`` are shares of the beads, frequencies are in Hz, the damping in g.
+    The curves are those of Fig. 3: of frequencies (Hz), of angles (degrees) at the one ``angled``,
+    and of pairs of damping and shear damping (g) at the one ``damped``. ``middle`` and ``end`` are
+    shares of the beads.
     """
-    line = complete_line(evidence, "frequency", frequencies)
+    curves: list[dict[str, Any]] = [
+        *({"frequency": f} for f in frequencies),
+        *({"frequency": angled, "vibration_angle": angle} for angle in angles),
+        *({"frequency": damped, "damping": g, "shear_damping": shear} for g, shear in pairs),
+    ]
 
-    def has_plateau() -> list[Check]:
+    def places(**rest: Any) -> list[Place]:
+        return [evidence.at("belt", initial_velocity=0, **curve, **rest) for curve in curves]
+
+    def plateaus() -> list[Check]:
         return [
             below(
-                f"spread of v_x in the middle, {f} Hz", plateau(place, middle), max_spread, (place,)
+                f"spread of v_x in the middle, {_curve_label(place)}",
+                plateau(place, middle),
+                max_spread,
+                [place],
             )
-            for f, place in line.items()
+            for place in places()
         ]
 
-    def dips_at_belt() -> list[Check]:
+    def slower(name: str, shares: Pair, found: list[Place]) -> list[Check]:
+        quantity = f"v_x of the {name} {100 * end:g} % of the beads over the middle"
         return [
             below(
-                _end_label("lowest", end, f), relative_velocity(place, (0, end), middle), 1, [place]
-            )
-            for f, place in line.items()
-        ]
-
-    def lags_at_top() -> list[Check]:
-        published = {"protocol": "published", "initial_velocity": 0}
-        loose = {"damping": damping, "shear_damping": damping}
-        places = [
-            *(evidence.at("belt", frequency=f, **published) for f in frequencies),
-            evidence.at("belt", frequency=frequency, **loose, **published),
-        ]
-        return [
-            below(
-                f"{_end_label('highest', end, place['frequency'])}, γ = γ_s = "
-                f"{place['damping']:g}g, published lengths",
-                relative_velocity(place, (1 - end, 1), middle),
+                f"{quantity}, {_curve_label(place)}",
+                relative_velocity(place, shares, middle),
                 1,
                 [place],
             )
-            for place in places
+            for place in found
         ]
 
-    return judge_parts(a=has_plateau, b=dips_at_belt, c=lags_at_top)
+    return judge_parts(
+        a=plateaus,
+        b=lambda: slower("lowest", (0, end), places()),
+        c=lambda: slower("highest", (1 - end, 1), places(protocol="published")),
+    )
 
 
-def _end_label(name: str, share: float, frequency: float) -> str:
-    return f"v_x of the {name} {100 * share:g} % of the beads over the middle, {frequency:g} Hz"
+def _curve_label(place: Place) -> str:
+    pair = pair_label(place["damping"], place["shear_damping"])
+    return f"{place['frequency']:g} Hz, {place['vibration_angle']:g}°, {pair}"
 
 
 def plateau(place: Place, share: float) -> UFloat:
