@@ -62,10 +62,10 @@ def resilient(speeds=(13, 9, 7), depths=(1.4, 2, 2.9), n=5, **options):
 def rolling(*ratios):
     """Return flows of depths 5, 10, 20, whose bottom layer spins; a shallow one may slide."""
     flows = [
-        flow(15, {"base_rolling": ratio}, **riding(n), depth=n)
-        for n, ratio in zip((5, 10, 20), ratios, strict=True)
+        flow(15, {"base_rolling": ratio}, **riding(n), depth=n, cell=5)
+        for n, ratio in zip((5, 10, 20), ratios, strict=False)
     ]
-    return [flow(5, {"base_rolling": 0.1}, **riding(2.5), depth=2.5), *flows]
+    return [flow(5, {"base_rolling": 0.1}, **riding(2.5), depth=2.5, cell=5), *flows]
 
 
 def riding(n):
@@ -157,7 +157,8 @@ WORLDS = [
     (w29, "aR bN", lambda: rolling(0.7, 0.6, 0.6)),
     (w29, "aN bN", lambda: rolling(0.9, 0.9, 0.3)),
     (w29, "aI bN", lambda: rolling(0.7, 0.6, 0.5)),
-    (w29, "-", lambda: base_flows({1.24: 4, 2.5: 5})),
+    (w29, "-", lambda: rolling(0.98, 0.97, [0.95, 0.95, np.nan, 0.95, 0.95])),
+    (w29, "-", lambda: rolling(0.98, 0.97)),
     (w30, "R", lambda: dissipating(3, 3, 3, 3)),
     (w30, "R", lambda: dissipating(3, 4, 5, 6, friction=9)),
     (w30, "N", lambda: dissipating(1, 4, 12, 36)),

@@ -27,6 +27,7 @@ from sim.papers.walton.judges.chute import (
     flows_of_one_age,
     lost_share,
     majority_if_mixed,
+    reason_incomparable,
     reasons_unrankable,
     stiffness_suffix,
     waive_samples,
@@ -37,18 +38,16 @@ from sim.papers.walton.judges.chute import (
 LOSSES = ("normal_dissipation_profile", "frictional_dissipation_profile")
 
 
-def w29(evidence: Evidence, *, min_depth: float, most: float, slight: float) -> list[Check]:
-    """Spin times radius over velocity of the spheres at the plane, from ``min_depth`` on.
+def w29(
+    evidence: Evidence, *, depths: Numbers, cell: float, most: float, slight: float
+) -> list[Check]:
+    """Spin times radius over velocity of the spheres at the plane, at several depths of one age.
 
-    It exceeds ``most`` (a), and lacks less than ``slight`` of one (b).
+    It exceeds ``most`` (a), and lacks less than ``slight`` of one (b). ``cell`` is in diameters.
     """
-    flows = [
-        place
-        for place in select_replicated(base_flows(evidence, min_depth)).values()
-        if place.regime != "accelerating"
-    ]
-    if not flows:
-        raise Untestable(f"no flow with n ≥ {min_depth} that does not accelerate")
+    flows = flows_of_one_age(evidence, [{"depth": n, "cell": cell} for n in depths])
+    if not all(np.isfinite(place.values("base_rolling")).all() for place in flows):
+        raise Untestable("flows whose spins were not recorded")
     checks = []
     for part, least in (("a", most), ("b", 1 - slight)):
         for place in flows:
@@ -56,7 +55,7 @@ def w29(evidence: Evidence, *, min_depth: float, most: float, slight: float) -> 
             check = above(quantity, place.value("base_rolling"), least, [place])
             check = majority_if_mixed(check, place, place.values("base_rolling"))
             checks.append(replace(check, part=part))
-    return withhold_unsettled(checks, flows)
+    return withhold(withhold_unsettled(checks, flows), reason_incomparable(flows))
 
 
 def w30(
@@ -102,8 +101,8 @@ def w31(
 ) -> list[Check]:
     """Velocity (a) and packing (b) by layers at the end of the window less those over the window.
 
-    At ``variety`` depths or more no layer with ``min_share`` of the mass differs by ``margin`` of
-    the largest.
+    At ``variety`` depths or more none differs by ``margin`` of the largest. Layers count that have
+    ``min_share`` of the spheres of the fullest.
     """
     flows = select_replicated(base_flows(evidence, min_depth))
     if len(flows) < variety:
@@ -138,12 +137,8 @@ def _least_room(place: Place, name: str, min_share: float, margin: float) -> UFl
     (window, height), (end, _) = (place.profile(f"{name}{of}") for of in ("", "_instantaneous"))
     packings = [place.profile(f"packing_profile{of}")[0] for of in ("", "_instantaneous")]
     number = np.floor(height / place["diameter"]).astype(int)
-    mass = packings[0].mean(axis=0)
-    counted = [
-        layer
-        for layer in range(number.max() + 1)
-        if mass[number == layer].sum() > min_share * mass.sum()
-    ]
+    mass = np.bincount(number, packings[0].mean(axis=0))
+    counted = np.flatnonzero(mass > min_share * mass.max())
 
     def by_layers(rows: np.ndarray, packing: np.ndarray) -> np.ndarray:
         weights = packing if name == "velocity_profile" else np.ones_like(packing)
