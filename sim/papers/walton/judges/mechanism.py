@@ -43,14 +43,15 @@ def w29(
 ) -> list[Check]:
     """Spin times radius over velocity of the spheres at the plane, at several depths of one age.
 
-    It exceeds ``most`` (a), and lacks less than ``slight`` of one (b). ``cell`` is in diameters.
+    It exceeds ``most``, each depth a part, and at no depth lacks ``slight`` of one (d). ``cell`` is
+    in diameters.
     """
     flows = flows_of_one_age(evidence, [{"depth": n, "cell": cell} for n in depths])
     if not all(np.isfinite(place.values("base_rolling")).all() for place in flows):
         raise Untestable("flows whose spins were not recorded")
     checks = []
-    for part, least in (("a", most), ("b", 1 - slight)):
-        for place in flows:
+    for parts, least in (("abc", most), ("ddd", 1 - slight)):
+        for part, place in zip(parts, flows, strict=True):
             quantity = f"spin times radius over velocity at the plane, {depth_label(place)}"
             check = above(quantity, place.value("base_rolling"), least, [place])
             check = majority_if_mixed(check, place, place.values("base_rolling"))
