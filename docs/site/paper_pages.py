@@ -14,7 +14,7 @@ from typing import Any
 import jinja2
 import xarray as xr
 
-from sim.report.claims import VERDICTS, count_verdicts, read_claims
+from sim.report.claims import VERDICTS, count_verdicts, is_on_flows, model_checks, read_claims
 from sim.report.numbers import value_with_interval
 from sim.report.publish import PUBLISHED
 from sim.study.papers import papers
@@ -98,7 +98,8 @@ def results_page(
         number=partial(_number, claims),
         counts=count_verdicts(list(claims.values())),
         changes=changes(list(claims.values())),
-        statements=len(claims),
+        statements=sum(map(is_on_flows, claims.values())),
+        checks=model_checks(claims.values()),
         papers={name: paper.author for name, paper in PAPERS.items()},
         verdicts=VERDICTS,
         runs=runs,
@@ -176,9 +177,9 @@ def _totals(claims: Sequence[Mapping[str, Any]]) -> str:
     for verdict in VERDICTS:
         cells = []
         for paper in PAPERS:
-            of_paper = [claim for claim in claims if claim["paper"] == paper]
+            of_paper = [one for one in claims if one["paper"] == paper and is_on_flows(one)]
             cells += [
-                sum(claim[when]["verdict"] == verdict for claim in of_paper)
+                sum(_then(claim, when) == verdict for claim in of_paper)
                 for when in ("first", "round_two")
             ]
             cells.append(now[paper][verdict])
@@ -189,15 +190,21 @@ def _totals(claims: Sequence[Mapping[str, Any]]) -> str:
 
 def changes(claims: Sequence[Mapping[str, Any]]) -> tuple[int, int]:
     """Return how many headline verdicts changed from the first to the second round, and to now."""
+    judged = [claim for claim in claims if claim["round_two"]]
     return (
-        sum(claim["first"]["verdict"] != claim["round_two"]["verdict"] for claim in claims),
-        sum(claim["round_two"]["verdict"] != claim["verdict"] for claim in claims),
+        sum(_then(claim, "first") != _then(claim, "round_two") for claim in judged),
+        sum(_then(claim, "round_two") != claim["verdict"] for claim in judged),
     )
 
 
+def _then(claim: Mapping[str, Any], when: str, by: str = "verdict") -> str:
+    """Return an earlier verdict, a dash of a claim that is newer."""
+    return claim[when][by] if claim[when] else "–"
+
+
 def _row(claim: Mapping[str, Any]) -> str:
-    first, second, now = claim["first"], claim["round_two"], claim["verdict"]
-    verdict = f"**{now}**" if second["verdict"] != now else now
+    now, second = claim["verdict"], _then(claim, "round_two")
+    verdict = f"**{now}**" if claim["round_two"] and second != now else now
     if claim["condition"]:
         verdict += f" {claim['condition']}"
     if claim["part_verdicts"]:
@@ -208,7 +215,8 @@ def _row(claim: Mapping[str, Any]) -> str:
         f"{number['value']:g}: {number['verdict']}" for number in claim["by_number"]
     )
     title = f"{claim['id']} {claim['title']}"
-    cells = title, first["verdict"], second["verdict"], second["referee"], verdict, numbers
+    referee = _then(claim, "round_two", "referee")
+    cells = title, _then(claim, "first"), second, referee, verdict, numbers
     return f"| {' | '.join(cells)} |"
 
 
