@@ -13,6 +13,8 @@ from docs.site.paper_pages import published_claims, results_page, verdicts_page
 from sim.claims.claim import claims
 from sim.claims.evidence import Evidence, readings_of
 from sim.claims.judge import judge
+from sim.claims.place import replicate_mean
+from sim.claims.verdict import SIGMAS
 from sim.claims.verdict_files import as_mapping
 from sim.dataset.gather import read_run
 from sim.dataset.replicates import PARAMETERS, outcome
@@ -20,6 +22,7 @@ from sim.dataset.results import load_results
 from sim.engine.run import run_point
 from sim.parameters import SYSTEMS, parse_point, point_id
 from sim.report.claims import VERDICTS, count_verdicts, model_checks, read_claims
+from sim.report.numbers import value_with_interval
 from sim.report.publish import MOST_BYTES, PUBLISHED, folder_size
 from sim.study.load import load_study
 from sim.study.model import estimate
@@ -156,6 +159,9 @@ SENTENCES = {
         "Single beds of {gallas.other} further points",
         "Of {walton.fast} fast beds of depths 1.24 to 5 none rests at 2.1 or 2.6 tan θ",
     ),
+    "docs/validation.md": (
+        "in {walton.steady} published flows their ratio is tan θ but for {walton.balance} %",
+    ),
     "docs/performance.md": ("Gallas' published dataset ({gallas.points:,} points",),
     "README.md": ("{gallas.fewest} to {gallas.most} beds a point",),
 }
@@ -186,6 +192,13 @@ def numbers(study: Path) -> SimpleNamespace:
         beds = dataset["regime"].where(fast & (dataset["depth"] <= 5), "")
         assert not (beds == "arrested").any()
         found["fast"] = int((beds != "").sum())
+        steady = dataset["point_regime"] == "steady"
+        ratio = (dataset["shear_balance"] / dataset["normal_balance"])[steady].mean("replicate")
+        excess = 100 * (replicate_mean(ratio.values) - 1)
+        found["steady"] = ratio.size
+        found["balance"] = value_with_interval(excess.n, SIGMAS * excess.s).replace(
+            "-", "\N{MINUS SIGN}"
+        )
     if study.name == "paper_gallas":
         beyond = dataset["caveat"].str.contains("beyond the stability")
         lacking = (missing > 0.005).any("replicate")
