@@ -19,7 +19,7 @@ from sim.dataset.replicates import PARAMETERS, outcome
 from sim.dataset.results import load_results
 from sim.engine.run import run_point
 from sim.parameters import SYSTEMS, parse_point, point_id
-from sim.report.claims import VERDICTS, count_verdicts, read_claims
+from sim.report.claims import VERDICTS, count_verdicts, model_checks, read_claims
 from sim.report.publish import MOST_BYTES, PUBLISHED, folder_size
 from sim.study.load import load_study
 from sim.study.model import estimate
@@ -95,7 +95,18 @@ def test_the_readme_counts_the_verdicts(study):
     ((paper, found),) = count_verdicts(claims).items()
     numbers = " | ".join(str(found[verdict]) for verdict in VERDICTS)
     line = f"]({study.relative_to(ROOT)}/report.html) | {numbers} |"
-    assert line in (ROOT / "README.md").read_text(encoding="utf-8"), f"{paper}: {line}"
+    readme, checks = (ROOT / "README.md").read_text(encoding="utf-8"), model_checks(claims)
+    assert line in readme, f"{paper}: {line}"
+    words = f"{checks['reproduced']} of {checks['tested']} checks of the model"
+    assert not checks["tested"] or words in readme
+
+
+@pytest.mark.parametrize("study", STUDIES, ids=name)
+def test_it_is_said_what_happens_instead_of_each_claim_that_does_not_simply_hold(study):
+    for claim in read_claims(study / "claims.json", replaceable=False):
+        assert bool(claim["instead"]) == (
+            claim["verdict"] != "reproduced" or bool(claim["condition"])
+        )
 
 
 @pytest.mark.parametrize("study", STUDIES, ids=name)

@@ -51,9 +51,9 @@ WEIGHT = {
     "dataset": 1_478,
     "surrogates": 1_837,
     "figures": 3_416,
-    "claims": 1_436,
-    "papers": 2_248,
-    "report": 2_320,
+    "claims": 1_462,
+    "papers": 2_506,
+    "report": 2_324,
     "verify": 462,
 }
 

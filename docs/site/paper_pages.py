@@ -6,7 +6,7 @@ site alone.
 
 import json
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ import jinja2
 import xarray as xr
 from uncertainties import ufloat
 
-from sim.report.claims import VERDICTS, count_verdicts, read_claims
+from sim.report.claims import VERDICTS, count_verdicts, is_on_flows, read_claims
 from sim.report.publish import PUBLISHED
 from sim.study.papers import papers
 
@@ -96,10 +96,10 @@ def results_page(
     text = template.render(
         claim=partial(_claim, claims),
         number=partial(_number, claims),
-        counts=count_verdicts(_on_flows(claims.values())),
-        checks=[name for name, claim in claims.items() if claim["kind"] != "flow"],
+        counts=count_verdicts(list(claims.values())),
+        checks=[name for name, claim in claims.items() if not is_on_flows(claim)],
         changes=changes(list(claims.values())),
-        statements=len(claims),
+        statements=sum(map(is_on_flows, claims.values())),
         papers={name: paper.author for name, paper in PAPERS.items()},
         verdicts=VERDICTS,
         runs=runs,
@@ -150,11 +150,6 @@ def _number(
     return text.replace("-", "\N{MINUS SIGN}")
 
 
-def _on_flows(claims: Iterable[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
-    """Return the claims but those that check the model."""
-    return [claim for claim in claims if claim["kind"] == "flow"]
-
-
 def verdicts_page(claims: Sequence[Mapping[str, Any]]) -> str:
     """Return the page as Markdown text.
 
@@ -186,9 +181,9 @@ def _totals(claims: Sequence[Mapping[str, Any]]) -> str:
     for verdict in VERDICTS:
         cells = []
         for paper in PAPERS:
-            of_paper = [claim for claim in claims if claim["paper"] == paper]
+            of_paper = [one for one in claims if one["paper"] == paper and is_on_flows(one)]
             cells += [
-                sum(_verdict(claim[when]) == verdict for claim in of_paper)
+                sum(_then(claim, when) == verdict for claim in of_paper)
                 for when in ("first", "round_two")
             ]
             cells.append(now[paper][verdict])
@@ -198,26 +193,22 @@ def _totals(claims: Sequence[Mapping[str, Any]]) -> str:
 
 
 def changes(claims: Sequence[Mapping[str, Any]]) -> tuple[int, int]:
-    """Return how many headline verdicts changed from the first to the second round, and to now.
-
-    Claims that were added since count in neither.
-    """
+    """Return how many headline verdicts changed from the first to the second round, and to now."""
     judged = [claim for claim in claims if claim["round_two"]]
     return (
-        sum(claim["first"]["verdict"] != claim["round_two"]["verdict"] for claim in judged),
-        sum(claim["round_two"]["verdict"] != claim["verdict"] for claim in judged),
+        sum(_then(claim, "first") != _then(claim, "round_two") for claim in judged),
+        sum(_then(claim, "round_two") != claim["verdict"] for claim in judged),
     )
 
 
-def _verdict(judged: Mapping[str, Any] | None) -> str:
-    """Return the verdict of a round, a dash for a claim that was not judged in it."""
-    return judged["verdict"] if judged else "–"
+def _then(claim: Mapping[str, Any], when: str, by: str = "verdict") -> str:
+    """Return an earlier verdict, a dash of a claim that is newer."""
+    return claim[when][by] if claim[when] else "–"
 
 
 def _row(claim: Mapping[str, Any]) -> str:
-    first, second, now = _verdict(claim["first"]), _verdict(claim["round_two"]), claim["verdict"]
-    referee = claim["round_two"]["referee"] if claim["round_two"] else "–"
-    verdict = f"**{now}**" if second not in (now, "–") else now
+    now, second = claim["verdict"], _then(claim, "round_two")
+    verdict = f"**{now}**" if claim["round_two"] and second != now else now
     if claim["condition"]:
         verdict += f" {claim['condition']}"
     if claim["part_verdicts"]:
@@ -228,7 +219,8 @@ def _row(claim: Mapping[str, Any]) -> str:
         f"{number['value']:g}: {number['verdict']}" for number in claim["by_number"]
     )
     title = f"{claim['id']} {claim['title']}"
-    cells = title, first, second, referee, verdict, numbers
+    referee = _then(claim, "round_two", "referee")
+    cells = title, _then(claim, "first"), second, referee, verdict, numbers
     return f"| {' | '.join(cells)} |"
 
 

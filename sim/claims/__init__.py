@@ -16,7 +16,7 @@ FOR_JUDGES = {
     ),
     "inference": (
         *("trend", "reported_order", "outranks", "same_by_rank", "share_above", "reported_share"),
-        *("pooled_checks", "smallest_mean"),
+        "smallest_mean",
     ),
     "verdict": ("Check", "Untestable", "Unbounded", "Ambiguous"),
 }

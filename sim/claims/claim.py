@@ -148,7 +148,9 @@ class Claim(Declared):
     reason: Text = Field("", description="why the criterion is what it is")
     needs: Text = Field("", description="runs that decide it")
     instead: Text = Field("", description="what happens instead, where it does not simply hold")
-    kind: Literal["model", "flow"] = Field("flow", description="judged by itself or from runs")
+    kind: Literal["model", "check", "flow"] = Field(
+        "flow", description="on the model, judged by itself; so from runs; or a statement on flows"
+    )
     figures: list[str] = Field([], description="figures that show it")
     first: First | None = Field(None, description="how it was judged first")
     round_two: RoundTwo | None = Field(None, description="how it was judged in the second round")
@@ -224,7 +226,7 @@ class Claim(Declared):
             parts = {check.part for check in checks if check.has_vote}
             if unknown := parts - set(self.parts or ("",)):
                 raise ValueError(f"{self.id} has no part {', '.join(sorted(unknown))}")
-            if self.kind == "flow":
+            if self.kind != "model":
                 subject.require_points({*check.points, *check.short} for check in checks)
             return checks
         except (Untestable, Ambiguous) as error:

@@ -1,7 +1,7 @@
 """Tests without an interval: trends, ranks, shares of runs. Their statistics come from scipy."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from itertools import chain, combinations, pairwise
@@ -296,23 +296,6 @@ def _p_value_check(
     # Replicates are ranked or counted, however many independent samples each of them has.
     check = within(quantity, value, *bounds, places)
     return replace(check, half_width=nan, tested=p_values, samples=inf, freedom=inf)
-
-
-def pooled_checks(
-    quantity: str, flows: Mapping[float, Place], values: Sequence[UFloat], largest: float
-) -> list[Check]:
-    """Return the checks that a quantity deviates from zero by less than ``largest`` at all depths.
-
-    The mean over the flows decides, with equal weights: weights from the errors of a few replicates
-    would favour flows that seem certain by chance. A single flow has a vote only where it is
-    clearly beyond the bounds, with Bonferroni's correction. Otherwise it is shown without a vote.
-    """
-    mean, name = sum(values) / len(values), f"{quantity}, {len(flows)} depths"
-    checks = [within(name, mean, -largest, largest, flows.values())]
-    for (n, place), value in zip(flows.items(), values, strict=True):
-        check = within(f"{quantity}, n = {n:g}", value, -largest, largest, [place])
-        checks.append(replace(check, votes=check.p_fails < RISK / (len(flows) + 1)))
-    return checks
 
 
 def mean_of_others(rows: np.ndarray, axis: int = 0) -> np.ndarray:

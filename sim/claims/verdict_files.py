@@ -164,6 +164,7 @@ def as_table(judgements: list[Judgement]) -> pd.DataFrame:
             "first verdict": claim.first.verdict if claim.first else "",
             "verdict on the claim": judgement.verdict,
             "verdict by number": "; ".join(by_number),
+            "instead": claim.instead,
         }
         for variant in judgement.variants:
             shared = about | {

@@ -66,10 +66,18 @@ def _read(path: Path, replaceable: bool = True) -> dict[str, Any]:
         return parse_sealed_json(path.read_text(encoding="utf-8"))
 
 
+def is_on_flows(claim: Mapping[str, Any]) -> bool:
+    """Return whether a claim is a statement on flows; others are checks of the model.
+
+    What the model is made of holds for any correct program, whatever flows do.
+    """
+    return claim["kind"] == "flow"
+
+
 def count_verdicts(claims: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, int]]:
-    """Return the number of claims by the short name of the paper and by verdict."""
-    found = Counter((claim["paper"], claim["verdict"]) for claim in claims)
-    known = {paper for paper, _ in found}
+    """Return the number of statements on flows by the short name of the paper and by verdict."""
+    found = Counter((claim["paper"], claim["verdict"]) for claim in claims if is_on_flows(claim))
+    known = {claim["paper"] for claim in claims}
     return {
         paper: {verdict: found[paper, verdict] for verdict in VERDICTS}
         for paper in papers()
@@ -81,7 +89,7 @@ def papers_of(claims: Iterable[Mapping[str, Any]], study: Study) -> set[str]:
     """Return the papers that count for a study.
 
     That is the one it names, those whose figures it feeds, and, if it names none, those with a
-    claim that its runs can decide, other than on the contact law alone.
+    claim on flows that its runs can decide.
     """
     fed = [spec.paper for spec in study.entries.values() if spec.paper]
     named = {
@@ -105,8 +113,8 @@ def protocols_of(claims: Iterable[Mapping[str, Any]]) -> list[str]:
 
 
 def has_tested_claims(claims: Iterable[Mapping[str, Any]]) -> bool:
-    """Return whether any claim was tested by runs; those on the contact model do not count."""
-    return any(claim["kind"] != "model" and claim["verdict"] != "untestable" for claim in claims)
+    """Return whether any claim on flows was tested."""
+    return any(is_on_flows(claim) and claim["verdict"] != "untestable" for claim in claims)
 
 
 def tests_a_paper(claims: Sequence[Mapping[str, Any]]) -> bool:
@@ -115,10 +123,10 @@ def tests_a_paper(claims: Sequence[Mapping[str, Any]]) -> bool:
     return any(2 * tested[name] > len(paper.claims) for name, paper in papers().items())
 
 
-def engine_checks(claims: Iterable[Mapping[str, Any]]) -> dict[str, int]:
-    """Return how many claims on the contact law alone were ``tested`` and ``reproduced``."""
+def model_checks(claims: Iterable[Mapping[str, Any]]) -> dict[str, int]:
+    """Return how many checks of the model were ``tested`` and ``reproduced``."""
     checks = [
-        claim for claim in claims if claim["kind"] == "model" and claim["verdict"] != "untestable"
+        claim for claim in claims if not is_on_flows(claim) and claim["verdict"] != "untestable"
     ]
     reproduced = sum(claim["verdict"] == "reproduced" for claim in checks)
     return {"tested": len(checks), "reproduced": reproduced}
@@ -150,6 +158,7 @@ def claim_rows(
                 for variant in reversed(claim["variants"])
                 if variant["reading"] in claim["headings"]
             },
+            "holds_simply": claim["verdict"] == "reproduced" and not claim["condition"],
             "depends": [name for name in ("protocol", "reading") if claim[f"{name}_dependent"]],
             "variants": [_variant(variant, claim) for variant in claim["variants"]],
             "cost": _cost(claim, rows),
@@ -200,7 +209,7 @@ def reading_tables(claims: Sequence[Mapping[str, Any]], results: Results) -> lis
     """
     tables = []
     for name, paper in papers().items():
-        own = [claim for claim in claims if claim["paper"] == name and claim["kind"] != "model"]
+        own = [claim for claim in claims if claim["paper"] == name and is_on_flows(claim)]
         words = list(dict.fromkeys(label for claim in own for label in claim["by_reading"]))
         if len(words) > 1:
             combined = combined_readings(results, paper.system, paper)

@@ -60,7 +60,7 @@ series:
     system: chute
     grid: {depth: [1.24, 2.5, 5, 10, 20, 40]}
     figures:
-      [walton_1_1, walton_1_2, walton_1_3, walton_1_4, walton_1_5, walton_1_6, overlaps,
+      [walton_1_1, walton_1_2, walton_1_3, walton_1_4, walton_1_5, overlaps,
        animation_rolling, animation_sheared, animation_plug]
   - name: longer_rows
     system: chute
@@ -71,6 +71,10 @@ series:
     system: chute
     grid: {stiffness: [1000], depth: [5, 10]}
     figures: [overlaps]
+  - name: stiff_row
+    system: chute
+    grid: {stiffness: [1000], depth: [40]}
+    figures: [walton_1_6]
   - name: frictions
     system: chute
     grid: {friction: [0.2, 0.65, 0.8]}

@@ -62,6 +62,7 @@ def made_claims(points: list[str]) -> list[Judgement]:
             "Deeper is faster",
             *(converged("default", (good,)), published("default", (bad, good))),
             figures=["walton_2"],
+            instead="Runs of a fixed length do not tell depths apart.",
         ),
         _judged(
             "G3",

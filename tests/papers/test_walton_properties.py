@@ -7,7 +7,7 @@ import pytest
 
 from sim.claims.evidence import Evidence
 from sim.claims.verdict import INCONCLUSIVE, REPRODUCED
-from sim.papers.walton.judges.properties import w15, w16, w20, w21, w22
+from sim.papers.walton.judges.properties import w15, w20, w21, w22
 from tests.made.chute_flows import (
     PACKING,
     SIZE,
@@ -46,14 +46,6 @@ def crystals(share=0.8, usual=0.8, spread=0.3, bumps=0.1, wide=0.6, rest=0.0, sc
         ordered_flow(spread, diameter_spread=0.1, rest=rest, **narrow),
         ordered_flow(bumps, bumps=1, **narrow),
         ordered_flow(wide, depth=10, cell=20, **options),
-    ]
-
-
-def resilient(speeds=(13, 9, 7), depths=(1.4, 2, 2.9), n=5, **options):
-    """Return flows at one depth along the restitution."""
-    return [
-        flow(speed, {"shear_depth": depth * SIZE}, depth=n, restitution=e, **options)
-        for e, speed, depth in zip((0.7, 0.85, 0.95), speeds, depths, strict=True)
     ]
 
 
@@ -125,7 +117,6 @@ def runaway(points, number: int):
     [
         (w15, crystals(), 2, "a"),
         (w15, crystals(), 4, "b"),
-        (w16, resilient(), 0, "a"),
         (w20, soft(), 0, "a"),
         (w21, stiff(), 1, "a"),
         (w21, stiff(), 4, "b"),
@@ -146,11 +137,6 @@ WORLDS = [
     (w15, "aR bR cR dN", lambda: crystals(wide=0.85)),
     (w15, "aR bR cR", lambda: crystals()[:-1]),
     (w15, "-", lambda: base_flows({1.24: 4.4, 5: 8.2})),
-    (w16, "aR", lambda: resilient()),
-    (w16, "aN", lambda: resilient(speeds=(7, 9, 13))),
-    (w16, "aN", lambda: resilient(depths=(3, 2, 1.5))),
-    (w16, "aI", lambda: resilient(speeds=(9, 9, 9))),
-    (w16, "-", lambda: resilient(replicates=1)),
     (w20, "aR bR", lambda: soft()),
     (w20, "aN bR", lambda: soft(median=0.011)),
     (w20, "aR bN", lambda: soft(dynamic=0.02)),

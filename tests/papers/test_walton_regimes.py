@@ -7,7 +7,7 @@ import pytest
 
 from sim.dataset.replicates import CLOSED_SHARE
 from sim.papers.walton.judges.chute import CELLS
-from sim.papers.walton.judges.flows import w5, w9, w23, w24, w26
+from sim.papers.walton.judges.flows import w5, w9, w23, w24
 from sim.papers.walton.judges.regimes import w6, w7, w8, w19, w25
 from tests.made.chute_flows import PAPER, SLOPE, SPEEDS, WIDE, base_flows, flow
 from tests.made.results import headline_bounds, letters, made_boundary, made_point
@@ -107,7 +107,7 @@ def test_a_ledger_closes_as_caveats_demand():
 
 #: Values of a right flow at depth 5, a ledger that a replicate lacks, and no flow at all.
 RIGHT = flow(8, depth=5).scalars
-POWER, NORMAL, SHEAR = (RIGHT[n] for n in ("normal_power", "base_normal", "base_shear"))
+POWER = RIGHT["normal_power"]
 LACKING = [1e-5, np.nan, 1e-5, 1e-5, 1e-5]
 BELT = [made_point("belt", {"velocity": 0.1})]
 
@@ -173,14 +173,6 @@ WORLDS = [
     # A balance is one of steady flows, and of more than a run.
     (w24, "-", lambda: [flow(9, {"acceleration": 0.1 * SLOPE}, depth=7)]),
     (w24, "-", lambda: [flow(9, depth=7, replicates=1)]),
-    (w26, "R", lambda: base_flows()),
-    (
-        w26,
-        "N",
-        lambda: [*base_flows({1.24: 4.4}), flow(8, {"base_normal": 1.01 * NORMAL}, depth=5)],
-    ),
-    (w26, "N", lambda: [*base_flows({1.24: 4.4}), flow(8, {"base_shear": 1.01 * SHEAR}, depth=5)]),
-    (w26, "I", lambda: base_flows(scatter=5, replicates=2)),
 ]
 
 

@@ -9,7 +9,9 @@ from sim.claims.verdict_files import as_mapping
 from sim.report.claims import (
     VERDICTS,
     claim_rows,
+    count_verdicts,
     has_tested_claims,
+    model_checks,
     papers_of,
     protocols_of,
     reading_tables,
@@ -38,6 +40,19 @@ def test_a_row_has_what_the_outline_of_the_page_does_not_show():
     assert protocols_of(rows.values()) == ["published", "converged"]
     assert protocols_of([rows["G6"]]) == ["published"] and not protocols_of([rows["W1"]])
     assert not has_tested_claims([rows["W1"], rows["G31"]]) and has_tested_claims([rows["G3"]])
+
+
+def test_checks_of_the_model_are_counted_apart():
+    shared = {"paper": "walton", "verdict": "reproduced"}
+    claims = [shared | {"kind": kind} for kind in ("model", "check", "flow", "flow")]
+    claims[0] |= {"verdict": "not reproduced"}
+    claims[3] |= {"verdict": "untestable"}
+    (found,) = count_verdicts(claims).values()
+    assert {verdict: number for verdict, number in found.items() if number} == {
+        "reproduced": 1,
+        "untestable": 1,
+    }
+    assert model_checks(claims) == {"tested": 2, "reproduced": 1}
 
 
 @pytest.mark.parametrize(

@@ -119,8 +119,8 @@ def test_a_study_that_is_not_judged_or_tests_no_claim_says_so(made, page):
     path.write_text(to_sealed_json(document | {"claims": kept}), encoding="utf-8")
     found = read(made)
     path.write_text(content, encoding="utf-8")
-    assert "test none of the papers' claims. 1 of 1 engine check holds" in found.text
-    assert "tested claims" not in found.text and "tested claims" in page.text
+    assert "test none of the papers' claims. 1 of 1 check of the model holds" in found.text
+    assert "flows reproduced" not in found.text and "flows reproduced" in page.text
     sections, usual = found.sections(), page.sections()
     assert sections.index("figures") < sections.index("claims")
     assert usual.index("claims") < usual.index("figures")

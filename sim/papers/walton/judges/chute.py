@@ -49,6 +49,17 @@ def driving_acceleration(place: Place) -> float:
     return place["gravity"] * sin(radians(place["angle"]))
 
 
+def lost_power(place: Place) -> np.ndarray:
+    """Return the power (W) that collisions and friction dissipate, (R,)."""
+    return place.values("normal_power") + place.values("frictional_power")
+
+
+def lost_share(place: Place) -> np.ndarray:
+    """Return the power lost over that of gravity, N m g V sin θ, (R,)."""
+    weight = place["particles"] * place["mass"] * driving_acceleration(place)
+    return lost_power(place) / (weight * place.values("velocity"))
+
+
 def acceleration(place: Place) -> UFloat:
     """Return dV/dt over g sin θ, from the mean signed slope of all replicates."""
     return place.velocity_change / place.window / driving_acceleration(place)

@@ -1,11 +1,11 @@
-"""Judges of Walton's claims about flows as a whole: depth, starts, energy, forces."""
+"""Judges of Walton's claims about flows as a whole: depth, starts, energy."""
 
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from itertools import chain
-from math import inf, nan, radians, tan
+from math import inf, nan
 from string import ascii_lowercase
 
 import numpy as np
@@ -21,16 +21,17 @@ from sim.claims.checks import (
     within,
 )
 from sim.claims.evidence import ANY, Evidence
-from sim.claims.inference import pooled_checks, same_by_rank, trend
+from sim.claims.inference import same_by_rank, trend
 from sim.claims.place import Place, quotient, replicate_mean, select_replicated
 from sim.claims.verdict import Check, Untestable
 from sim.papers.walton.judges.chute import (
     CELLS,
     WIDTHS,
     base_flows,
-    driving_acceleration,
     flows_of_one_age,
     is_flowing,
+    lost_power,
+    lost_share,
     natural_speed,
     reason_incomparable,
     reason_unrankable,
@@ -126,13 +127,8 @@ def w24(evidence: Evidence, *, min_share: float) -> list[Check]:
         raise Untestable(f"no steady {evidence.protocol} flow of the base case with replicates")
     checks = []
     for n, place in flows.items():
-        friction_power = place.values("frictional_power")
-        collision_power = place.values("normal_power")
-        weight = place["particles"] * place["mass"] * driving_acceleration(place)
-        total = replicate_mean(
-            (friction_power + collision_power) / (weight * place.values("velocity"))
-        )
-        share = replicate_mean(friction_power / (friction_power + collision_power))
+        total = replicate_mean(lost_share(place))
+        share = replicate_mean(place.values("frictional_power") / lost_power(place))
         label = f"n = {n:g}"
         quantity = f"share of friction in the losses, {label}"
         checks.append(within(quantity, share, min_share, 1 - min_share, [place]))
@@ -140,25 +136,6 @@ def w24(evidence: Evidence, *, min_share: float) -> list[Check]:
         quantity = f"dissipated power over N m g V sin θ, {label}"
         checks += remove_votes([within(quantity, total, 1 - POWER, 1 + POWER, [place])])
     return checks
-
-
-def w26(evidence: Evidence, *, max_ratio_error: float, max_normal_error: float) -> list[Check]:
-    """Base forces of the steady flows against their weight, pooled over the flows.
-
-    A single flow is known to half a percent at best, so it counts only where it clearly deviates.
-    """
-    ratios, pressures, flows = [], [], steady_flows(evidence)
-    for place in flows.values():
-        angle = radians(place["angle"])
-        normal = place.value("base_normal", "base_normal_error")
-        shear = place.value("base_shear", "base_shear_error")
-        weight = place["particles"] * place["mass"] * place["gravity"]
-        ratios.append(shear / normal / tan(angle) - 1)
-        pressures.append(normal / (weight * np.cos(angle)) - 1)
-    return [
-        *pooled_checks("shear/normal over tan θ, less 1", flows, ratios, max_ratio_error),
-        *pooled_checks("normal over N m g cos θ, less 1", flows, pressures, max_normal_error),
-    ]
 
 
 def w23(

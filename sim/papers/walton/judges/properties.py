@@ -1,7 +1,6 @@
-"""Judges of Walton's claims about the spheres: order, restitution, stiffness."""
+"""Judges of Walton's claims about the spheres: order and stiffness."""
 
 from dataclasses import replace
-from functools import partial
 from itertools import chain
 from math import inf
 
@@ -11,7 +10,6 @@ from sim.claims.checks import (
     Numbers,
     Pair,
     above,
-    correct_for,
     judge_parts,
     remove_votes,
     reported,
@@ -19,12 +17,11 @@ from sim.claims.checks import (
     within,
 )
 from sim.claims.evidence import ANY, Evidence
-from sim.claims.inference import outranks, reported_order, trend
+from sim.claims.inference import outranks
 from sim.claims.place import Place, quotient, select_replicated
 from sim.claims.verdict import Check, Untestable
 from sim.measures import layers
 from sim.papers.walton.judges.chute import (
-    CELLS,
     PROFILES,
     SOFT,
     depth_label,
@@ -39,10 +36,6 @@ from sim.papers.walton.judges.chute import (
 
 #: Depth and cell of the controls.
 CONTROL_SETTINGS = {"depth": 10, "cell": 5}
-
-#: Depths at which the restitution is varied, by part; the stiffness (N/m) of these flows, where
-#: they were run; and a restitution that is reported.
-RESILIENT, STIFFER, LOWEST = {"a": 5, "b": 10, "c": 20}, 1000, 0.6
 
 #: Shallow depths at which overlaps are judged.
 SHALLOW = (1.24, 2.5)
@@ -119,46 +112,6 @@ def _compare_order(evidence: Evidence, name: str, **change: float) -> list[Check
     moving = reasons_unrankable([usual, control], compare_cells=not cells_differ)
     state_reports = report_states("usual", [usual]) + report_states(f"with {name}", [control])
     return [*withhold([check], moving), *state_reports]
-
-
-def w16(evidence: Evidence, *, restitutions: Pair) -> list[Check]:
-    """Trends of V and of the shear depth from one restitution to another, at three depths."""
-    return judge_parts(
-        **{
-            part: partial(_over_restitution, evidence, n, restitutions)
-            for part, n in RESILIENT.items()
-        }
-    )
-
-
-def _over_restitution(evidence: Evidence, depth: float, restitutions: Pair) -> list[Check]:
-    where = {"depth": depth, "cell": CELLS[depth]}
-    for stiffness in (STIFFER, SOFT):
-        line = select_replicated(
-            evidence.line("chute", "restitution", **where, stiffness=stiffness, transient=ANY)
-        )
-        compared = [e for e in line if restitutions[0] <= e <= restitutions[1]]
-        if len(compared) > 2:
-            break
-    else:
-        raise Untestable(f"no three coefficients of restitution with replicates at n = {depth:g}")
-    wheres = [where | {"stiffness": stiffness, "restitution": e} for e in compared]
-    places = flows_of_one_age(evidence, wheres)
-    label = f"n = {depth:g}, K1 = {stiffness:g} N/m"
-    checks, orders = [], []
-    for quantity, name, rising in (("V", "velocity", False), ("shear depth", "shear_depth", True)):
-        groups = [place.values(name) for place in places]
-        values = ", ".join(f"{e:g}" for e in compared)
-        check = trend(f"{quantity} over e = {values}, {label}", [groups], places, rising=rising)
-        checks.append(correct_for(len(RESILIENT), check))
-        order = f"{quantity} {'rises' if rising else 'falls'} over e, {label}"
-        orders.append(reported_order(order, [groups], rising=rising))
-    withheld_checks = withhold([*checks, *orders], reasons_unrankable(places))
-    if LOWEST in line:
-        ratio = quotient(line[LOWEST].velocity, places[0].velocity)
-        quantity = f"V at e = {LOWEST:g} over that at {restitutions[0]:g}, {label}"
-        withheld_checks.append(reported(quantity, ratio, [line[LOWEST], places[0]]))
-    return withheld_checks
 
 
 def w20(
