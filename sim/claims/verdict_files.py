@@ -164,7 +164,6 @@ def as_table(judgements: list[Judgement]) -> pd.DataFrame:
             "first verdict": claim.first.verdict if claim.first else "",
             "verdict on the claim": judgement.verdict,
             "verdict by number": "; ".join(by_number),
-            "instead": claim.instead,
         }
         for variant in judgement.variants:
             shared = about | {
@@ -207,6 +206,7 @@ def by_variant(judgements: list[Judgement]) -> pd.DataFrame:
                 "says": claim.parts[part] if part else claim.title,
                 "verdict": part_verdicts[part] if part else judgement.verdict,
                 "condition": claim.condition,
+                "instead": "" if part else claim.instead,
             }
             for variant in judgement.variants:
                 verdict = variant.verdict((part,) if part else claim.parts)

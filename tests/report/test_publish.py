@@ -29,7 +29,7 @@ def names(folder: Path) -> set[str]:
 def test_everything_a_reader_needs_is_there_linked_and_can_be_checked(finished, tmp_path):
     study, results = finished
     output = publish.publish(study, results, tmp_path / "published")
-    made = {"report.html", "dataset.nc", "claims.json", "claims.csv", "verdicts.csv", "made.yaml"}
+    made = {"report.html", "dataset.nc", "claims.json", "verdicts.csv", "made.yaml"}
     assert names(output) == {*made, *pictures(), "provenance.json", "SHA256SUMS"}
     assert (output / "made.yaml").read_text() == study.read_text()
     origin = json.loads((output / "provenance.json").read_text())
@@ -162,7 +162,7 @@ def test_what_is_damaged_is_named_and_set_aside(
     assert not (results / "published").exists()
 
 
-@pytest.mark.parametrize("name", ["boundaries.csv", "claims.csv", "figures", "SHA256SUMS"])
+@pytest.mark.parametrize("name", ["boundaries.csv", "claims.json", "figures", "SHA256SUMS"])
 def test_a_study_file_named_like_what_is_published_is_refused(finished, monkeypatch, name, capsys):
     study, results = finished
     monkeypatch.chdir(study.parent)
