@@ -1,6 +1,6 @@
 """Judges of Gallas' claims on what the steady velocity depends on: belt, damping, start."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import combinations
 from math import pi, radians, tan
 
@@ -80,6 +80,17 @@ def g38(
             raise Untestable(f"no several beds at {sorted(needed)} Hz, {label}")
         return label, line
 
+    def complete(settings: Iterable[dict[str, float]]) -> list[tuple[str, dict[float, Place]]]:
+        found, reasons = [], []
+        for setting in settings:
+            try:
+                found.append(curve(setting))
+            except Untestable as error:
+                reasons.append(str(error))
+        if not found:
+            raise Untestable("; ".join(reasons))
+        return found
+
     def jumps() -> list[Check]:
         checks = []
         for label, line in map(curve, alike):
@@ -91,7 +102,7 @@ def g38(
 
     def lines() -> list[Check]:
         checks = []
-        for label, line in map(curve, [*alike, *others]):
+        for label, line in complete([*alike, *others]):
             fast = {f: place for f, place in line.items() if straight[0] <= f <= straight[1]}
             fit = determination(np.array([*fast]), [place.velocity for place in fast.values()])
             quantity = f"R² of a line through V(f), {{}} to {{}} Hz, {label}".format(*straight)
