@@ -52,7 +52,7 @@ WEIGHT = {
     "surrogates": 1_837,
     "figures": 3_416,
     "claims": 1_462,
-    "papers": 2_506,
+    "papers": 2_516,
     "report": 2_324,
     "verify": 462,
 }

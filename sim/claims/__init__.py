@@ -12,7 +12,7 @@ FOR_JUDGES = {
     "place": ("Place", "ANY", "with_interval", "replicate_mean", "quotient", "select_replicated"),
     "checks": (
         *("above", "below", "within", "reported", "judge_parts", "at_least"),
-        *("remove_votes", "withhold"),
+        *("remove_votes", "withhold", "correct_for"),
     ),
     "inference": (
         *("trend", "reported_order", "outranks", "same_by_rank", "share_above", "reported_share"),

@@ -55,13 +55,15 @@ def variant_of(check: Check, protocol: str = "published", reading: str = DEFAULT
 
 def test_the_table_holds_every_claim_once_in_order_with_a_judge():
     ids = [claim.id for claim in claims()]
-    numbers = {"W": 26, "G": 36, "S": 10}
-    assert ids == [f"{letter}{n + 1}" for letter, most in numbers.items() for n in range(most)]
+    numbers = {"W": 32, "G": 40, "S": 10}
+    every = [f"{letter}{n + 1}" for letter, most in numbers.items() for n in range(most)]
+    # The balance of forces, W26, is no statement of the paper.
+    assert ids == [name for name in every if name != "W26"]
     for claim in claims():
         assert claim.judge.__doc__, claim.id
         assert set(claim.figures) <= set(FIGURES)
         assert claim.needs or claim.kind == "model"
-        assert claim.place and claim.reason and (claim.first or claim.id[0] == "S")
+        assert claim.place and claim.reason
 
 
 @pytest.mark.parametrize(
