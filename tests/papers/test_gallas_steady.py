@@ -70,7 +70,7 @@ WORLDS = [
     (g38, "aR bN", lambda: curves({40: 0.2, 60: 0.2, 80: 0.2, 100: 0.5})),
     (g38, "aR bN", lambda: curves({40: 0.2, 60: 0.2, 80: 0.2, 100: 0.5}, which=-1)),
     (g38, "aR bI", lambda: curves({40: 0.2, 60: 0.27, 80: 0.26, 100: 0.36}, scatter=0.2)),
-    (g38, "aI bI", lambda: curves(among=CURVES[:-1], scatter=1.5)),
+    (g38, "aI bR", lambda: curves(among=CURVES[:-1], scatter=1.5)),
     (g38, "aR bR", lambda: curves(among=CURVES[:-1])),
     (g39, "R", lambda: started()),
     (g39, "N", lambda: started(1.2)),
