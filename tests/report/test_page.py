@@ -261,7 +261,7 @@ def test_a_study_of_ones_own_names_its_plots_and_is_published_with_them(tmp_path
     own = read(study)
     # No figure of a paper is fed.
     assert own.sections()[:4] == ["summary", "plots", "facts", "runs"]
-    assert "claims" not in own.sections() and "tested claims" not in own.text
+    assert "claims" not in own.sections() and "statements on flows" not in own.text
     shown = [one["data-plot"] for one in own.all("tr") if "data-plot" in one]
     assert shown == ["velocity|map"] * len(load_study(*study).points)
     filters = [one["data-filter"] for one in own.all("a") if "data-filter" in one]

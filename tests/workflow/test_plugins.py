@@ -113,7 +113,9 @@ def test_the_paper_gets_figure_verdict_table_and_report(tree):
     assert f'id="claim-{CLAIM}" data-paper="incline"' in report
     assert "<p>Author et al. (2000), chute: n = 1.24, μ = 0.4, e = 0.85</p>" in report
     assert '<option value="incline">Author et al.</option>' in report
-    heads = re.search(r"Verdicts on the claims of each paper.*?</thead>", report, re.DOTALL)
+    heads = re.search(
+        r"Verdicts on the statements on flows of each paper.*?</thead>", report, re.DOTALL
+    )
     assert re.findall(r'class="number">(.*?)<', heads[0]) == ["Author et al."]
 
 
