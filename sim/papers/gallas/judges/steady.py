@@ -1,6 +1,7 @@
 """Judges of Gallas' claims on what the steady velocity depends on: belt, damping, start."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
+from contextlib import suppress
 from itertools import combinations
 from math import pi, radians, tan
 
@@ -80,17 +81,6 @@ def g38(
             raise Untestable(f"no several beds at {sorted(needed)} Hz, {label}")
         return label, line
 
-    def complete(settings: Iterable[dict[str, float]]) -> list[tuple[str, dict[float, Place]]]:
-        found, reasons = [], []
-        for setting in settings:
-            try:
-                found.append(curve(setting))
-            except Untestable as error:
-                reasons.append(str(error))
-        if not found:
-            raise Untestable("; ".join(reasons))
-        return found
-
     def jumps() -> list[Check]:
         checks = []
         for label, line in map(curve, alike):
@@ -102,11 +92,14 @@ def g38(
 
     def lines() -> list[Check]:
         checks = []
-        for label, line in complete([*alike, *others]):
-            fast = {f: place for f, place in line.items() if straight[0] <= f <= straight[1]}
-            fit = determination(np.array([*fast]), [place.velocity for place in fast.values()])
-            quantity = f"R² of a line through V(f), {{}} to {{}} Hz, {label}".format(*straight)
-            checks.append(above(quantity, fit, min_r2, fast.values()))
+        for setting in [*alike, *others]:
+            # Under a protocol that has some of the curves, these are judged.
+            with suppress(Untestable):
+                label, line = curve(setting)
+                fast = {f: place for f, place in line.items() if straight[0] <= f <= straight[1]}
+                fit = determination(np.array([*fast]), [place.velocity for place in fast.values()])
+                name = f"R² of a line through V(f), {straight[0]:g} to {straight[1]:g} Hz, {label}"
+                checks.append(above(name, fit, min_r2, fast.values()))
         return checks
 
     return judge_parts(a=jumps, b=lines)
