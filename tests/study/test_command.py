@@ -79,10 +79,10 @@ def test_a_paper_of_ones_own_begins_with_files_that_are_right(exec_call, capsys)
     Path("b").mkdir()
     Path("b/incline.yaml").write_text("mine")
     for folder in "ab":
-        before = {path: path.read_text() for path in Path(folder).rglob("*.*")}
+        before = {path: path.read_bytes() for path in Path(folder).rglob("*.*")}
         assert main(["init", "--paper", "incline", folder]) == 2
         assert "incline" in (told := capsys.readouterr().err) and "is there already" in told
-        assert before == {path: path.read_text() for path in Path(folder).rglob("*.*")}
+        assert before == {path: path.read_bytes() for path in Path(folder).rglob("*.*")}
 
 
 @pytest.mark.parametrize(
