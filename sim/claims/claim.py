@@ -183,11 +183,12 @@ class Claim(Declared):
         return self
 
     def texts(self) -> dict[str, str]:
-        """Return ``criterion`` and ``reason``, filled from the bounds at the headline number.
+        """Return the texts that name bounds, filled from them at the headline number.
 
         Braces in the texts of a claim without bounds name none.
         """
-        bounds, texts = self.bounds_at(), {"criterion": self.criterion, "reason": self.reason}
+        bounds = self.bounds_at()
+        texts = {"criterion": self.criterion, "reason": self.reason, "needs": self.needs}
         return {key: fill(text, bounds) for key, text in texts.items()} if bounds else texts
 
     def bounds_at(self, number: float | None = None) -> dict[str, Bound]:
@@ -263,8 +264,8 @@ def judge(name: str, *, system: str, **fields: Any) -> Callable[[JudgeFunction],
         A system of `sim.parameters.SYSTEMS`, ``chute`` or ``belt`` for instance.
     **fields
         Other fields of `Claim`: it needs ``title``, ``statement`` and ``criterion``. ``bounds`` has
-        the numbers of the criterion by name: ``{name}`` in ``criterion`` and ``reason`` is filled
-        from it.
+        the numbers of the criterion by name: ``{name}`` in ``criterion``, ``reason`` and ``needs``
+        is filled from it.
     """
     require_name(JUDGE, name)
     require_one_of(f"judge {name}: system", system, SYSTEMS)

@@ -44,6 +44,13 @@ def test_every_number_of_a_criterion_is_a_bound_that_its_judge_takes(claim):
     assert set(claim.bounds) - other <= named(claim.criterion) | named(claim.reason)
 
 
+@pytest.mark.parametrize("claim", claims(), ids=lambda claim: claim.id)
+def test_no_text_of_a_claim_is_left_with_braces(claim):
+    texts = claim.model_dump() | claim.texts()
+    words = {key: text for key, text in texts.items() if isinstance(text, str)}
+    assert not [key for key, text in words.items() if re.search("[{}]", text)]
+
+
 def numbers_of(bound) -> set[float]:
     """Return the numbers of a bound, however it is nested."""
     return set.union(*map(numbers_of, bound)) if isinstance(bound, list) else {bound}
