@@ -1,6 +1,7 @@
 """Verdicts as files: JSON with all evidence, a table of checks, and one of verdicts by reading."""
 
 import hashlib
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields, replace
 from math import nan
 from pathlib import Path
@@ -58,8 +59,11 @@ def write(judgements: list[Judgement], study: str, folder: Path) -> Path:
 
 
 def as_mapping(judgements: list[Judgement], study: str) -> dict[str, Any]:
-    """Return the content of the JSON file; infinite numbers and NaN become ``null``."""
-    return {
+    """Return the content of the JSON file; infinite numbers and NaN become ``null``.
+
+    Points are named once: each check has their places in ``points``.
+    """
+    content: dict[str, Any] = {
         "study": study,
         "claims": [
             {
@@ -90,6 +94,17 @@ def as_mapping(judgements: list[Judgement], study: str) -> dict[str, Any]:
             for judgement in judgements
         ],
     }
+    places: dict[str, int] = {}
+    for check in checks_of(content["claims"]):
+        check["points"] = [places.setdefault(point, len(places)) for point in check["points"]]
+    return content | {"points": list(places)}
+
+
+def checks_of(claims: Iterable[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
+    """Return the checks of all variants of claims of the JSON file."""
+    for claim in claims:
+        for variant in claim["variants"]:
+            yield from variant["checks"]
 
 
 def _voting_checks(judgement: Judgement, value: float) -> list[Check]:

@@ -11,6 +11,7 @@ import xarray as xr
 
 from sim.base.seals import checked_read, parse_sealed_json
 from sim.claims.evidence import combined_readings, is_regridded, reading_label
+from sim.claims.verdict_files import checks_of
 from sim.dataset.replicates import UNSOUND_SHARE
 from sim.dataset.results import Results
 from sim.parameters import SYSTEMS
@@ -41,7 +42,8 @@ _MODEL = "Experiments on the model itself"
 def read_claims(path: Path, replaceable: bool = True) -> list[dict[str, Any]]:
     """Return the claims that `sim.claims.verdict_files` has written; empty without a file.
 
-    A damaged file is set aside if it is ``replaceable``: the workflow can make it again.
+    Checks have the ids of their points. A damaged file is set aside if it is ``replaceable``: the
+    workflow can make it again.
 
     Raises `DamagedError` when it cannot be read.
     """
@@ -63,7 +65,10 @@ def require_table(folder: Path) -> None:
 
 def _read(path: Path, replaceable: bool = True) -> dict[str, Any]:
     with checked_read(path, "table of verdicts", replaceable=replaceable):
-        return parse_sealed_json(path.read_text(encoding="utf-8"))
+        content = parse_sealed_json(path.read_text(encoding="utf-8"))
+        for check in checks_of(content["claims"]):
+            check["points"] = [content["points"][place] for place in check["points"]]
+        return content
 
 
 def is_on_flows(claim: Mapping[str, Any]) -> bool:
