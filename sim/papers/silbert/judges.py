@@ -60,9 +60,10 @@ def height_scaling(evidence, *, power, width, depths, angle):
 
 
 def linear_profile(evidence, *, most, depth):
-    """Judge the power of the profile at the least angle of a flow, and that of a steep one."""
+    """Judge the power of the profile at the least angle at which all flow, and that of a steep one."""
     line = evidence.line("chute", "angle", depth=depth)
-    moving = [place for place in line.values() if place.regime not in ("arrested", "failed")]
+    stop = ("arrested", "mixed", "failed")
+    moving = [place for place in line.values() if place.regime not in stop]
     if len(moving) < 2:
         raise Untestable(f"fewer than two angles at which {depth} layers flow")
     slow, fast = moving[0], moving[-1]
