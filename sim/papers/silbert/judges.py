@@ -60,7 +60,7 @@ def height_scaling(evidence, *, power, width, depths, angle):
 
 
 def linear_profile(evidence, *, most, depth):
-    """Judge the power of the profile at the least angle at which all flow, and that of a steep one."""
+    """Judge the power of the profile at the least angle at which all flow, and at a steep one."""
     line = evidence.line("chute", "angle", depth=depth)
     stop = ("arrested", "mixed", "failed")
     moving = [place for place in line.values() if place.regime not in stop]
