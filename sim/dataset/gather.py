@@ -111,7 +111,8 @@ def _row(run: RunFile) -> dict[str, np.ndarray]:
 def _row_state(run: RunFile, file: netCDF4.Dataset) -> xr.Dataset | None:
     """Return the particles in a reduced run file, if there are any."""
     is_there = STATE in file.groups and "completed" in run["status"]
-    return open_group(file, STATE).load() if is_there else None
+    # A copy does not refer to the open file, which cannot be sent to another process.
+    return open_group(file, STATE).load().copy() if is_there else None
 
 
 def _require_point(run: RunFile, file: netCDF4.Dataset, point: str) -> None:
