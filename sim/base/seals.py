@@ -188,7 +188,7 @@ def read_summary(path: Path) -> dict[str, Any] | None:
 def to_sealed_json(mapping: dict[str, Any]) -> str:
     """Return a mapping with its checksum as JSON, a line for each key."""
     sealed = mapping | {CHECKSUM: _checksum(mapping)}
-    lines = (f"{_text(key)}: {_text(value)}" for key, value in sealed.items())
+    lines = (f"{_text(key)}: {_text(value, (',', ':'))}" for key, value in sealed.items())
     return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
@@ -204,5 +204,5 @@ def _checksum(mapping: dict[str, Any]) -> str:
     return hashlib.sha256(_text(mapping).encode()).hexdigest()
 
 
-def _text(value: Any) -> str:
-    return json.dumps(value, ensure_ascii=False, allow_nan=False)
+def _text(value: Any, separators: tuple[str, str] = (", ", ": ")) -> str:
+    return json.dumps(value, ensure_ascii=False, allow_nan=False, separators=separators)

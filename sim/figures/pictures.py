@@ -26,7 +26,7 @@ _POSTER = 150
 
 #: Resolution of the frames of an animation (dots per inch) by its format, and the number of colours
 #: that those of a GIF share.
-_DPI, _PALETTE = {"GIF": 72, "WebP": 100}, 64
+_DPI, _PALETTE = {"GIF": 72, "WebP": 100}, 32
 
 #: A number with more digits than a picture shows, except a scale.
 _LONG_NUMBER = re.compile(r"(?<!scale\()(?<![\w.#])(-?\d+\.\d\d)\d{2,}(?![\w.])")
