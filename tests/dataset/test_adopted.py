@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 from sim.base.errors import InputError
-from sim.dataset import adopted, rows
+from sim.dataset import adopted, rows, sources
 from sim.dataset.adopted import adopt
 from sim.dataset.build import build
 from sim.dataset.results import load_results
@@ -110,9 +110,13 @@ def test_a_study_goes_on_from_half_of_its_runs(study, half_dataset, complete_stu
     assert adopted == adopted_ids(study)
 
 
-def test_a_dataset_of_adopted_points_alone_can_be_adopted(study, complete_study, tmp_path):
+def test_a_dataset_of_adopted_points_alone_can_be_adopted(
+    study, complete_study, tmp_path, monkeypatch
+):
+    """Several processes may read their rows, with what the figures show of particles."""
     adopt(study.path, complete_study.output, study.results)
-    output = build(study.path, study.results)
+    monkeypatch.setattr(sources, "MIN_FILES", 2)
+    output = build(study.path, study.results, processes=2)
     assert_same(output, complete_study.output)
     other = Mixed(tmp_path / "other")
     other.path.parent.mkdir()
