@@ -51,9 +51,9 @@ WEIGHT = {
     "dataset": 1_478,
     "surrogates": 1_837,
     "figures": 3_416,
-    "claims": 1_462,
+    "claims": 1_471,
     "papers": 2_516,
-    "report": 2_324,
+    "report": 2_327,
     "verify": 462,
 }
 

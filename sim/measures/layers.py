@@ -34,8 +34,7 @@ def has_profiles(run: Mapping[Any, Any]) -> bool:
 
 def level(height: np.ndarray, density: np.ndarray, share: float) -> float:
     """Return the height (m) below which a share of the total of a density lies."""
-    half = 0.5 * (height[1] - height[0])
-    edges = np.append(height - half, height[-1] + half)
+    edges = np.append(height, 2 * height[-1] - height[-2]) - 0.5 * (height[1] - height[0])
     return float(np.interp(share, np.append(0, np.cumsum(density)) / density.sum(), edges))
 
 
