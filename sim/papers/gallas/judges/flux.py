@@ -136,7 +136,7 @@ def _straightness(
 
 
 def _single_rises(evidence: Evidence) -> list[Check]:
-    """Report how likely one bed per frequency rises throughout, for the curves of Figs. 1a and 1b.
+    """Report how likely one bed per frequency rises throughout, for each angle and amplitude.
 
     The paper tells of no second bed, so this is how likely it sees what it says under a reading.
     The fall is at 25 Hz, where the paper may have no point.
@@ -161,7 +161,7 @@ def _single_rises(evidence: Evidence) -> list[Check]:
             checks.append(reported_likelihood(f"{quantity}, all of Fig. 1a", angles))
         if len(rises) == len(CURVES):
             everything = rises.values()
-            checks.append(reported_likelihood(f"{quantity}, all of Figs. 1a and 1b", everything))
+            checks.append(reported_likelihood(f"{quantity}, all angles and amplitudes", everything))
     return checks
 
 
