@@ -51,7 +51,7 @@ WEIGHT = {
     "dataset": 1_478,
     "surrogates": 1_837,
     "figures": 3_416,
-    "claims": 1_471,
+    "claims": 1_470,
     "papers": 2_516,
     "report": 2_327,
     "verify": 462,

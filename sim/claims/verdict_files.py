@@ -52,18 +52,15 @@ def write(judgements: list[Judgement], study: str, folder: Path) -> Path:
             temporary.write_bytes(table)
         checksums[f"{name}.csv"] = hashlib.sha256(table).hexdigest()
     output = folder / "claims.json"
-    text = to_sealed_json(as_mapping(judgements, study) | checksums)
+    text = to_sealed_json(_name_points_once(as_mapping(judgements, study)) | checksums)
     with atomic_write(output) as temporary:
         temporary.write_text(text, encoding="utf-8")
     return output
 
 
 def as_mapping(judgements: list[Judgement], study: str) -> dict[str, Any]:
-    """Return the content of the JSON file; infinite numbers and NaN become ``null``.
-
-    Points are named once: each check has their places in ``points``.
-    """
-    content: dict[str, Any] = {
+    """Return the content of the JSON file; infinite numbers and NaN become ``null``."""
+    return {
         "study": study,
         "claims": [
             {
@@ -94,6 +91,10 @@ def as_mapping(judgements: list[Judgement], study: str) -> dict[str, Any]:
             for judgement in judgements
         ],
     }
+
+
+def _name_points_once(content: dict[str, Any]) -> dict[str, Any]:
+    """Return the content with the ids of ``points``, and their places there in each check."""
     places: dict[str, int] = {}
     for check in checks_of(content["claims"]):
         check["points"] = [places.setdefault(point, len(places)) for point in check["points"]]
@@ -102,9 +103,7 @@ def as_mapping(judgements: list[Judgement], study: str) -> dict[str, Any]:
 
 def checks_of(claims: Iterable[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
     """Return the checks of all variants of claims of the JSON file."""
-    for claim in claims:
-        for variant in claim["variants"]:
-            yield from variant["checks"]
+    return (check for claim in claims for one in claim["variants"] for check in one["checks"])
 
 
 def _voting_checks(judgement: Judgement, value: float) -> list[Check]:

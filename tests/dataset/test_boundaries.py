@@ -145,8 +145,8 @@ def test_a_round_is_read_where_none_of_its_numbers_has_changed(study_results, tm
     # Without a checksum, as earlier versions wrote it.
     assert {key: canonical_values(one) for key, one in read_round(path).items()} == mappings
     # No part of the ids of points.
-    assert '"target": 0.02' in text
-    path.write_text(text.replace('"target": 0.02', '"target": 0.42', 1))
+    assert '"target":0.02' in text
+    path.write_text(text.replace('"target":0.02', '"target":0.42', 1))
     with pytest.raises(DamagedError, match="the checksum is wrong"):
         read_round(path)
 
