@@ -313,13 +313,7 @@ def test_what_is_written_is_plain_json_and_one_row_per_check():
     first = document["claims"][0]
     assert first["verdict"] == PROTOCOL_DEPENDENT and first["protocol_dependent"]
     check = first["variants"][0]["checks"][0]
-    told = {
-        "what": "x",
-        "value": 2.0,
-        "points": ["p"],
-        "samples": 50.0,
-        "freedom": None,
-    }
+    told = {"what": "x", "value": 2.0, "points": ["p"], "samples": 50.0, "freedom": None}
     assert check.items() >= (told | {"verdict": REPRODUCED, "plan": ""}).items()
     assert check["bound"] == pytest.approx(0.0839, abs=1e-4)
     assert first["variants"][1]["checks"][0]["samples"] is None

@@ -17,6 +17,9 @@ WIDE = 1.0
 #: What a bed at rest says of itself.
 RESTS = {"regime": "arrested"}
 
+#: What the beds of a point say of which one rests.
+SOME_REST = [*4 * ["steady"], "arrested"]
+
 #: A bed that starts from another one.
 BED = {"initial_velocity": 0, "start_from": "bed.nc"}
 
@@ -56,6 +59,7 @@ def scaled(power, **options):
 def sloped(slow, fast, **options):
     return [
         flow(0.0, depth=20, angle=20, **RESTS),
+        flow(depth=20, angle=21, profile_power=1.3, regime=SOME_REST, **options),
         flow(depth=20, angle=22, profile_power=slow, **options),
         flow(depth=20, profile_power=fast, **options),
     ]
