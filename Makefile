@@ -38,7 +38,8 @@ $(PAPERS:%=paper-%): paper-%: setup
 	$(BIN)/python -m sim publish config/paper_$*.yaml
 
 test: $(STAMP)-dev  ## the whole test suite
-	$(BIN)/python -m pytest -n $(CORES) --dist loadfile --no-loadscope-reorder
+	@# With a worker restarted after a crash, pytest-xdist waits without end.
+	$(BIN)/python -m pytest -n $(CORES) --dist loadfile --no-loadscope-reorder --max-worker-restart 0
 
 long: $(STAMP)-dev $(STAMP)-long  ## tests that take long: published results computed anew, more examples
 	$(BIN)/python -m pytest -m long

@@ -7,10 +7,12 @@ examples in every run.
 import gc
 import os
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
+from xarray.backends.file_manager import FILE_CACHE
 
 from tests.made.once import SharedFolder
 
@@ -63,6 +65,16 @@ def _shared_folder(tmp_path_factory) -> None:
     base = tmp_path_factory.getbasetemp()
     SharedFolder.folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "made"
     SharedFolder.folder.mkdir(exist_ok=True)
+
+
+@pytest.fixture(autouse=True)
+def _closed_files() -> Iterator[None]:
+    """Let no test leave a file open.
+
+    Garbage collection would close it in any thread, whatever another one does with HDF5.
+    """
+    yield
+    assert not len(FILE_CACHE), "xarray holds open files"
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

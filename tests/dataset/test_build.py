@@ -126,7 +126,8 @@ def test_columns_of_many_points_are_compressed_and_hold_the_same(
         assert all(
             stored[name].filters()["zlib"] for name in ("friction", "series", "point_regime")
         )
-    xr.testing.assert_identical(xr.open_datatree(path), xr.open_datatree(dataset_path))
+    with xr.open_datatree(path) as one, xr.open_datatree(dataset_path) as other:
+        xr.testing.assert_identical(one, other)
 
 
 def test_belts_of_different_lengths_are_filled_up():
