@@ -150,9 +150,12 @@ COMMANDS: dict[str, tuple[str, str, Sequence[Parameter]]] = {
             _option(
                 "--at",
                 "PARAMETER=VALUE",
-                "value of a parameter, or several with commas; once for each parameter",
+                "value of a parameter, or several with commas; once for each parameter. A number "
+                "that is left out is held in the middle of its range, as in pictures",
                 multiple=True,
             ),
+            _option("--highest", help="find the highest value over what --at leaves out"),
+            _option("--lowest", help="find the lowest"),
             _option("--of", "NAME", "surrogate, or observable; default: the only surrogate"),
             _option("--extrapolate", help="outside the ranges of the points, too"),
             TABLE,

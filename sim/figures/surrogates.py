@@ -54,10 +54,6 @@ def _steps(axis: Axis, count: int) -> np.ndarray:
     return np.clip(spread(axis.low, axis.high, count), axis.low, axis.high)
 
 
-def _middle(axis: Axis) -> float:
-    return float(f"{_steps(axis, 3)[1]:.3g}")
-
-
 def _predictions(
     surrogate: Surrogate, columns: dict[str, np.ndarray], chosen: dict[str, Any]
 ) -> pd.DataFrame:
@@ -65,7 +61,7 @@ def _predictions(
     count = len(next(iter(columns.values())))
     rows = pd.DataFrame(
         {
-            axis.name: columns.get(axis.name, np.full(count, _middle(axis)))
+            axis.name: columns.get(axis.name, np.full(count, axis.middle))
             for axis in surrogate.numeric
         }
     )
@@ -105,7 +101,7 @@ def near_rows(surrogate: Surrogate, axis: Axis, chosen: dict[str, Any]) -> pd.Da
     others = tuple(one for one in surrogate.numeric if one.name != axis.name)
     if others and len(rows):
         cube = unit_cube(others, {one.name: rows[one.name].to_numpy() for one in others})
-        middle = unit_cube(others, {one.name: np.array([_middle(one)]) for one in others})
+        middle = unit_cube(others, {one.name: np.array([one.middle]) for one in others})
         rows = rows[(np.abs(cube - middle) <= NEAR).all(axis=1)]
     if others and len(rows):
         here, _ = surrogate.at(**chosen).predict(rows[list(surrogate.parameters)].to_numpy(float))
@@ -148,7 +144,7 @@ def with_units(surrogate: Surrogate, rows: pd.DataFrame) -> pd.DataFrame:
 def held_note(surrogate: Surrogate, *shown: str) -> str:
     """Return the sentence on the parameters that are not on an axis."""
     others = [
-        setting(surrogate.system, axis.name, _middle(axis))
+        setting(surrogate.system, axis.name, axis.middle)
         for axis in surrogate.numeric
         if axis.name not in shown
     ]

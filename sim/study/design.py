@@ -76,6 +76,13 @@ class Axis:
         """Whether its values are numbers; if not, they are words or switches."""
         return not any(isinstance(value, (str, bool)) for value in self.choices)
 
+    @property
+    def middle(self) -> float:
+        """The middle of its range in its scale, in three digits: where pictures hold a number."""
+        is_log = self.scale == "log"
+        middle = sqrt(self.low * self.high) if is_log else (self.low + self.high) / 2
+        return min(max(float(f"{middle:.3g}"), self.low), self.high)
+
     def values(self, shares: np.ndarray) -> list[Any]:
         """Return the values below which shares of the distribution lie, shape (n,), from 0 to 1.
 

@@ -6,17 +6,20 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from sim.base.errors import InputError, percent
 from sim.base.messages import one_of
 from sim.base.statistics import MANY, student
 from sim.parameters.observables import forms
+from sim.parameters.words import setting
 from sim.study.design import Axis
 from sim.study.plottable import numbers
 from sim.study.surrogate import SurrogateFile, fewest_points
 from sim.surrogates import answers
 from sim.surrogates.answers import Refusal
+from sim.surrogates.extreme import extreme
 from sim.surrogates.fit import Regimes, counted_probability, fit_process
 from sim.surrogates.process import Process
 from sim.surrogates.sample import Frame, omissions, points_of_mean, require_places, unit_cube
@@ -144,19 +147,19 @@ class Surrogate:
 
         ``x`` has values of `parameters`, (n, k), in the units of study files, not checked.
         """
-        return self.process.predict(self._cube(x))
+        return self.process.predict(self.cube(x))
 
     def correlation(self, x: np.ndarray, others: np.ndarray) -> np.ndarray:
         """Return how errors go together, (g, m, r), at values (g, m, k) and (g, r, k) in groups."""
         cubes = (
-            self._cube(part.reshape(-1, part.shape[-1])).reshape(*part.shape[:2], -1)
+            self.cube(part.reshape(-1, part.shape[-1])).reshape(*part.shape[:2], -1)
             for part in (x, others)
         )
         return self.process.correlation(*cubes)
 
     def probability(self, x: np.ndarray) -> np.ndarray:
         """Return the probability of each of ``regimes.names`` at points as of `predict`, (m, n)."""
-        return self.regimes.predict(self._cube(x))
+        return self.regimes.predict(self.cube(x))
 
     def __call__(
         self, *, extrapolate: bool = False, points: bool = False, **values: Any
@@ -170,28 +173,33 @@ class Surrogate:
         points : bool
             Lists are coordinates of points, over ``point``, not of a grid.
         **values
-            A number, a list of numbers, or an `xarray.DataArray` for each parameter, in the units
-            of study files. A list becomes a dimension of its name. Fixed ones may be left out.
+            A number, a list of numbers, an `xarray.DataArray` or a column of a table for each
+            parameter, in the units of study files. A list becomes a dimension of its name; arrays
+            and columns that share a dimension or an index are points. Fixed ones may be left out. A
+            number that is left out is held in the middle of its range, as in pictures.
 
         Returns
         -------
         xarray.Dataset
             ``mean``, ``half_width`` of its 95 % interval, and ``probability`` over ``regime``. The
-            attribute ``caveats`` says what is doubtful about them, the worst first.
+            attribute ``caveats`` says what is doubtful about them, the worst first, and ``held``
+            which numbers are in the middle of their ranges.
 
         Raises
         ------
         InputError
-            For a parameter that is missing or unknown, and a value outside the range of the points.
+            For a word that is missing, an unknown parameter, and a value outside the range of the
+            points.
         """
         chosen = [name for name in values if name in self.choices]
         surrogate = self.at(**{name: values.pop(name) for name in chosen})
         names = [axis.name for axis in self.axes]
         for name in [name for name in values if name not in names]:
             self._require_fixed(name, values.pop(name))
-        for name in (*surrogate.choices, *self.parameters):
-            if name not in values:
-                raise self._error(name, None)
+        for name in surrogate.choices:
+            raise self._error(name, None)
+        held = {axis.name: axis.middle for axis in self.numeric if axis.name not in values}
+        values |= held
         arrays = [self._array(axis, values[axis.name], points) for axis in self.numeric]
         require_places(self.name, dict(zip(self.parameters, arrays, strict=True)))
         outside = self._outside(arrays, extrapolate)
@@ -219,11 +227,23 @@ class Surrogate:
             "surrogate": self.name,
             "observable": self.observable,
             "error": self.error,
+            "held": ", ".join(setting(self.system, *one) for one in held.items()),
             answers.KEY: answers.joined([*places, *outside, *self.caveats]),
         }
         return answer
 
-    def _cube(self, x: np.ndarray) -> np.ndarray:
+    def highest(self, **values: Any) -> xr.Dataset:
+        """Predict where the mean is highest, at some values of parameters if they are given.
+
+        See `sim.surrogates.extreme.extreme`.
+        """
+        return extreme(self, 1, values)
+
+    def lowest(self, **values: Any) -> xr.Dataset:
+        """Predict where the mean is lowest, as `highest` does."""
+        return extreme(self, -1, values)
+
+    def cube(self, x: np.ndarray) -> np.ndarray:
         """Return points as of `predict` in the unit cube of the process."""
         for name in self.choices:
             raise self._error(name, None)
@@ -250,8 +270,8 @@ class Surrogate:
 
     def _array(self, axis: Axis, value: Any, points: bool) -> xr.DataArray:
         """Return values of a parameter as a labelled array."""
-        array = value
-        if not isinstance(value, xr.DataArray):
+        array = value.to_xarray() if isinstance(value, pd.Series) else value
+        if not isinstance(array, xr.DataArray):
             try:
                 plain = np.asarray(value, dtype=float)
             except (TypeError, ValueError):
@@ -323,7 +343,7 @@ class Surrogate:
 
         tree = KDTree(self.process.x)
         apart = tree.query(self.process.x, k=2)[0][:, 1].max()
-        return np.asarray(tree.query(self._cube(x))[0] > _REACH * apart)
+        return np.asarray(tree.query(self.cube(x))[0] > _REACH * apart)
 
     @cached_property
     def coverage(self) -> float:

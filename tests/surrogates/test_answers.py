@@ -288,7 +288,11 @@ VIEWS = {
     ],
     "sim/report/page.py": _report,
     "sim/report/explorer.py": _explored,
-    "sim/report/predict.py": lambda folder: [ask(folder), ask(folder, format="json")],
+    "sim/report/predict.py": lambda folder: [
+        ask(folder),
+        ask(folder, format="json"),
+        predict(folder, [], "speed", False, "table", highest=True),
+    ],
     "sim/report/results.py": _in_python,
     "sim/figures/render.py": lambda folder: (
         _pictures(folder, ".caption.txt") + _pictures(folder, ".csv")

@@ -3,6 +3,7 @@
 import re
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
@@ -66,12 +67,16 @@ def test_arrays_are_labelled_dimensions(surrogate):
     assert float(paired["mean"][1]) == pytest.approx(
         float(answer["mean"].sel(friction=0.5, depth=6))
     )
+    # Columns of a table share its index.
+    table = pd.DataFrame({"friction": [0.3, 0.5], "depth": [4.0, 6.0]}, index=[7, 9])
+    columns = surrogate(friction=table["friction"], depth=table["depth"])
+    assert columns["mean"].values.tolist() == paired["mean"].values.tolist()
+    assert columns["mean"].to_series().index.tolist() == [7, 9]
 
 
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"friction": None}, "friction: got nothing; allowed: a number in [0.2, 0.8], the"),
         ({"friction": 0.9}, "speed: friction: got 0.9; allowed: a number in [0.2, 0.8]"),
         ({"depth": [3.0, 11.0]}, "speed: depth: got 11; allowed: a number in [2, 10]"),
         ({"frction": 0.5}, "did you mean friction? allowed: one of friction, depth"),
@@ -84,7 +89,7 @@ def test_arrays_are_labelled_dimensions(surrogate):
 def test_what_it_cannot_predict_is_refused(surrogate, values, message):
     given = {"friction": 0.5, "depth": 5.0} | values
     with pytest.raises(InputError) as error:
-        surrogate(**{name: value for name, value in given.items() if value is not None})
+        surrogate(**given)
     assert message in str(error.value)
 
 
