@@ -83,7 +83,7 @@ def test_places_whose_regime_has_no_part_in_the_mean_are_no_answer():
     answer = surrogate.highest()
     assert 0.42 < float(answer["friction"]) < 0.56
     assert float(answer["probability"].sel(regime="steady")) >= 0.5
-    with pytest.raises(Refusal, match="another regime is likelier than steady or .* everywhere"):
+    with pytest.raises(Refusal, match=r"another regime is likelier than steady or .* everywhere"):
         surrogate.highest(friction=0.79)
 
 
