@@ -1,7 +1,7 @@
 """Talus: granular flow on a chute, belt or vibrating plane, from a study file to a report.
 
 In Python: `simulate` runs one point, `Flow` runs one step by step, `points` lists the points of a
-study, and `load` reads the results of a study (docs/api.md). Plug-ins extend it by
+study, `study` runs one, and `load` reads its results (docs/api.md). Plug-ins extend it by
 `law`, `motion`, `flow_engine`, `function`, `observable`, `form`, `plot_kind`, `fit`, `judge` and
 `paper` (docs/extending.md).
 """
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from sim.parameters.choices import parameter
     from sim.parameters.laws import flow_engine, law, motion
     from sim.parameters.observables import form, function, observable
-    from sim.report.results import load
+    from sim.report.results import load, study
     from sim.study.load import points
     from sim.study.papers import paper
     from sim.study.plot_file import fit
@@ -49,6 +49,7 @@ _PLACES = {
     "plot_kind": "sim.study.plottable:plot_kind",
     "points": "sim.study.load:points",
     "simulate": "sim.engine.flow:simulate",
+    "study": "sim.study",
 }
 
 

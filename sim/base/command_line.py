@@ -125,13 +125,15 @@ COMMANDS: dict[str, tuple[str, str, Sequence[Parameter]]] = {
     "export": (
         "sim.report.export:export",
         "Write the trajectory of a replicate, or without one its first and last state, in a format "
-        "of other programs.",
+        "of other programs; as a movie; or the table of a study.",
         [
             _argument("path", "RUN.nc", help="or study file or folder of its results: all runs"),
             _option(
                 "--to",
-                type=Choice(("amber", "extxyz", "lammps-dump", "vtk", "webp")),
-                help="format; default: that of the suffix of FILE",
+                type=Choice(
+                    ("amber", "extxyz", "lammps-dump", "vtk", "gif", "html", "webp", "csv", "xlsx")
+                ),
+                help="format; default: that of the suffix of FILE; csv and xlsx of a study",
             ),
             _file(
                 "-o --output",
@@ -140,6 +142,12 @@ COMMANDS: dict[str, tuple[str, str, Sequence[Parameter]]] = {
                 "default: named like the run or the study, in this folder",
             ),
             _option("--replicate", "N", "its number, from 0", type=int, default=0),
+            _option(
+                "--of",
+                "OBSERVABLE",
+                "in a table; may have a unit: 'velocity (mm/s)'; default: all with a value",
+                multiple=True,
+            ),
         ],
     ),
     "predict": (

@@ -126,6 +126,16 @@ def parse_table(text: str, path: Path) -> MeasuredTable:
     return MeasuredTable(path, lines, columns, dict(zip(names, units, strict=True)))
 
 
+def read_heading(text: str) -> tuple[str, str] | None:
+    """Return name and unit of a heading, the unit empty where it has none; None if it is none.
+
+    >>> read_heading("velocity (m/s)"), read_heading("point"), read_heading("velocity (m")
+    (('velocity', 'm/s'), ('point', ''), None)
+    """
+    match = _HEADING.fullmatch(text)
+    return (match[1], (match[2] or "").strip()) if match else None
+
+
 def _read_headings(path: Path, line: int, headings: list[str]) -> tuple[list[str], list[str]]:
     names, units = [], []
     for heading in headings:

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from io import BytesIO
 from typing import Any
 
 import matplotlib as mpl
@@ -13,11 +12,12 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.collections import EllipseCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from PIL import Image
 
 from sim.figures.beads import draw_obstacle
 from sim.figures.caption import velocity_text
 from sim.figures.data import FigureData, point_table
-from sim.figures.pictures import Animation, save_animation
+from sim.figures.pictures import Animation, drawn_frames
 from sim.figures.plot import message_figure
 from sim.figures.spheres import COLOURS, DARK, Scene, across_sides, draw_particles
 from sim.figures.style import SETTINGS, SHORT_DASH
@@ -34,6 +34,12 @@ _FOLLOWED, _MARKS = 8, 2.0
 
 #: Most inches of a picture's width, of its height, and of a diameter in it.
 _MOST_WIDTH, _MOST_HEIGHT, _MOST_DIAMETER = 7.4, 6.0, 0.85
+
+#: A picture goes up to so many times the height below which this share of the particles is.
+_CLEARANCE, _MOST = 1.5, 0.95
+
+#: Resolution of the pictures of a run, dots per inch.
+_DPI = 100
 
 #: Quantiles of the velocities between which colours differ: a single fast particle would otherwise
 #: give all others one colour.
@@ -135,6 +141,12 @@ class ParticleFrames:
         return float((heights - radius).min()), float((heights + radius).max())
 
     @property
+    def height_of_most(self) -> float:
+        """Height of a picture, without single particles high above the others."""
+        top = np.sort(self.position[..., -1] + self.size / 2, axis=1)
+        return float(_CLEARANCE * top[:, int(_MOST * (top.shape[1] - 1))].max())
+
+    @property
     def norm(self) -> Normalize:
         """From velocities to the range of the colours."""
         return Normalize(*np.quantile(self.speed, _COLOUR_QUANTILES))
@@ -208,12 +220,15 @@ def belt_marks(row: Mapping[str, Any], time: float) -> tuple[np.ndarray, float]:
     return marks + row["amplitude"] / slope * phase, row["amplitude"] * phase
 
 
-def run_animation(particles: ParticleFrames) -> bytes:
-    """Return an endless WebP of the particles, coloured by their velocity along x."""
+def run_frames(particles: ParticleFrames) -> list[Image.Image]:
+    """Return pictures of the particles, coloured by their velocity along x."""
     with mpl.rc_context(SETTINGS):
-        low, high = particles.ends
-        figure, axes = particles.prepare(min(0.0, low) - 0.3, high + 0.3)
+        low, top = particles.ends
+        high = particles.height_of_most
+        figure, axes = particles.prepare(min(0.0, low) - 0.3, min(top, high) + 0.3)
         axes.set(xlabel="x (diameters)", ylabel="z (diameters)")
+        if top > high:
+            axes.set_title(f"Single particles fly up to {top:.0f} diameters.", fontsize=8.5)
         axes.axhline(0, color="black", linewidth=1.3)
         drawn = [particles.draw(axes, 0)]
 
@@ -221,6 +236,4 @@ def run_animation(particles: ParticleFrames) -> bytes:
             drawn.pop().remove()
             drawn.append(particles.draw(axes, frame))
 
-        moving, file = Animation(figure, len(particles.position), show, 100), BytesIO()
-        save_animation(moving, file, "WebP")
-    return file.getvalue()
+        return drawn_frames(Animation(figure, len(particles.position), show), _DPI)

@@ -24,9 +24,8 @@ from sim.study.figure_spec import FigureSpec
 #: Resolution of the first picture of an animation, dots per inch.
 _POSTER = 150
 
-#: Resolution of the frames of an animation (dots per inch) by its format, and the number of colours
-#: that those of a GIF share.
-_DPI, _PALETTE = {"GIF": 72, "WebP": 100}, 32
+#: Resolution of the frames of an animation, dots per inch, and number of colours that they share.
+_DPI, _PALETTE = 72, 32
 
 #: A number with more digits than a picture shows, except a scale.
 _LONG_NUMBER = re.compile(r"(?<!scale\()(?<![\w.#])(-?\d+\.\d\d)\d{2,}(?![\w.])")
@@ -95,23 +94,16 @@ def save_picture(figure: Figure, title: str, svg: Path | None, png: Path) -> Non
     small.save(png, format="PNG", optimize=True, pnginfo=metadata, dpi=image.info.get("dpi"))
 
 
-def save_animation(animation: Animation, file: Path | BinaryIO, kind: str) -> None:
-    """Write an endless ``"GIF"`` or ``"WebP"`` and leave the figure in the state of its last frame.
+def save_animation(animation: Animation, file: Path) -> None:
+    """Write an endless ``"GIF"`` and leave the figure in the state of its last frame."""
+    save_frames(drawn_frames(animation, _DPI), animation.duration, file, "GIF")
+
+
+def save_frames(images: list[Image.Image], duration: int, file: Path | BinaryIO, kind: str) -> None:
+    """Write an endless ``"GIF"`` or ``"WebP"`` of frames that are shown for some ms each.
 
     All frames of a GIF share one palette, taken from a few of them, so that none flickers.
     """
-    figure = animation.figure
-    canvas = FigureCanvasAgg(figure)
-    figure.set_dpi(_DPI[kind])
-    # All frames have the layout of the first: texts that change would move the axes.
-    animation.show(0)
-    settle(figure)
-    keep_layout(figure)
-    images = []
-    for number in range(animation.frames):
-        animation.show(number)
-        canvas.draw()
-        images.append(Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy()))
     options: dict[str, Any] = {"quality": 75}
     if kind == "GIF":
         few = [np.asarray(image) for image in images[:: max(1, len(images) // 4)]]
@@ -121,8 +113,25 @@ def save_animation(animation: Animation, file: Path | BinaryIO, kind: str) -> No
         palette = sample.quantize(_PALETTE, method=coverage, dither=no_dither)
         images = [image.quantize(palette=palette, dither=no_dither) for image in images]
         options = {}
-    options |= {"save_all": True, "loop": 0, "duration": animation.duration}
+    options |= {"save_all": True, "loop": 0, "duration": duration}
     images[0].save(file, format=kind, append_images=images[1:], **options)
+
+
+def drawn_frames(animation: Animation, dpi: int) -> list[Image.Image]:
+    """Return the frames of an animation as images."""
+    figure = animation.figure
+    canvas = FigureCanvasAgg(figure)
+    figure.set_dpi(dpi)
+    # All frames have the layout of the first: texts that change would move the axes.
+    animation.show(0)
+    settle(figure)
+    keep_layout(figure)
+    images = []
+    for number in range(animation.frames):
+        animation.show(number)
+        canvas.draw()
+        images.append(Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy()))
+    return images
 
 
 # A file of records in the folder of figures: the source of each, and checksums of its files.

@@ -88,7 +88,7 @@ def render(spec: FigureSpec, dataset_path: Path, folder: Path) -> list[Path]:
         stack.enter_context(mpl.rc_context(SETTINGS))
         drawn, figure = _draw(data, kind)
         if isinstance(drawn, Animation):
-            save_animation(drawn, other, "GIF")
+            save_animation(drawn, other)
         save_picture(figure, spec.title, None if spec.animated else other, still)
         for file, content in zip((csv, text), _texts(data, kind, table), strict=True):
             file.write_text(content, encoding="utf-8")

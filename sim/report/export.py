@@ -14,7 +14,9 @@ from sim.base.seals import checked_read
 from sim.engine.stored_run import parameters_of, read_attributes, require_all
 from sim.parameters import RUN_FILE, Parameters
 from sim.parameters.spheres import SphereParameters
-from sim.report.formats import FORMATS, Frame, Frames
+from sim.report.formats import FORMATS
+from sim.report.movie import MOST_FRAMES, Frame, Frames, write_movie
+from sim.report.table import TABLES, export_table
 from sim.study.command import YAML_SUFFIXES
 from sim.study.load import load_study
 
@@ -95,21 +97,25 @@ def _cell(
     return np.array([0.0, -thick, bottom]), high, (True, False, False)
 
 
-def export(path: Path, to: str | None, output: Path | None, replicate: int) -> str:
-    """Write the trajectory of a replicate, or its first and last state, for other programs.
+def export(
+    path: Path, to: str | None, output: Path | None, replicate: int, of: Sequence[str] = ()
+) -> str:
+    """Write the trajectory of a replicate, or its first and last state, or the table of a study.
 
     Parameters
     ----------
     path : Path
         The run file; or the results of a study or its file, for all runs of the study.
     to : str, optional
-        One of `FORMATS`. By default, that of the suffix of ``output``.
+        One of `FORMATS`, or of `TABLES` of a study. By default, that of the suffix of ``output``.
     output : Path, optional
         The file to write, or the folder for those of a study. It must not exist. A file needs a
         suffix of the format, by which other programs recognise it. By default, it is named like the
         run file, or like the study and the format, in the present folder.
     replicate : int
         Number of the replicate, from 0.
+    of : sequence of str
+        Observables in a table; by default all that have a value.
 
     Returns
     -------
@@ -122,15 +128,20 @@ def export(path: Path, to: str | None, output: Path | None, replicate: int) -> s
         When a run file cannot be read, has no such replicate, or the output cannot be written.
     """
     if to is None:
-        fitting = [
-            name for name, (ends, _) in FORMATS.items() if output and output.suffix.lower() in ends
-        ]
+        every = {name: ends for name, (ends, _) in FORMATS.items()}
+        every |= {name: (f".{name}",) for name in TABLES}
+        fitting = [name for name, ends in every.items() if output and output.suffix.lower() in ends]
         if not fitting:
-            allowed = f"one of {', '.join(FORMATS)}, or -o FILE that ends as files of a format do"
-            raise InputError.of_value("--to", "", None, allowed)
+            allowed = f"one of {', '.join(every)}, or -o FILE that ends as files of a format do"
+            got = output.suffix if output else None
+            raise InputError.of_value("--to", "", got, allowed)
         (to,) = fitting
     if path.suffix in YAML_SUFFIXES:
         path = Path("results") / load_study(path).name
+    if to in TABLES:
+        return export_table(path, to, output, of)
+    if of:
+        raise InputError.of_value("--of", "", ", ".join(of), f"--to {' or '.join(TABLES)} with it")
     return (_export_study if path.is_dir() else _export_run)(path, to, output, replicate)
 
 
@@ -192,4 +203,6 @@ def _export_run(path: Path, to: str, output: Path | None, replicate: int) -> str
         except RuntimeError as error:
             # The library raises this on a full disk.
             raise OSError(f"{output}: cannot be written: {error}") from None
-    return f"{output}: {len(frames.times):,} frames of {len(frames.radius):,} particles"
+    count, most = len(frames.times), MOST_FRAMES if write is write_movie else len(frames.times)
+    frames_told = f"{most} of {count:,} frames" if count > most else count_text(count, "frame")
+    return f"{output}: {frames_told} of {len(frames.radius):,} particles"

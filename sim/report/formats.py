@@ -1,11 +1,10 @@
-"""Formats of other programs for particles: AMBER, extended XYZ, LAMMPS, VTK, animations."""
+"""Formats of other programs for particles: AMBER, extended XYZ, LAMMPS, VTK; and movies."""
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable
 from functools import partial
 from itertools import product
 from pathlib import Path
-from typing import IO, NamedTuple
+from typing import IO
 from xml.etree import ElementTree
 
 import netCDF4
@@ -13,49 +12,13 @@ import numpy as np
 
 from sim.base.files import atomic_write, temporary_folder
 from sim.base.program import __version__
+from sim.report.movie import Frame, Frames, write_movie
 
 #: Å in a metre, ps in a second.
 ANGSTROM, PICOSECOND = 1e10, 1e12
 
-#: Most frames of an animation.
-MOST_FRAMES = 60
-
 #: Indices of the corners of a box (x varies slowest) in the order of VTK.
 _HEXAHEDRON = np.array([[0, 4, 6, 2, 1, 5, 7, 3]])
-
-
-class Frame(NamedTuple):
-    """A state of the particles: ``time`` (s), ``position`` (m), ``velocity`` (m/s) and ``spin``
-    (1/s), each (N, 3); beads of the belt have no spin."""
-
-    time: float
-    position: np.ndarray
-    velocity: np.ndarray
-    spin: np.ndarray | None
-
-
-@dataclass(frozen=True)
-class Frames:
-    """The frames of a replicate; ``read`` reads one by its number.
-
-    ``radius`` (N,) are the radii of the particles (m); ``kind`` (N,) is 1 for moving particles and
-    2 for those glued to the plane. ``low`` and ``high`` (3,) are corners of the cell (m), and
-    ``periodic`` (3,) is true along its periodic directions. ``times`` (F,) are those of the frames
-    (s), and ``steps`` (F,) the numbers of time steps until then.
-    """
-
-    radius: np.ndarray
-    kind: np.ndarray
-    low: np.ndarray
-    high: np.ndarray
-    periodic: tuple[bool, bool, bool]
-    times: np.ndarray
-    steps: np.ndarray
-    has_spin: bool
-    read: Callable[[int], Frame]
-
-    def __iter__(self) -> Iterator[Frame]:
-        return map(self.read, range(len(self.times)))
 
 
 #: Writes the head of a frame, and returns the format of the lines of its particles, whose arguments
@@ -205,25 +168,6 @@ def write_vtk(path: Path, frames: Frames) -> None:
             new_folder.rename(folder)
 
 
-def write_webp(path: Path, frames: Frames) -> None:
-    """Write an endless animation of up to `MOST_FRAMES` frames, seen along y, in diameters."""
-    from sim.figures.animation import ParticleFrames, run_animation
-
-    chosen = np.unique(np.linspace(0, len(frames.times) - 1, MOST_FRAMES).astype(int))
-    shown = [frames.read(int(number)) for number in chosen]
-    diameter = 2 * float(frames.radius.mean())
-    content = run_animation(
-        ParticleFrames(
-            np.stack([frame.position for frame in shown]) / diameter,
-            np.stack([frame.velocity[:, 0] for frame in shown]),
-            2 * frames.radius / diameter,
-            float(frames.high[0] - frames.low[0]) / diameter,
-        )
-    )
-    with atomic_write(path) as temporary:
-        temporary.write_bytes(content)
-
-
 #: Suffixes of the files of each format, the usual one first, and the function that writes one.
 FORMATS: dict[str, tuple[tuple[str, ...], Callable[[Path, Frames], None]]] = {
     "amber": ((".ncdf", ".nc"), write_amber),
@@ -233,5 +177,7 @@ FORMATS: dict[str, tuple[tuple[str, ...], Callable[[Path, Frames], None]]] = {
         partial(_write_text, begin=_begin_dump, title="ITEM: UNITS\nsi\n"),
     ),
     "vtk": ((".pvd",), write_vtk),
-    "webp": ((".webp",), write_webp),
+    "gif": ((".gif",), write_movie),
+    "html": ((".html",), write_movie),
+    "webp": ((".webp",), write_movie),
 }

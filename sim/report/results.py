@@ -1,6 +1,8 @@
 """The results of a study in Python: a short table of them, grids over parameters, and plots."""
 
+import subprocess
 import warnings
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from html import escape
 from math import prod
@@ -9,21 +11,26 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 import xarray as xr
+import yaml
 from pydantic import ValidationError
 
 from sim.base.errors import Allowed, InputError, count_text, printable
+from sim.base.files import atomic_write
 from sim.base.messages import input_error, one_of
 from sim.dataset import results as datasets
 from sim.dataset.results import require_known_options
 from sim.figures.caption import first_clause
 from sim.parameters import NUMERICAL, SYSTEMS
 from sim.parameters.variables import mask_failed
+from sim.report.table import known_observables, point_table, points_of
+from sim.study.command import environment, snakemake_command
 from sim.study.feed import plot_entry
-from sim.study.figure_spec import FigureSpec, written
+from sim.study.figure_spec import written
+from sim.study.load import load_study, parse_study
 from sim.study.model import Point
 from sim.study.plot_contents import PlotContents
 from sim.study.plot_file import PlotFile
-from sim.study.plottable import find_observable, numbers
+from sim.study.plottable import find_observable
 from sim.surrogates.answers import answer_name, caveats_in, refusal_in, sentence
 from sim.surrogates.storage import answer_files, find_surrogate, load_table
 from sim.surrogates.surrogate import Surrogate
@@ -34,8 +41,8 @@ if TYPE_CHECKING:
 #: Most names, and most values of a parameter, in a line of the table.
 MOST_SHOWN = 6
 
-#: How names of errors end, which the table does not list.
-_OF_ERRORS = ("_error", "_half_width")
+#: First line of a study file of a mapping.
+_MARK = "# Written by talus.study, which replaces it.\n"
 
 #: Most places of a grid per point.
 MOST_PLACES = 10
@@ -58,16 +65,39 @@ class LabelledResults(datasets.Results):
         """
         return find_surrogate(self.runs.parent if self.runs else Path(), name)
 
-    def table(self, name: str) -> pd.DataFrame:
-        """Return the table of a sensitivity or a propagation by its name.
+    def table(
+        self, name: str = "", *, of: Sequence[str] = (), system: str = "", series: str = ""
+    ) -> pd.DataFrame:
+        """Return the points as a table, or the table of a sensitivity or a propagation.
 
-        Its last column has what is doubtful about it, if anything is.
+        Parameters
+        ----------
+        name : str
+            The sensitivity or propagation; its last column has what is doubtful about it, if
+            anything is. By default the table has a row per point: what varies, the regime, caveats,
+            replicates that completed, and each observable with the half width of its 95 % interval.
+        of : sequence of str
+            Observables, with a unit if it is not to be that of the dataset: ``velocity (mm/s)``. By
+            default the velocity and all declared ones that have a value.
+        system, series : str
+            System of the points, and their series; by default all.
 
         Raises
         ------
         InputError
-            When the results have no such answer, it was refused, or its file is damaged.
+            When the results have no such answer, observable, system or series, the answer was
+            refused, or its file is damaged.
         """
+        if not name:
+            systems = [system] if system else list(dict.fromkeys(self.dataset["system"].values))
+            parts = {
+                str(one): point_table(self, str(one), self._series(str(one), series), of)
+                for one in map(self._system, systems)
+            }
+            if len(parts) == 1:
+                return next(iter(parts.values()))
+            joined = pd.concat(parts, names=["system", None])
+            return joined.reset_index("system").reset_index(drop=True)
         files = answer_files(self.runs.parent) if self.runs else []
         tables = {path.stem: path for path in files if path.suffix == ".csv"}
         if name not in tables:
@@ -101,18 +131,12 @@ class LabelledResults(datasets.Results):
             When there is no such observable, no parameter varies, several points share a place, or
             the points are spread as those of a design.
         """
-        from sim.figures.data import figure_data, varying_parameters
+        from sim.figures.data import varying_parameters
         from sim.figures.plot import observed_quantity
 
         system = self._system(system)
         found = find_observable("curves", "observable", observable, system, _grid_error)
-        every = dict.fromkeys(" ".join(self.of(system)["series"].values).split())
-        if series and series not in every:
-            raise _grid_error("series", series, one_of(series, every))
-        shown = (series,) if series else tuple(every)
-        keys: dict[str, Any] = {"kind": "curves", "system": system, "series": shown}
-        spec = FigureSpec.model_construct(name="grid", y=observable, **keys)
-        data = figure_data(self, spec)
+        data = points_of(self, system, self._series(system, series), observable)
         names = varying_parameters(data.rows, list(SYSTEMS[system].model_fields))
         _require_grid(data.rows, names)
         quantity = observed_quantity(data)
@@ -167,8 +191,14 @@ class LabelledResults(datasets.Results):
         if not system and len(systems) == 1:
             return systems[0]
         if system not in systems:
-            raise _grid_error("system", system or None, one_of(system, systems))
+            raise InputError.of_value("results", "system", system or None, one_of(system, systems))
         return system
+
+    def _series(self, system: str, series: str) -> Sequence[str]:
+        every = list(dict.fromkeys(" ".join(self.of(system)["series"].values).split()))
+        if series and series not in every:
+            raise InputError.of_value("results", "series", series, one_of(series, every))
+        return [series] if series else every
 
     def _lines(self) -> list[tuple[str, str]]:
         from sim.figures.data import varying_parameters
@@ -187,13 +217,7 @@ class LabelledResults(datasets.Results):
             varied = varying_parameters(table, list(table))
             texts = [f"{name} ({_few(pd.unique(table[name].sort_values()))})" for name in varied]
             lines.append(("  varied", _few(texts, "; ")))
-            observed = (one for one in numbers(system).values() if one.source in rows)
-            known = [
-                one.name
-                for one in observed
-                if not one.name.endswith(_OF_ERRORS) and rows[one.source].notnull().any()
-            ]
-            lines.append(("  observables", _few(known)))
+            lines.append(("  observables", _few(known_observables(self, system))))
             texts = [str(text) for text in rows["caveat"].values if text]
             if texts:
                 mostly = first_clause(max(dict.fromkeys(texts), key=texts.count))
@@ -239,6 +263,51 @@ def load(results: str | Path) -> LabelledResults:
     loaded = replace(loaded, dataset=mask_failed(loaded.dataset))
     systems = set(map(str, loaded.dataset["system"].values))
     return replace(loaded, dataset=loaded.of(*systems)) if len(systems) == 1 else loaded
+
+
+def study(study: str | Path | Mapping[str, Any], cores: int | None = None) -> LabelledResults:
+    """Run what is new of a study, up to its report, and load its results.
+
+    It runs as by ``talus study`` in the present folder, with ``results`` in it.
+
+    Parameters
+    ----------
+    study : str, Path or mapping
+        The study file, or a mapping with its contents. That is written to ``NAME.yaml`` in the
+        present folder, unless a file of somebody else has that name.
+    cores : int, optional
+        Cores to use, by default all.
+
+    Raises
+    ------
+    InputError
+        For any mistake that prevents the study from being run as written.
+    RuntimeError
+        When a job failed; what it says was printed.
+    """
+    path = _written_study(study) if isinstance(study, Mapping) else Path(study)
+    name = load_study(path).name
+    command = snakemake_command(path, cores or "all")
+    piped: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
+    # A notebook shows what is printed, and nothing of a process of its own.
+    with subprocess.Popen(command, env=environment(), text=True, **piped) as process:
+        for line in process.stdout or ():
+            print(line, end="", flush=True)
+    if process.returncode:
+        raise RuntimeError(f"{path}: the study ended with code {process.returncode}, see above")
+    return load(Path("results") / name)
+
+
+def _written_study(contents: Mapping[str, Any]) -> Path:
+    """Write the contents of a study file into the present folder, and return its path."""
+    path = Path(f"{parse_study(dict(contents), 'study', None).name}.yaml")
+    text = _MARK + yaml.safe_dump(dict(contents), sort_keys=False, allow_unicode=True)
+    if path.exists() and not path.read_text("utf-8").startswith(_MARK):
+        allowed = f"another name: {path} is there, and is not of talus.study"
+        raise InputError.of_value("talus.study", "study", path.stem, allowed)
+    with atomic_write(path) as temporary:
+        temporary.write_text(text, "utf-8")
+    return path
 
 
 def _grid_error(key: str, value: Any, allowed: str | Allowed) -> InputError:

@@ -109,7 +109,7 @@ def study(
     # With a profile, the number of cores would limit the jobs on a cluster, too.
     command = snakemake_command(study_path, cores or (None if profile else "all"), extra)
     sys.stdout.flush()
-    os.execve(command[0], command, os.environ | _missing_environment())
+    os.execve(command[0], command, environment())
 
 
 def snakemake_command(file: Path, cores: int | str | None, extra: Sequence[str] = ()) -> list[str]:
@@ -156,7 +156,8 @@ def run_with_signals(command: Sequence[str]) -> int:
     return code
 
 
-def _missing_environment() -> dict[str, str]:
+def environment() -> dict[str, str]:
+    """Return the environment of a Snakemake, with what it cannot do without."""
     missing = {}
     try:
         getpass.getuser()
@@ -169,7 +170,7 @@ def _missing_environment() -> dict[str, str]:
             missing["XDG_CACHE_HOME"] = str(private_folder(user_temporary_folder()))
         except (OSError, NotPrivateError):
             missing["XDG_CACHE_HOME"] = tempfile.mkdtemp(prefix="talus-")
-    return missing
+    return os.environ | missing
 
 
 def study_path(files: Sequence[str | Path], assignments: Sequence[str]) -> Path:

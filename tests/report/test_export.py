@@ -1,5 +1,9 @@
 """Particles in other formats, read again by programs that know nothing of this one."""
 
+import json
+import re
+from base64 import b64decode
+from io import BytesIO
 from pathlib import Path
 from types import SimpleNamespace
 from xml.etree import ElementTree
@@ -14,6 +18,7 @@ from PIL import Image
 from sim.__main__ import main
 from sim.engine import run_file
 from sim.engine.systems.recorder import Record
+from sim.figures.animation import ParticleFrames
 from sim.parameters import Parameters, point_id
 from sim.parameters.variables import variables_of
 from sim.report.export import FORMATS
@@ -118,7 +123,23 @@ def exported(run: Path, to: str, *words: str) -> Path:
 
 def test_a_trajectory_plays(system, run, tmp_path):
     stored = StoredReplicate(run, system)
-    assert Image.open(exported(run, "webp")).n_frames == len(stored.time)
+    for to in ("webp", "gif"):
+        assert Image.open(exported(run, to)).n_frames == len(stored.time)
+    page = exported(run, "html").read_text()
+    assert page.count("data:image/webp;base64,") == 2 and "http" not in page
+    frames = json.loads(re.search(r"const sources = (\[.*?\])", page)[1])
+    assert [Image.open(BytesIO(b64decode(one))).format for one in frames] == ["WEBP"] * len(
+        stored.time
+    )
+
+
+def test_a_lone_particle_does_not_make_a_picture_of_the_others_small():
+    heights = np.tile(np.linspace(0.5, 9.5, 60), (3, 1))
+    bed = ParticleFrames(heights[..., None], 0 * heights, np.ones(60), 10.0)
+    assert bed.height_of_most > bed.ends[1]
+    heights[1, -1] = 55.0
+    lone = ParticleFrames(heights[..., None], 0 * heights, np.ones(60), 10.0)
+    assert 10 < lone.height_of_most < 20 < lone.ends[1]
 
 
 @pytest.mark.parametrize("to", READERS)
@@ -244,7 +265,7 @@ def test_a_study_becomes_a_folder_of_short_names(system, tmp_path, monkeypatch, 
     [
         ([".", "--to", "vtk"], "results with runs"),
         (["a.run.nc"], "--to: got nothing; allowed: one of amber"),
-        (["a.run.nc", "-o", "a.pdb"], "--to: got nothing; allowed: one of amber"),
+        (["a.run.nc", "-o", "a.pdb"], "--to: got '.pdb'; allowed: one of amber"),
         (["text.nc", "--to", "amber"], "damaged or not a run file"),
         (["none.nc", "--to", "amber"], "no such run file"),
         (["--replicate", "2"], "--replicate: got 2; allowed: a replicate of the run, 0 to 1"),

@@ -58,9 +58,9 @@ def test_what_was_measured_of_failed_runs_is_in_no_mean_of_a_study(monkeypatch):
     ("points", "arguments", "message"),
     [
         (GRID, ("speed",), "to_grid: observable: got 'speed'; did you mean velocity?"),
-        ([*GRID, BELT], (), "to_grid: system: got nothing; allowed: one of chute, belt"),
-        (GRID, ("velocity", "belt"), "to_grid: system: got 'belt'; allowed: one of chute"),
-        (GRID, ("velocity", "", "b"), "to_grid: series: got 'b'; allowed: one of chute"),
+        ([*GRID, BELT], (), "results: system: got nothing; allowed: one of chute, belt"),
+        (GRID, ("velocity", "belt"), "results: system: got 'belt'; allowed: one of chute"),
+        (GRID, ("velocity", "", "b"), "results: series: got 'b'; allowed: one of chute"),
         (GRID[:1], (), "to_grid: got '1 point'; allowed: results whose points vary a parameter"),
         (
             [*GRID, made_point("chute", {"velocity": 1.0}, depth=1.5, friction=0.3, seed=7)],
