@@ -66,7 +66,8 @@ class _CompilationTimer(event.Listener):
             self._start = process_time()
             if self.seconds == 0.0:
                 suffix = f" with {PLUGIN_CODES}" if PLUGIN_CODES else ""
-                log.info("compiling the engine%s; what is compiled is kept", suffix)
+                # Some minutes on a slow machine: told to who waits in Python or with --quiet, too.
+                log.warning("compiling the engine%s; what is compiled is kept", suffix)
         self._depth += 1
 
     def on_end(self, event):

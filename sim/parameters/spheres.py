@@ -31,11 +31,11 @@ from sim.parameters.schedule import Schedule, require_schedule, with_ends
 
 row = rows_of("spheres")
 
-#: Particle-steps per second on one core of a present-day server up to a depth, that depth, and the
-#: exponent with which the rate falls above it, as there are more contacts per particle.
+#: Particle-steps per second on one core of a present-day server up to a depth, the depths between
+#: which the rate falls, as there are more contacts per particle, and its exponent there.
 RATE = 45.0e6
-RATE_DEPTH = 5.0
-RATE_EXPONENT = -0.55
+RATE_DEPTHS = 3.0, 20.0
+RATE_EXPONENT = -0.66
 
 #: Largest overlap of an impact, in diameters, at which laws of small overlaps are valid: twice that
 #: of the paper's softest spheres.
@@ -356,7 +356,8 @@ class SphereParameters(Parameters):
     def rate(self) -> float:
         """Particle-steps per second, about."""
         speed = self.option("engine").speed
-        return speed * RATE * (max(RATE_DEPTH, self.depth) / RATE_DEPTH) ** RATE_EXPONENT
+        shallow, deep = RATE_DEPTHS
+        return speed * RATE * (min(max(shallow, self.depth), deep) / shallow) ** RATE_EXPONENT
 
     @property
     def refusals(self) -> list[tuple[str, str]]:

@@ -74,7 +74,7 @@ def _current_folder(source: Path, of: str | None, results: Path) -> Path:
     """Return the results of a study file; dataset and surrogate must be those that it asks for."""
     study = load_study(source, results)
     folder = results / study.name
-    dataset = load_current(study, folder)
+    dataset = load_current(study, folder, title=False)
     named = [spec for spec in study.surrogates if spec.name == of]
     for spec in named or [spec for spec in study.surrogates if of in (None, spec.observable)]:
         path = folder / spec.file

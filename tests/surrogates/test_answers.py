@@ -222,6 +222,10 @@ def test_a_prediction_is_of_the_study_as_it_is_or_refused(folder, old, new, name
             sim.load(folder).surrogate(name)
 
 
+def test_a_new_title_changes_no_prediction(folder):
+    assert ask(folder, "speed", f"title: Another\n{STUDY}") == ask(folder)
+
+
 def test_pictures_show_an_answer_or_say_why_there_is_none(folder):
     study = _study(folder)
     lines = dict(
