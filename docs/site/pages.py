@@ -196,7 +196,7 @@ def licences() -> str:
             "# Licences",
             "Talus itself has the BSD 3-clause licence (`LICENSE`). It uses the packages of"
             " `requirements.lock`, whose metadata state these licences. A report contains the"
-            " explorer's library Vega (BSD 3-clause), which `vl-convert-python` brings.",
+            " explorer's library Vega (`sim/report/vega` has it, with its licences).",
             _table(("package", "version", "licence"), rows),
         )
     )

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from sim.figures.caption import label_with_unit, unit_of
 from sim.figures.data import Drawing, FigureData
 from sim.figures.plot import SINGLE_SIZE, one_panel, wrap_label
-from sim.figures.style import COLOURS, LEVEL, cycle_style, escape_label, legend_above
-from sim.study.plot_contents import name_in_words, parameter_phrase
+from sim.figures.style import COLOURS, LEVEL, cycle_style, legend_above, phrase
+from sim.study.plot_contents import name_in_words
 from sim.surrogates.answers import MANY_BLOCKS
 from sim.surrogates.indices import NEGLIGIBLE
 from sim.surrogates.storage import load_table
@@ -28,7 +28,7 @@ def _draw_indices(data: FigureData) -> Figure:
     table = _table(data)
     total, first = (_of(table, index) for index in ("total", "first"))
     names = total.sort_values("value", ascending=False, na_position="last")["parameter"].tolist()
-    phrases = [parameter_phrase(data.spec.system, name) for name in names]
+    phrases = [phrase(data.spec.system, name) for name in names]
     bars = {"first order: alone": first, "total: with all interactions": total}
     return _bars(
         phrases, {label: rows.set_index("parameter").loc[names] for label, rows in bars.items()}
@@ -73,9 +73,7 @@ def _draw_interactions(data: FigureData) -> Figure:
     """Draw a bar of the second-order index of each pair of parameters, the largest first."""
     rows = _of(_table(data), "interaction").sort_values("value", ascending=False)[:_MOST_PAIRS]
     pairs = zip(rows["parameter"], rows["other"], strict=True)
-    phrases = [
-        " × ".join(parameter_phrase(data.spec.system, one) for one in pair) for pair in pairs
-    ]
+    phrases = [" × ".join(phrase(data.spec.system, one) for one in pair) for pair in pairs]
     return _bars(phrases, {"": rows})
 
 
@@ -98,7 +96,7 @@ def _draw_screening(data: FigureData) -> Figure:
     means, deviations = (_of(table, index).set_index("parameter") for index in ("mu_star", "sigma"))
     figure, axes = one_panel()
     for number, name in enumerate(means.sort_values("value", ascending=False).index):
-        style, label = cycle_style(number), escape_label(parameter_phrase(data.spec.system, name))
+        style, label = cycle_style(number), phrase(data.spec.system, name)
         both = [one.loc[name, ["low", "value", "high"]] for one in (means, deviations)]
         (_, x, _), (_, y, _) = both
         xerr, yerr = (np.abs(np.diff(one.to_numpy(float)))[:, None] for one in both)
@@ -205,7 +203,7 @@ def _bars(names: Sequence[str], each: Mapping[str, pd.DataFrame]) -> Figure:
         look: dict[str, Any] = {"color": COLOURS[number + 1], "label": label}
         axes.barh(places, rows["value"], 0.95 * height, xerr=half, capsize=2, **look)
     axes.axvline(0, color="#444444", linewidth=0.8)
-    axes.set_yticks(range(len(names)), [escape_label(name) for name in names])
+    axes.set_yticks(range(len(names)), names)
     axes.invert_yaxis()
     axes.grid(visible=False, axis="y")
     axes.set_xlabel("share of the variance")

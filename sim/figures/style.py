@@ -18,7 +18,7 @@ from matplotlib.transforms import offset_copy
 
 from sim.figures.data import is_undecided
 from sim.parameters import SYSTEMS, field_info
-from sim.parameters.words import PROTOCOLS, setting
+from sim.parameters.words import PROTOCOLS, SUBSCRIPT, setting
 from sim.study.figure_spec import FigureSpec, Measure, Style
 from sim.study.plot_contents import name_in_words, parameter_phrase
 
@@ -75,9 +75,6 @@ RING: dict[str, Any] = {
 #: no line joins them.
 PALE_LINE: dict[str, Any] = {"linewidth": 3.4, "alpha": 0.4, "zorder": 1.9}
 PALE_MARKER_SIZE = 7.0
-
-#: A letter, or a difference, with a subscript.
-_SUBSCRIPT = re.compile(r"(?<![\w$])(Δ?[^\W\d_])_([^\W_]+)(?![\w$])")
 
 #: A value in a unit that looks as if it stood in brackets.
 _IN_BRACKETS = re.compile(r"^(\S+) = (\S+) (⟨\w⟩)$")
@@ -141,11 +138,13 @@ def legend_above(
 def legend_title(system: str, names: Iterable[str]) -> str:
     """Return what the symbols of entries mean: ``restitution e, friction μ``."""
     declared = field_info(SYSTEMS[system])
-    return ", ".join(
-        with_subscript(parameter_phrase(system, name), declared[name].symbol)
-        for name in dict.fromkeys(names)
-        if declared[name].symbol
-    )
+    return ", ".join(phrase(system, name) for name in dict.fromkeys(names) if declared[name].symbol)
+
+
+def phrase(system: str, name: str) -> str:
+    """Return name and symbol of a parameter as matplotlib reads them."""
+    text = escape_label(parameter_phrase(system, name))
+    return with_subscript(text, field_info(SYSTEMS[system])[name].symbol)
 
 
 def faces(rows: pd.DataFrame, colour: Any) -> list[tuple[pd.Series, Any]]:
@@ -181,7 +180,7 @@ def with_subscript(text: str, symbol: str) -> str:
     >>> with_subscript("amplitude A_z/⟨d⟩", "A_z"), with_subscript("law_of E_$", "E_$")
     ('amplitude $A_{z}$/⟨d⟩', 'law_of E_$')
     """
-    return text.replace(symbol, _SUBSCRIPT.sub(r"$\1_{\2}$", symbol), 1) if symbol else text
+    return text.replace(symbol, SUBSCRIPT.sub(r"$\1_{\2}$", symbol), 1) if symbol else text
 
 
 def move_aside(axes: Axes, artists: Iterable[Artist], x: float = 0, y: float = 0) -> None:

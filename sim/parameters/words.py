@@ -1,5 +1,6 @@
 """Parameters in SI and in words."""
 
+import re
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -13,6 +14,9 @@ PROTOCOLS = {
     "conveyor": {"published": "fixed length", "converged": "converged"},
     "function": {"published": "one call"},
 }
+
+#: A letter, or a difference, with a subscript.
+SUBSCRIPT = re.compile(r"(?<![\w$])(Δ?[^\W\d_])_([^\W_]+)(?![\w$])")
 
 #: Longest name that is written in full, and how many last characters of a longer one are written.
 LONG, END = 54, 16

@@ -8,28 +8,37 @@ import base64
 import gzip
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from importlib.metadata import version
 from math import isfinite
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from sim.base.files import atomic_write
 from sim.base.statistics import student_half_width
-from sim.engine.identity import cache_directory
 from sim.figures.caption import observable_text, parameter_text
 from sim.figures.surrogates import held_note, regime_note, section_rows, shown_settings
+from sim.parameters import SYSTEMS, field_info
+from sim.report.numbers import subscripts
 from sim.study.plottable import numbers
 from sim.surrogates.answers import EVEN, sentence
 from sim.surrogates.surrogate import Surrogate
+
+#: Folder of the drawing program, and its parts, each of which needs those before it.
+VEGA = Path(__file__).parent / "vega"
+_PROGRAMS = ("vega", "vega-lite", "vega-embed")
 
 #: Significant digits of the numbers.
 _DIGITS = 4
 
 #: Ends of the names of observables that say how sure others are; intervals show that.
 _ERRORS = ("_error", "_half_width", "_seed")
+
+#: Observables that say how a run was computed, and nothing of its flow.
+_BOOKKEEPING = {
+    *("steps", "time_step_used", "wall_time", "loop_time", "average_start", "independent_samples"),
+}
 
 #: What the table of points says in words, and how the explorer labels it.
 _WORDS = {"regime": "regime", "quality": "quality of the mean", "series": "series"}
@@ -51,10 +60,10 @@ def explorer_data(
     point and ``None`` where unknown; the series of a point are a list. An observable is a mean over
     replicates; its ``half`` is half the width of the 95 % interval. ``links`` lead to the row of a
     point in the table of runs. ``curves`` are sections of surrogates: ``y`` is the observable,
-    ``x`` the parameter, and ``note`` says what is held. ``rows`` have the value of the parameter,
-    ``mean``, ``low`` and ``high`` of the 95 % band, ``likely``: whether the regimes of the mean
-    are, the number of the ``part`` of the line in which this is the same, and words that are
-    chosen.
+    ``x`` the parameter, and ``note`` says in HTML what is held. ``rows`` have the value of the
+    parameter, ``mean``, ``low`` and ``high`` of the 95 % band, ``likely``: whether the regimes of
+    the mean are, the number of the ``part`` of the line in which this is the same, and words that
+    are chosen.
     """
     systems = {}
     for system in dict.fromkeys(run["system"] for run in runs):
@@ -85,12 +94,18 @@ def _parameters(varied: Mapping[str, np.ndarray], system: str) -> list[dict[str,
         columns.append(
             {
                 "name": name,
-                "label": parameter_text(system, name),
+                "label": _label(system, name),
                 "kind": "parameter" if is_number else "word",
                 "values": _numbers(values) if is_number else [str(value) for value in values],
             }
         )
     return columns
+
+
+def _label(system: str, name: str) -> str:
+    """Return the label of a parameter, without a symbol whose subscript a menu cannot show."""
+    text, symbol = parameter_text(system, name), field_info(SYSTEMS[system])[name].symbol
+    return text.replace(f" {symbol}", "", 1) if "_" in symbol else text
 
 
 def _observables(
@@ -100,7 +115,8 @@ def _observables(
     is_completed = (points["status"] == "completed").values
     columns = []
     for name, observable in numbers(system).items():
-        if observable.is_mean or observable.source not in points or name.endswith(_ERRORS):
+        is_shown = not (observable.is_mean or name in _BOOKKEEPING or name.endswith(_ERRORS))
+        if not is_shown or observable.source not in points:
             continue
         if name == "velocity":
             means = np.array([row["velocity"] for row in rows], dtype=float)
@@ -145,7 +161,7 @@ def _curves(surrogate: Surrogate) -> Iterator[dict[str, Any]]:
         yield {
             "x": axis.name,
             "y": surrogate.observable,
-            "note": " ".join(filter(None, notes)),
+            "note": subscripts(" ".join(filter(None, notes))),
             "rows": rows.to_dict("records"),
         }
 
@@ -165,19 +181,8 @@ def compressed(data: Any) -> str:
 
 
 def drawing_program() -> str:
-    """Return the program of Vega-Lite, compressed like `compressed`.
-
-    It is bundled once for a version of the library, then read from the cache.
-    """
-    path = cache_directory(with_plugins=False) / f"vega-{version('vl-convert-python')}.txt"
-    if path.is_file():
-        return path.read_text(encoding="ascii")
-    from vl_convert import javascript_bundle
-
-    text = _letters(javascript_bundle("window.vegaEmbed = vegaEmbed;").encode())
-    with atomic_write(path) as temporary:
-        temporary.write_text(text, encoding="ascii")
-    return text
+    """Return the program of Vega-Lite, compressed like `compressed`."""
+    return _letters(b"\n".join((VEGA / f"{name}.min.js").read_bytes() for name in _PROGRAMS))
 
 
 def _letters(content: bytes) -> str:

@@ -7,9 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import jinja2
+from markupsafe import Markup, escape
 from uncertainties import ufloat
 
 from sim.base.errors import count_text, duration, percent
+from sim.parameters.words import SUBSCRIPT
 
 #: Relative width of an interval below which it does not set the digits of its value.
 _EXACT = 1e-4
@@ -103,8 +105,8 @@ def bounds(check: Mapping[str, Any]) -> str:
 def strip(check: Mapping[str, Any]) -> dict[str, float] | None:
     """Return positions of value, bounds and allowed range on a strip, in percent of its width.
 
-    These are ``value``; ``start`` and ``length`` of the interval between the one-sided bounds;
-    ``low`` and ``width`` of the allowed range. ``None`` where value or bound is unknown.
+    These are ``value``; ``start`` and ``end`` of the interval between the one-sided bounds;
+    ``low`` and ``high`` of the allowed range. ``None`` where value or bound is unknown.
     """
     value, half_width = check["value"], check["bound"]
     if value is None or half_width is None:
@@ -116,16 +118,22 @@ def strip(check: Mapping[str, Any]) -> dict[str, float] | None:
     def place(number: float) -> float:
         return round(100 * ((number - min(ends)) / span + _MARGIN) / (1 + 2 * _MARGIN), 1)
 
-    low = 0.0 if check["low"] is None else place(check["low"])
-    high = 100.0 if check["high"] is None else place(check["high"])
-    start = place(value - half_width)
     return {
         "value": place(value),
-        "start": start,
-        "length": round(place(value + half_width) - start, 1),
-        "low": low,
-        "width": round(high - low, 1),
+        "start": place(value - half_width),
+        "end": place(value + half_width),
+        "low": 0.0 if check["low"] is None else place(check["low"]),
+        "high": 100.0 if check["high"] is None else place(check["high"]),
     }
+
+
+def subscripts(text: str) -> Markup:
+    """Return a text as HTML in which what follows _ in a symbol is a subscript.
+
+    >>> str(subscripts("γ_s < 5g, law_of E"))
+    'γ<sub>s</sub> &lt; 5g, law_of E'
+    """
+    return Markup(SUBSCRIPT.sub(r"\1<sub>\2</sub>", str(escape(text))))
 
 
 def template(name: str) -> jinja2.Template:
@@ -139,5 +147,5 @@ def template(name: str) -> jinja2.Template:
     )
     environment.filters |= {"duration": duration, "percent": percent, "quoted": shlex.quote}
     environment.filters |= {"measured": measured, "bounds": bounds, "threshold": threshold}
-    environment.filters |= {"count_text": count_text, "strip": strip}
+    environment.filters |= {"count_text": count_text, "strip": strip, "subscripts": subscripts}
     return environment.get_template(name)

@@ -179,7 +179,7 @@
       },
     }));
     const names = [...new Set([...Object.keys(data[0] ?? {}).filter((name) => name in columns), x, y])];
-    const paint = colour ? { ...encoding.color, legend: null } : { value: ink("--link") };
+    const paint = colour ? encoding.color : { value: ink("--link") };
     const marks = {
       mark: { type: "point", filled: false, strokeWidth: 1.5, cursor: "pointer" },
       encoding: {
@@ -197,7 +197,7 @@
     if (!colour) marks.encoding.stroke = { value: ink("--link") };
     const line = { mark: { type: "line", opacity: 0.6 }, encoding };
     const sections = shownCurves(choice);
-    section.querySelector("[data-notes]").textContent = sections.map((one) => one.note).join(" ");
+    section.querySelector("[data-notes]").innerHTML = sections.map((one) => one.note).join(" ");
     const layer = [...sections.flatMap((one) => curveLayers(one, encoding, colour, floors.y)), ...bars, ...(choice.has("lines") ? [line] : []), marks];
     const panels = choice.get("panels");
     const isNarrow = section.clientWidth < 600;
