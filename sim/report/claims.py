@@ -155,8 +155,8 @@ def claim_rows(
             **claim,
             "author": authors.get(claim["paper"], ""),
             "figures": [
-                {"name": name, "title": FIGURES[name].paper, "drawn": name in figure_names}
-                for name in claim["figures"]
+                {"name": name, "title": title, "drawn": name in figure_names}
+                for name, title in _figure_titles(claim["figures"]).items()
             ],
             "by_protocol": {
                 variant["protocol"]: variant["verdict"]
@@ -170,6 +170,15 @@ def claim_rows(
         }
         for claim in claims
     ]
+
+
+def _figure_titles(names: Sequence[str]) -> dict[str, str]:
+    """Return where figures are in their papers, with their titles where two are in one place."""
+    places = Counter(FIGURES[name].paper for name in names)
+    return {
+        name: spec.paper if places[spec.paper] == 1 else f"{spec.paper}: {spec.title}"
+        for name, spec in ((name, FIGURES[name]) for name in names)
+    }
 
 
 def _cost(claim: Mapping[str, Any], runs: Mapping[str, Mapping[str, Any]]) -> dict[str, float]:

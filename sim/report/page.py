@@ -244,11 +244,17 @@ def render(
         varied=varied,
         settings=settings,
         parameters=parameter_rows(dataset, study.units),
+        written={
+            (one.parameters.system, name)
+            for one in study.points.values()
+            for name in one.parameters.model_fields_set
+        },
         velocity_unit=unit_of("m s-1", study.units, str(dataset["system"].values[0])),
         paper_values=paper_values((one.parameters for one in study.points.values()), study.paper),
         boundaries=boundary_rows(study, results.boundaries),
         opinions=opinions_of(study, dataset, folder),
         energy_limit=CLOSED_SHARE,
+        is_alone=address is data_uri,
         provenance=_provenance(study, dataset),
     )
 

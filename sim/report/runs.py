@@ -183,12 +183,12 @@ def state_of(runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Return counts of the points of a table of runs by result, and advice.
 
     Numbers of ``points``: all, ``completed`` with at least one replicate, ``failed``,
-    ``undetermined`` (or with replicates that contradict each other), and ``unsound``, whose
+    ``undetermined``, ``mixed``, whose replicates contradict each other, and ``unsound``, whose
     energies do not add up. ``worst`` is the row of the worst unsound point, and ``advice`` the
-    parameter that improves it. ``longer`` are the amounts that make runs of undetermined points
-    longer, so that stored runs are kept, and ``drifting`` of these points drift.
+    parameter that improves it. ``longer`` are the amounts that make runs of undetermined or
+    mixed points longer, so that stored runs are kept, and ``drifting`` of these points drift.
     """
-    undetermined = [run for run in runs if run["regime"] in OPEN_REGIMES]
+    undecided = [run for run in runs if run["regime"] in OPEN_REGIMES]
     unsound = [run for run in runs if run["missing_energy"] > UNSOUND_SHARE]
     worst = max(unsound, key=lambda run: run["missing_energy"], default=None)
     failed = sum(run["regime"] == "failed" for run in runs)
@@ -198,15 +198,15 @@ def state_of(runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         else "limit"
         if "limit" in run["stopped"]
         else "target"
-        for run in undetermined
+        for run in undecided
     }
     return {
         "points": len(runs),
         "completed": len(runs) - failed,
         "failed": failed,
-        "undetermined": len(undetermined),
+        **{name: sum(run["regime"] == name for run in undecided) for name in OPEN_REGIMES},
         "longer": sorted(longer),
-        "drifting": sum(run["quality"] == "drifting" for run in undetermined),
+        "drifting": sum(run["quality"] == "drifting" for run in undecided),
         "unsound": len(unsound),
         "worst": worst,
         "advice": SHORTER_STEPS[worst["system"]] if worst else "",

@@ -9,10 +9,17 @@ import pytest
 from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
 
 from tests.made.report import ANIMATION, make_page
+from tests.report.test_page import Page as Source
+from tests.report.test_page import make_asking
 
 CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
 
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no chromium or google-chrome installed")
+pytestmark = pytest.mark.skipif(
+    CHROMIUM is None, reason="no chromium or google-chrome installed (apt install chromium)"
+)
+
+#: The rules of accessibility, as the npm package axe-core has them.
+AXE = Path(__file__).parent / "axe" / "axe.min.js"
 
 PHONE = {"width": 375, "height": 812}
 
@@ -109,6 +116,41 @@ def test_pictures_are_drawn_links_lead_somewhere_and_all_has_a_name(page):
     expect(page.locator(".skip")).to_be_focused()
     page.keyboard.press("Enter")
     expect(page.locator("main")).to_be_focused()
+
+
+@pytest.fixture(scope="module", params=[make_page, make_asking], ids=["paper", "own"])
+def each(request, tmp_path_factory) -> Path:
+    """Yield the report of a paper's study and that of one's own."""
+    return request.param(tmp_path_factory.mktemp("each"))[1]
+
+
+def test_a_browser_repairs_nothing_and_pictures_and_links_have_addresses(browser, each):
+    text = each.read_text(encoding="utf-8")
+    page, source = opened(browser), Source(text)
+    parsed = page.evaluate(
+        "(text) => [...new DOMParser().parseFromString(text, 'text/html').querySelectorAll('*')]"
+        ".map((one) => one.localName)",
+        text,
+    )
+    assert [name for name, _ in source.elements] == parsed
+    assert all("href" in one for one in source.all("a"))
+    assert all("src" in one and "alt" in one for one in source.all("img"))
+    page.context.close()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_a_report_is_accessible_with_all_opened(browser, each, scheme):
+    page = opened(browser, color_scheme=scheme)
+    page.goto(each.as_uri())
+    opened_explorer(page)
+    page.evaluate("for (const one of document.querySelectorAll('details')) one.open = true")
+    page.evaluate("for (const one of document.querySelectorAll('.opener')) one.click()")
+    page.evaluate(AXE.read_text(encoding="utf-8"))
+    found = page.evaluate("axe.run()")
+    assert len(found["passes"]) > 30
+    faults = [(one["id"], [node["html"] for node in one["nodes"]]) for one in found["violations"]]
+    assert faults == []
+    page.context.close()
 
 
 def test_claims_open_their_evidence_by_keyboard(page):

@@ -79,15 +79,15 @@ def test_papers_count_that_a_study_names_or_feeds_or_decides(named, fed, verdict
 
 def test_a_strip_keeps_its_order():
     place = strip({"value": 16.0, "bound": 2.0, "low": 15.0, "high": 17.0})
-    assert place["start"] < place["low"] < place["value"] < place["low"] + place["width"]
-    assert place["start"] + place["length"] > place["low"] + place["width"]
+    assert place["start"] < place["low"] < place["value"] < place["high"]
+    assert place["end"] > place["high"]
     assert place["value"] == pytest.approx(50)
     open_end = strip({"value": 3.0, "bound": 0.1, "low": None, "high": 1.0})
-    assert open_end["low"] == 0 and open_end["width"] < open_end["start"]
+    assert open_end["low"] == 0 and open_end["high"] < open_end["start"]
     for high in (1.0, None):
         place = strip({"value": 1.0, "bound": 0.0, "low": None, "high": high})
         assert 0 < place["value"] < 100
-        assert place["length"] == 0
+        assert place["start"] == place["end"]
 
 
 def flow(missing: float, **parameters):
