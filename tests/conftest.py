@@ -7,6 +7,7 @@ examples in every run.
 import gc
 import os
 import sys
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -87,6 +88,16 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         return max(starts, default=(0, len(ORDER)))[1]
 
     items.sort(key=place)
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """Say at the very end which tests a program that is not installed has left out."""
+    terminal = config.pluginmanager.get_plugin("terminalreporter")
+    skipped = terminal.stats.get("skipped", []) if terminal else []
+    reasons = [report.longrepr[2].removeprefix("Skipped: ") for report in skipped]
+    lacking = [one for one in reasons if "installed" in one or one.startswith("could not import")]
+    for reason, count in Counter(lacking).items():
+        terminal.write_line(f"NOT TESTED, {count} tests: {reason}", red=True, bold=True)
 
 
 def pytest_collection_finish() -> None:

@@ -90,6 +90,14 @@ def test_the_version_is_the_same_wherever_it_is_said():
     assert project["version"] == __version__
 
 
+def test_the_least_python_is_said_before_pip_looks_for_packages():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    least = project["requires-python"].removeprefix(">=")
+    older = f"import sys; sys.version_info = (3, {int(least.split('.')[1]) - 1})"
+    error = imported(f"{older}; exec(open({str(ROOT / 'setup.py')!r}).read())", ROOT).stderr
+    assert error.startswith(f"Talus needs Python {least} or newer")
+
+
 def test_the_workflow_makes_the_same_alone_and_from_the_root(tmp_path):
     """The package has it without the Snakefile of the root, and a command that runs it."""
     alone = ("--snakefile", str(ROOT / "workflow" / "Snakefile"))
