@@ -1,9 +1,12 @@
 """Export the particles of a run in a format of other programs, see `sim.report.formats`."""
 
+import warnings
 from collections.abc import Sequence
 from contextlib import ExitStack
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import netCDF4
 import numpy as np
@@ -16,9 +19,12 @@ from sim.parameters import RUN_FILE, Parameters
 from sim.parameters.spheres import SphereParameters
 from sim.report.formats import FORMATS
 from sim.report.movie import MOST_FRAMES, Frame, Frames, write_movie
-from sim.report.table import TABLES, export_table
+from sim.report.table import TABLES, write_table
 from sim.study.command import YAML_SUFFIXES
 from sim.study.load import load_study
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: Variables of the frames of a trajectory, and of the first and last state of any run.
 _TRAJECTORY_VARIABLES = ("trajectory_position", "trajectory_velocity", "trajectory_spin")
@@ -139,10 +145,22 @@ def export(
     if path.suffix in YAML_SUFFIXES:
         path = Path("results") / load_study(path).name
     if to in TABLES:
-        return export_table(path, to, output, of)
+        return write_table(
+            partial(_table, path, of), to, output or Path(f"{path.resolve().name}.{to}")
+        )
     if of:
         raise InputError.of_value("--of", "", ", ".join(of), f"--to {' or '.join(TABLES)} with it")
     return (_export_study if path.is_dir() else _export_run)(path, to, output, replicate)
+
+
+def _table(results: Path, of: Sequence[str]) -> "pd.DataFrame":
+    # Imported here: particles are exported without it.
+    from sim.report.results import load
+
+    with warnings.catch_warnings():
+        # The table has a row for each point whose runs failed, too.
+        warnings.simplefilter("ignore")
+        return load(results).table(of=of)
 
 
 def _export_study(results: Path, to: str, output: Path | None, replicate: int) -> str:

@@ -1,7 +1,6 @@
 """The table of a study: a row per point, for spreadsheets and programs of statistics."""
 
-import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -98,32 +97,26 @@ def _asked(texts: Iterable[str], system: str) -> list[tuple[Observable, str]]:
     return found
 
 
-def export_table(source: Path, to: str, output: Path | None, asked: Sequence[str]) -> str:
-    """Write the table of a study's results as ``csv`` or ``xlsx``, and return a line on it.
+def write_table(table: Callable[[], pd.DataFrame], to: str, output: Path) -> str:
+    """Write a table as ``csv`` or ``xlsx``, and return a line on it.
 
-    Raises `InputError` when there are no results, or the file cannot be written.
+    It is made once it can be written. Raises `InputError` when it cannot.
     """
-    from sim.report.results import load
-
     if to == "xlsx" and not find_spec("openpyxl"):
         allowed = "csv, or xlsx once openpyxl is there (pip install openpyxl)"
         raise InputError.of_value("--to", "", to, allowed)
-    output = output or Path(f"{source.resolve().name}.{to}")
     if output.suffix.lower() != f".{to}" or output.exists():
         allowed = f"a name that nothing has and that ends in .{to}"
         raise InputError.of_value("--output", "", str(output), allowed)
     require_writable(output.parent, "--output")
-    with warnings.catch_warnings():
-        # The table has a row for each point whose runs failed, too.
-        warnings.simplefilter("ignore")
-        table = load(source).table(of=asked)
+    rows = table()
     output.parent.mkdir(parents=True, exist_ok=True)
     with atomic_write(output) as temporary:
         if to == "csv":
-            table.to_csv(temporary, index=False, float_format="%.10g")
+            rows.to_csv(temporary, index=False, float_format="%.10g")
         else:
             with pd.ExcelWriter(temporary, engine="openpyxl") as book:
-                table.to_excel(book, sheet_name="points", index=False, freeze_panes=(1, 0))
+                rows.to_excel(book, sheet_name="points", index=False, freeze_panes=(1, 0))
                 _widen(book.sheets["points"])
     return (
         f"{output}: {count_text(len(table), 'point')}, {count_text(len(table.columns), 'column')}"

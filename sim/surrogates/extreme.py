@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -13,9 +13,6 @@ from sim.base.statistics import CONFIDENCE
 from sim.study.design import Axis, unit_points
 from sim.surrogates import answers
 from sim.surrogates.fit import counted_probability
-
-if TYPE_CHECKING:
-    from sim.surrogates.surrogate import Surrogate
 
 #: Places of the first look, and of each closer one about the best so far; how many closer looks
 #: there are, and by how much each is closer.
@@ -29,7 +26,7 @@ _MOST_CORNERS = 8
 _DRAWS, _COMPARED, _WIDE = 1000, 512, 3
 
 
-def extreme(surrogate: "Surrogate", sign: int, given: Mapping[str, Any]) -> xr.Dataset:
+def extreme(surrogate: Any, sign: int, given: Mapping[str, Any]) -> xr.Dataset:
     """Return what a surrogate says where its mean is highest (``sign`` 1) or lowest (-1).
 
     Parameters that are not ``given`` are searched over the ranges of the points and over their
@@ -79,7 +76,7 @@ def _names(axes: Sequence[Axis]) -> list[str]:
 
 
 def _look(
-    surrogate: "Surrogate", sign: int, free: Sequence[Axis], given: Mapping[str, Any]
+    surrogate: Any, sign: int, free: Sequence[Axis], given: Mapping[str, Any]
 ) -> pd.DataFrame:
     """Return places that were tried and have a regime of the mean: values, ``mean``, ``error``.
 
@@ -102,7 +99,7 @@ def _look(
 
 
 def _tried(
-    surrogate: "Surrogate", free: Sequence[Axis], given: Mapping[str, Any], shares: np.ndarray
+    surrogate: Any, free: Sequence[Axis], given: Mapping[str, Any], shares: np.ndarray
 ) -> pd.DataFrame:
     """Return the places at shares (n, k) of the ranges of free parameters, as `_look` does."""
     rows = pd.DataFrame(given, index=range(len(shares)))
@@ -116,7 +113,7 @@ def _tried(
 
 
 def _rivals(
-    surrogate: "Surrogate", free: Sequence[Axis], given: Mapping[str, Any], possible: pd.DataFrame
+    surrogate: Any, free: Sequence[Axis], given: Mapping[str, Any], possible: pd.DataFrame
 ) -> pd.DataFrame:
     """Return places spread over the box of those that may be the extreme, as `_look` does."""
     if not free or possible.empty:
@@ -130,9 +127,7 @@ def _rivals(
     return _tried(surrogate, free, given, inside)
 
 
-def _likely(
-    surrogate: "Surrogate", sign: int, rows: pd.DataFrame, free: Sequence[Axis]
-) -> dict[str, Any]:
+def _likely(surrogate: Any, sign: int, rows: pd.DataFrame, free: Sequence[Axis]) -> dict[str, Any]:
     """Return in which range, or at which words, the extreme of the mean lies: parameter by name.
 
     Places are compared in courses of the mean, drawn from its errors and how they go together.
