@@ -118,9 +118,7 @@ def write_table(table: Callable[[], pd.DataFrame], to: str, output: Path) -> str
             with pd.ExcelWriter(temporary, engine="openpyxl") as book:
                 rows.to_excel(book, sheet_name="points", index=False, freeze_panes=(1, 0))
                 _widen(book.sheets["points"])
-    return (
-        f"{output}: {count_text(len(table), 'point')}, {count_text(len(table.columns), 'column')}"
-    )
+    return f"{output}: {count_text(len(rows), 'point')}, {count_text(len(rows.columns), 'column')}"
 
 
 def _widen(sheet: "Worksheet") -> None:
