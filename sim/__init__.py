@@ -8,11 +8,22 @@ study, `study` runs one, and `load` reads its results (docs/api.md). Plug-ins ex
 
 # ruff: noqa: F401
 
+import os
+from importlib.util import find_spec
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
 
 from sim.base.errors import InputError
 from sim.base.program import __version__
+
+# Files are written under names of their own and renamed, so HDF5's locks guard nothing; on a file
+# system without locks it could neither write nor read. HDF5 reads this when it is imported.
+os.environ.setdefault("HDF5_USE_FILE_LOCKING", "FALSE")
+
+# A notebook hands its backend to commands, whose environment may lack it: no import of matplotlib.
+_backend = os.environ.get("MPLBACKEND", "").partition("module://")[2]
+if _backend and find_spec(_backend.partition(".")[0]) is None:
+    del os.environ["MPLBACKEND"]
 
 if TYPE_CHECKING:
     from sim.base.plugins import load_plugins

@@ -64,6 +64,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             stream.reconfigure(errors="backslashreplace")
     # A log that cannot be written, as on a full disk, is no reason for a traceback.
     logging.raiseExceptions = False
+    # Nothing is shown in a window.
+    os.environ.pop("MPLBACKEND", None)
     words = sys.argv[1:] if arguments is None else arguments
     if not words and COMPLETE not in os.environ:
         print(START.format(version=__version__, program=program()), end="", file=sys.stderr)

@@ -14,6 +14,7 @@ from click import Argument, Choice, Option, Parameter
 from click.shell_completion import CompletionItem, get_completion_class
 
 from sim.base.errors import InputError
+from sim.base.numbers import integer, number
 from sim.base.program import __version__, program
 
 #: Exit code of a command line, study or file that cannot be used.
@@ -37,7 +38,21 @@ class FileName(click.ParamType[Path]):
         return [CompletionItem(incomplete, type="file")]
 
 
-FILE = FileName()
+class Numeric(click.ParamType[Any]):
+    """A number of a ``kind``, as `sim.base.numbers` reads it."""
+
+    def __init__(self, kind: Callable[[str], float]):
+        self.kind = kind
+        self.name = kind.__name__
+
+    def convert(self, value: Any, param: Parameter | None, ctx: click.Context | None) -> float:
+        try:
+            return self.kind(str(value))
+        except ValueError as error:
+            self.fail(f"{value!r} is {error}.", param, ctx)
+
+
+FILE, WHOLE, REAL = FileName(), Numeric(integer), Numeric(number)
 
 
 def _argument(name: str, metavar: str, type: Any = FILE, **more: Any) -> Argument:
@@ -57,10 +72,10 @@ def _file(name: str, metavar: str, help: str = "", **more: Any) -> Option:
 STUDY = _argument("study_path", "STUDY.yaml")
 ANY_STUDY = _argument("study_path", "[STUDY.yaml]", required=False)
 DATASET = _argument("dataset_path", "DATASET.nc")
-CORES = _option("--cores", "N", "cores to use", type=int)
+CORES = _option("--cores", "N", "cores to use", type=WHOLE)
 TEXT = _option("--format", type=Choice(("text", "json")), default="text")
 TABLE = _option("--format", type=Choice(("table", "json")), default="table")
-PROCESSES = _option("-j --processes", "N", "make N side by side", type=int, default=1)
+PROCESSES = _option("-j --processes", "N", "make N side by side", type=WHOLE, default=1)
 CODE = _option("--code", "HASH", "leave out what this code has made", default="")
 
 #: Commands for people: function, description and parameters. The function is called with the
@@ -107,7 +122,7 @@ COMMANDS: dict[str, tuple[str, str, Sequence[Parameter]]] = {
         [
             ANY_STUDY,
             TEXT,
-            _option("--watch", "SECONDS", "show it again and again until it is over", type=float),
+            _option("--watch", "SECONDS", "show it again and again until it is over", type=REAL),
             _option("--orphans", help="list runs of no point of the study instead"),
             _option("--remove", help="and remove them, with their states and logs"),
         ],
@@ -141,7 +156,7 @@ COMMANDS: dict[str, tuple[str, str, Sequence[Parameter]]] = {
                 "must not be there yet, and end as files of the format do; of a study a folder; "
                 "default: named like the run or the study, in this folder",
             ),
-            _option("--replicate", "N", "its number, from 0", type=int, default=0),
+            _option("--replicate", "N", "its number, from 0", type=WHOLE, default=0),
             _option(
                 "--of",
                 "OBSERVABLE",
@@ -180,8 +195,8 @@ COMMANDS: dict[str, tuple[str, str, Sequence[Parameter]]] = {
             _option("--ignore ignored", "PARAMETER", "may differ in pairs, too", multiple=True),
             TEXT,
             _option("--engine", "NAME", "that is asked; default: the only other one", default=""),
-            _option("--share", "SHARE", "of the points known to both", type=float, default=0.05),
-            _option("--cores", "N", "runs at a time of the engine", type=int, default=1),
+            _option("--share", "SHARE", "of the points known to both", type=REAL, default=0.05),
+            _option("--cores", "N", "runs at a time of the engine", type=WHOLE, default=1),
             _file("--results", "FOLDER", "folder of all results", default="results"),
         ],
     ),
@@ -229,7 +244,10 @@ JOBS: dict[str, tuple[str, Sequence[Parameter]]] = {
         [ANY_STUDY, PROCESSES, _option("--clean", help="remove compiled code instead")],
     ),
     "batch": ("sim.engine.command:batch", [_argument("results", "FOLDER")]),
-    "refine": ("sim.surrogates.inquiries:write_round", [STUDY, _argument("number", "ROUND", int)]),
+    "refine": (
+        "sim.surrogates.inquiries:write_round",
+        [STUDY, _argument("number", "ROUND", WHOLE)],
+    ),
     "adopt": ("sim.dataset.adopted:adopt", [STUDY, DATASET]),
     "dataset": (
         "sim.dataset.build:build",

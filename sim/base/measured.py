@@ -5,7 +5,7 @@ They hold what was measured, or the particles of an initial state.
 
 import csv
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from io import StringIO
 from math import isfinite
@@ -14,6 +14,7 @@ from typing import Any
 
 from sim.base.errors import Allowed, InputError
 from sim.base.messages import conversion, did_you_mean
+from sim.base.numbers import number
 from sim.base.yaml import read_text
 
 #: Pattern of the name of such a file, and what is allowed, for messages: it is published with the
@@ -22,6 +23,15 @@ FILE, ALLOWED_FILE = r"^[^/\\]+\.csv$", "the name of a CSV file in the folder of
 
 #: Largest number of rows, and of bytes; and unit of pure numbers, which a heading may leave out.
 MAX_ROWS, MAX_BYTES, PURE = 10_000, 10**8, "1"
+
+#: First line by which spreadsheets say what stands between values, up to the end of the line.
+_SEPARATOR = re.compile(r'"?sep=([,;\t])"?[,;\t ]*(?=\r?\n)', re.IGNORECASE)
+
+_DECIMAL_POINT = re.compile(r"[-+]?[0-9,]*\.[0-9]+.*")
+_DECIMAL_COMMA = re.compile(r"^([-+]?[0-9]*),([0-9]+(?:[eE][-+]?[0-9]+)?)$")
+
+#: Heading and values of a column that numbers the rows, as pandas writes and names it.
+_NAMELESS, _WHOLE = re.compile(r"(Unnamed: 0)?"), re.compile(r"[0-9]+")
 
 _HEADING = re.compile(r"\s*([^()\[\]]*[^()\[\]\s])\s*(?:[(\[]([^()\[\]]*(?:\([^()]*\))?)[)\]])?\s*")
 
@@ -65,7 +75,7 @@ class MeasuredTable:
         values = []
         for row, text in enumerate(self.texts[column]):
             try:
-                value = factor * float(text)
+                value = factor * number(text)
             except ValueError:
                 comma = re.fullmatch(r"[-+]?\d+,\d+", text)
                 hint = "; a number has a decimal point, not a comma" if comma else ""
@@ -98,10 +108,14 @@ def read_measured(path: Path) -> MeasuredTable:
 def parse_table(text: str, path: Path) -> MeasuredTable:
     """Return a table: a heading per column, as ``velocity (m/s)``, and a row per measurement.
 
-    Empty lines, and those that begin with ``#``, are left out. Raises ``InputError``, which names
-    ``path``, for a text that is empty, longer than allowed or no table.
+    Empty lines, those that begin with ``#``, and columns without heading and values are left out,
+    as is a first column of whole numbers without heading. Between values stand commas, semicolons
+    or tabs; in place of decimal points may stand commas unless they part values. Raises
+    ``InputError``, which names ``path``, for a text that is empty, longer than allowed or no table.
     """
-    reader = csv.reader(StringIO(text, newline=""), strict=True, skipinitialspace=True)
+    delimiter, text = _delimiter(text)
+    lines = StringIO(text, newline="")
+    reader = csv.reader(lines, delimiter=delimiter, strict=True, skipinitialspace=True)
     rows = []
     try:
         for row in reader:
@@ -116,14 +130,23 @@ def parse_table(text: str, path: Path) -> MeasuredTable:
         found = "the file is empty" if not rows else "the file has headings alone"
         raise InputError(f"{path}: {found}; allowed: a line of headings, and a row for each value")
     (heading_line, headings), *rest = rows
-    names, units = _read_headings(path, heading_line, headings)
+    cells = []
     for line, texts in rest:
-        if len(texts) != len(names):
-            allowed = f"{len(names)} values with commas between, as there are headings"
+        if len(texts) < len(headings) or any(texts[len(headings) :]):
+            allowed = f"{len(headings)} values, as there are headings"
+            allowed += "; between decimal commas belong semicolons" * (delimiter == ",")
             raise InputError.of_value(path, f"line {line}", ", ".join(texts), allowed)
-    lines, rows_of_texts = zip(*rest, strict=True)
-    columns = dict(zip(names, zip(*rows_of_texts, strict=True), strict=True))
-    return MeasuredTable(path, lines, columns, dict(zip(names, units, strict=True)))
+        cells.append(texts[: len(headings)])
+    if delimiter != "," and not any(_DECIMAL_POINT.fullmatch(one) for row in cells for one in row):
+        cells = [[_DECIMAL_COMMA.sub(r"\1.\2", one) for one in row] for row in cells]
+    columns, units = dict[str, tuple[str, ...]](), dict[str, str]()
+    for place, (heading, column) in enumerate(zip(headings, zip(*cells, strict=True), strict=True)):
+        if _NAMELESS.fullmatch(heading) and (place == 0 and all(map(_WHOLE.fullmatch, column))):
+            continue
+        if heading or any(column):
+            name, unit = _read_heading(path, heading_line, heading, columns)
+            columns[name], units[name] = column, unit
+    return MeasuredTable(path, tuple(line for line, _ in rest), columns, units)
 
 
 def read_heading(text: str) -> tuple[str, str] | None:
@@ -136,16 +159,21 @@ def read_heading(text: str) -> tuple[str, str] | None:
     return (match[1], (match[2] or "").strip()) if match else None
 
 
-def _read_headings(path: Path, line: int, headings: list[str]) -> tuple[list[str], list[str]]:
-    names, units = [], []
-    for heading in headings:
-        match = _HEADING.fullmatch(heading)
-        if match is None or ";" in heading or "\t" in heading:
-            allowed = "headings such as velocity (m/s), with commas between"
-            raise InputError.of_value(path, f"line {line}", heading or None, allowed)
-        if match[1] in names:
-            allowed = "a heading that no other column has"
-            raise InputError.of_value(path, f"line {line}", heading, allowed)
-        names.append(match[1])
-        units.append((match[2] or "").strip())
-    return names, units
+def _delimiter(text: str) -> tuple[str, str]:
+    """Return what stands between values, and the text without a first line that only says so."""
+    if match := _SEPARATOR.match(text):
+        return match[1], text[match.end() :]
+    lines = (line for line in text.splitlines() if line.strip(" ,;\t") and line[0] != "#")
+    first = next(lines, "")
+    return max(";,\t", key=first.count), text
+
+
+def _read_heading(path: Path, line: int, heading: str, known: Collection[str]) -> tuple[str, str]:
+    found = read_heading(heading)
+    if found is None:
+        allowed = "headings such as velocity (m/s), one for each column that has values"
+        raise InputError.of_value(path, f"line {line}", heading or None, allowed)
+    if found[0] in known:
+        allowed = "a heading that no other column has"
+        raise InputError.of_value(path, f"line {line}", heading, allowed)
+    return found

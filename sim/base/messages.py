@@ -15,6 +15,7 @@ from pydantic_core import ErrorDetails, ValidationError
 
 from sim.base.additions import plain_name
 from sim.base.errors import Allowed, InputError, in_short, key_path
+from sim.base.numbers import number
 
 _UNKNOWN = {"extra_forbidden", "invalid_key"}
 _TAG = "system"
@@ -27,7 +28,7 @@ MOST_NAMES, _FEWEST = 12, 3
 
 _QUOTED = re.compile(r"'([^']*)'")
 
-_WITH_UNIT = re.compile(r"([-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)\s*(\D.*)")
+_WITH_UNIT = re.compile(r"([-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)\s*(\D.*)", re.ASCII)
 
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+")
 
@@ -207,7 +208,7 @@ def _unit(field: FieldInfo, value: Any) -> str:
         return ""
     if isinstance(value, str):
         with suppress(ValueError):
-            float(value)
+            number(value)
             return ", without quotes"
     unit = getattr(extra, "scale", "") or getattr(extra, "unit_text", "").strip()
     without = f", without the unit{_converted(value, unit)}" if isinstance(value, str) else ""
@@ -218,7 +219,7 @@ def _converted(text: str, unit: str) -> str:
     """Return what to write for a number with another unit: ``": 0.002"`` for 2 mm in m."""
     match = _WITH_UNIT.fullmatch(text.strip())
     factor = conversion(match[2], unit) if match else None
-    return f": {float(match[1]) * factor:.12g}" if match and factor else ""
+    return f": {number(match[1]) * factor:.12g}" if match and factor else ""
 
 
 def one_of(name: Any, options: Collection[str]) -> Allowed:

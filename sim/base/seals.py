@@ -5,11 +5,12 @@ It follows the end that the file declares, and the seal follows it. JSON has its
 """
 
 import errno
+import fcntl
 import hashlib
 import json
 import os
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, BinaryIO
 from xml.etree.ElementTree import ParseError
@@ -95,13 +96,26 @@ def checked_read(path: Path, kind: str, replaceable: bool, sealed: bool = False)
             raise
         if isinstance(error, (OSError, RuntimeError)) and path.is_file() and not is_damaged(path):
             # Of an error of the system, the library says "HDF error".
-            reason = f"cannot be read, though its checksum is right ({error})"
+            reason = f"cannot be read, though its checksum is right ({_no_lock(path) or error})"
             raise OSError(errno.EIO, reason, str(path)) from None
         message = f"{path}: damaged or not a {kind} ({error})"
         if replaceable:
             aside = set_aside(path).name
             message += f"; now {aside}: rerun the study, which makes what is missing"
         raise DamagedError(message) from None
+
+
+def _no_lock(path: Path) -> str:
+    """Return why HDF5 cannot lock a file, which it does where the user's settings have it."""
+    with suppress(FileNotFoundError):
+        try:
+            with open_regular(path) as file:
+                fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except OSError as error:
+            is_taken = isinstance(error, BlockingIOError)
+            reason = "another program has locked it" if is_taken else f"no lock: {error.strerror}"
+            return f"{reason}; HDF5_USE_FILE_LOCKING=FALSE reads all the same"
+    return ""
 
 
 def seal(path: Path) -> None:

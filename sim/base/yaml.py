@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 import yaml
 
 from sim.base.errors import InputError, key_path
+from sim.base.numbers import integer, number
 
 # The two loaders read the same YAML; the one written in C may be missing.
 _Base: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
@@ -18,6 +19,9 @@ MAX_BYTES = 1_000_000
 MAX_DEPTH = 50
 MAX_KEYS = 1_000_000
 _MAX_PROBLEM = 200
+
+#: Spaces that YAML takes for letters, as text processors write them.
+_ODD_SPACE = re.compile("[\u00a0\u2000-\u200b\u202f\u3000]")
 
 _TAG = "tag:yaml.org,2002:"
 _TYPES = ("null", "bool", "str", "seq", "map")
@@ -38,12 +42,13 @@ class _Loader(_Base):
 
     def construct_yaml_int(self, node: yaml.ScalarNode) -> int:
         """Read a decimal integer; YAML 1.1 had other bases too."""
-        return int(self.construct_scalar(node))
+        return integer(self.construct_scalar(node))
 
     def construct_yaml_float(self, node: yaml.ScalarNode) -> float:
         """Read a decimal number, ``.inf`` or ``.nan``; YAML 1.1 had base 60 too."""
         text = self.construct_scalar(node).lower()
-        return float(text.replace(".inf", "inf").replace(".nan", "nan"))
+        is_other = text.lstrip("-+") in (".inf", ".nan")
+        return float(text.replace(".", "")) if is_other else number(text, or_beyond=True)
 
     def flatten_mapping(self, node: yaml.MappingNode) -> None:
         """Replace merge keys by the keys they stand for, up to `MAX_KEYS` keys.
@@ -99,9 +104,8 @@ def parse_yaml(text: str, source: str) -> Any:
         return loader.construct_document(node)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        if mark and text[mark.index - mark.column :].lstrip(" ").startswith("\t"):
-            problem = f"line {mark.line + 1} begins with a tab; YAML wants spaces"
-            raise InputError(f"{source}: {problem}") from None
+        if mark and (cause := _cause(text.splitlines(), mark, str(error.problem))):
+            raise InputError(f"{source}: {cause}") from None
         line = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
         problem = (error.problem or "")[:_MAX_PROBLEM]
         raise InputError(f"{source}: {line}not readable as YAML: {problem}") from None
@@ -111,6 +115,19 @@ def parse_yaml(text: str, source: str) -> Any:
         raise InputError(f"{source}: not readable as YAML: {problem}") from None
     finally:
         loader.dispose()
+
+
+def _cause(lines: list[str], mark: yaml.Mark, problem: str) -> str:
+    """Return a mistake of letters for which YAML has no words, empty if there is none."""
+    last = lines[mark.line] if mark.line < len(lines) else ""
+    if last.lstrip(" ").startswith("\t"):
+        return f"line {mark.line + 1} begins with a tab; YAML wants spaces"
+    for line in (mark.line, mark.line - 1):
+        if _ODD_SPACE.search("".join(lines[line : line + 1])):
+            return f"line {line + 1} holds a non-breaking space; YAML wants plain ones"
+    if problem.startswith("mapping values") and ": " in last[: mark.column]:
+        return f"line {mark.line + 1}: a text with a colon and a space needs quotes"
+    return ""
 
 
 def _read_text(path: str | Path, source: str) -> str:
@@ -184,6 +201,8 @@ def _refuse_wrong_keys(root: yaml.Node, source: str) -> None:
 
 
 def _key_problem(key: yaml.Node, before: Any) -> str:
+    if isinstance(key, yaml.ScalarNode) and _ODD_SPACE.search(key.value):
+        return "a key holds a non-breaking space; YAML wants plain ones"
     problem = "expected text as a key"
     if isinstance(before, str) and "(" in before:
         return f"{problem}; instead of {before}, ...) give a list, a range or a design"
@@ -197,7 +216,7 @@ def _members(node: yaml.MappingNode, path: _Path, source: str) -> list[tuple[yam
     members: list[tuple[yaml.Node, _Path]] = []
     for key, value in node.value:
         text = isinstance(key, yaml.ScalarNode) and key.tag in (f"{_TAG}str", f"{_TAG}merge")
-        if not text:
+        if not text or _ODD_SPACE.search(key.value):
             problem = _key_problem(key, members[-1][0].value if members else "")
             raise yaml.constructor.ConstructorError(None, None, problem, key.start_mark)
         key_location = (*path, key.value)

@@ -30,9 +30,16 @@ log = logging.getLogger("talus")
 #: The plug-ins for which the cache folder is valid.
 PLUGIN_CODES = codes(*COMPILED_KINDS)
 
+# Settings of numba, left from work on another program, would change or slow the code that all runs
+# share, or forbid to compile. The processor remains, as the cache tells it apart, and the number of
+# threads, none of them ours, of a process that may use them already.
+_kept = {"NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES"}
+_kept |= {"NUMBA_NUM_THREADS"} if "numba" in sys.modules else set()
+for _name in [name for name in os.environ if name.startswith("NUMBA_") and name not in _kept]:
+    del os.environ[_name]
 os.environ["NUMBA_CACHE_DIR"] = str(cache_directory())
 
-import numba  # noqa: E402  (the cache folder must be named before numba is imported)
+import numba  # noqa: E402  (it reads its settings when it is imported)
 import numpy as np  # noqa: E402
 from llvmlite import ir  # noqa: E402
 from numba import types  # noqa: E402
@@ -42,8 +49,9 @@ from numba.core.errors import TypingError  # noqa: E402
 from numba.core.ir import Loc  # noqa: E402
 from numba.extending import intrinsic, overload, register_jitable  # noqa: E402
 
-# If numba was imported earlier, it has read its settings already.
-numba.config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
+# Nor counts a file of the present folder, nor what it read if it was imported earlier.
+numba.config._config_fname = os.devnull
+numba.config.reload_config()
 
 # numba would import scipy's linear algebra, a fifth of the start of a run, to see whether matrix
 # products can be compiled. No kernel has any.

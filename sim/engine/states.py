@@ -18,6 +18,7 @@ import numpy as np
 
 from sim.base.errors import InputError
 from sim.base.files import atomic_write, is_of_system, open_regular
+from sim.base.numbers import number
 from sim.base.seals import is_damaged, seal, set_aside
 from sim.engine.identity import NUMERICS
 from sim.engine.stored_run import is_alike
@@ -126,7 +127,7 @@ def checkpoint_interval() -> float:
     name = "TALUS_CHECKPOINT_SECONDS"
     text = os.environ.get(name) or str(INTERVAL)
     with suppress(ValueError):
-        if (seconds := float(text)) >= 0.0:
+        if (seconds := number(text)) >= 0.0:
             return seconds
     raise InputError.of_value("environment", name, text, "a number of seconds >= 0")
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import matplotlib as mpl
 import pandas as pd
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -37,8 +38,10 @@ PATTERNS = {"solid": "-", "short_dash": SHORT_DASH, "long_dash": LONG_DASH} | {
     **{"dash_dot": DASH_DOT, "dotted": DOTTED, "none": "none"}
 }
 
-#: matplotlib settings in force while a figure is drawn and saved.
+#: matplotlib settings in force while a figure is drawn and saved: its own, whatever the user's
+#: files say, and these.
 SETTINGS: dict[Any, Any] = {
+    **{name: value for name, value in mpl.rcParamsDefault.items() if name != "backend"},
     "figure.dpi": 200,
     "savefig.dpi": 200,
     "svg.hashsalt": "talus",

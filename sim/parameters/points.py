@@ -19,6 +19,7 @@ from pydantic import ValidationError
 from sim.base.additions import on_change, plugin_options
 from sim.base.errors import InputError
 from sim.base.messages import add_synonym, allowed_values, input_error, names_meant, one_of
+from sim.base.numbers import plain
 from sim.base.plugins import load_shipped
 from sim.base.yaml import read_yaml
 from sim.parameters.belt import BeltParameters
@@ -153,11 +154,7 @@ def parse_python_point(source: str, system: Any, values: Mapping[str, Any]) -> P
 
     Sizes of particles that are probably not meant are a warning.
     """
-    plain = {
-        name: value.item() if getattr(value, "shape", None) == () else value
-        for name, value in values.items()
-    }
-    point = parse_point({**plain, "system": system}, source)
+    point = parse_point(plain({**values, "system": system}), source)
     for _, text in doubts(point):
         # As the caller of `simulate` or `Flow` sees it.
         warnings.warn(text, stacklevel=3)

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from sim.base.errors import InputError, align_table
+from sim.base.numbers import number
 from sim.dataset.results import Results, load_current
 from sim.study.load import load_study
 from sim.study.surrogate import SurrogateFile
@@ -119,7 +120,7 @@ def _value(surrogate: Surrogate, name: str, text: str) -> Any:
     if text.lower() in choices:
         return choices[text.lower()]
     try:
-        return float(text)
+        return number(text)
     except ValueError:
         return text
 

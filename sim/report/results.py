@@ -17,6 +17,7 @@ from pydantic import ValidationError
 from sim.base.errors import Allowed, InputError, count_text, printable
 from sim.base.files import atomic_write
 from sim.base.messages import input_error, one_of
+from sim.base.numbers import plain
 from sim.dataset import results as datasets
 from sim.dataset.results import require_known_options
 from sim.figures.caption import first_clause
@@ -300,8 +301,8 @@ def study(study: str | Path | Mapping[str, Any], cores: int | None = None) -> La
 
 def _written_study(contents: Mapping[str, Any]) -> Path:
     """Write the contents of a study file into the present folder, and return its path."""
-    path = Path(f"{parse_study(dict(contents), 'study', None).name}.yaml")
-    text = _MARK + yaml.safe_dump(dict(contents), sort_keys=False, allow_unicode=True)
+    path = Path(f"{parse_study(plain(contents), 'study', None).name}.yaml")
+    text = _MARK + yaml.safe_dump(plain(contents), sort_keys=False, allow_unicode=True)
     if path.exists() and not path.read_text("utf-8").startswith(_MARK):
         allowed = f"another name: {path} is there, and is not of talus.study"
         raise InputError.of_value("talus.study", "study", path.stem, allowed)

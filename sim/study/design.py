@@ -4,12 +4,14 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from math import ceil, isfinite, log2, sqrt
+from math import ceil, log2, sqrt
 from operator import ge, gt, le, lt
 from statistics import median
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
+
+from sim.base.numbers import number
 
 #: Digits of a value: so few that every machine rounds it to the same one. Least number of points of
 #: a sequence that are made at once.
@@ -48,8 +50,7 @@ def read_comparison(text: str) -> Comparison | None:
 
 def _number_or_name(text: str) -> float | str:
     with suppress(ValueError):
-        if isfinite(number := float(text)):
-            return number
+        return number(text)
     return text
 
 

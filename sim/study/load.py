@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from sim.base.additions import Plugin, plain_name, plugin_options
 from sim.base.errors import InputError
 from sim.base.files import atomic_write, require_writable
+from sim.base.numbers import plain
 from sim.base.plugins import PATTERN as PLUGIN_NAME
 from sim.base.plugins import load
 from sim.base.seals import checked_read, parse_sealed_json, to_sealed_json
@@ -211,7 +212,7 @@ def points(study: str | Path | Mapping[str, Any]) -> "pd.DataFrame":
     import pandas as pd
 
     if isinstance(study, Mapping):
-        validated_study = parse_study(dict(study), "points", None)
+        validated_study = parse_study(plain(study), "points", None)
     elif isinstance(study, (str, Path)):
         validated_study = load_study(study, None)
     else:

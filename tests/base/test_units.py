@@ -63,6 +63,33 @@ def test_columns_are_read_in_the_unit_asked_for(read):
     assert numbers(table, "s", "m s-1") == (5, 6)
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "angle (deg);V (mm/s)\n16;0,2\n17,5;2,5e-1\n",
+        "sep=;\r\nangle (deg);V (mm/s)\r\n16;0,2\r\n17,5;0,25\r\n",
+        "sep=,\nangle (deg),V (mm/s)\n16,0.2\n17.5,0.25\n",
+        "angle (deg)\tV (mm/s)\n16\t0,2\n17,5\t,25\n",
+        "angle (deg),V (mm/s),,\n16,0.2,,\n17.5,0.25,,\n,,,\n",
+        "angle (deg),V (mm/s)\n16,0.2,\n17.5,0.25,\n",
+        "angle (deg),,V (mm/s)\n16,,0.2\n17.5,,0.25\n",
+        ",angle (deg),V (mm/s)\n3,16,0.2\n7,17.5,0.25\n",
+        "Unnamed: 0,angle (deg),V (mm/s)\n0,16,0.2\n1,17.5,0.25\n",
+    ],
+)
+def test_tables_of_spreadsheets_and_pandas_are_read(read, text):
+    table = read(text)
+    assert list(table.texts) == ["angle", "V"] and table.units == {"angle": "deg", "V": "mm/s"}
+    assert numbers(table, "angle", "degree") == (16, 17.5)
+    assert numbers(table, "V", "mm/s") == (0.2, 0.25)
+
+
+def test_a_comma_is_a_decimal_point_only_where_none_is(read):
+    for text in ("a;b\n1,234;1.5\n", 'a,b\n"1,234",1\n'):
+        with pytest.raises(InputError, match="line 2, column a: got '1,234'; allowed: a number"):
+            numbers(read(text), "a", "1")
+
+
 def test_what_is_no_text_or_endless_is_refused(read):
     for text, message in (
         (b"a,b\n\xff,2\n", r"not a text file \(UTF-8 expected\)"),

@@ -3,7 +3,9 @@
 import contextlib
 import io
 import json
+import subprocess
 from pathlib import Path
+from shutil import which
 
 import netCDF4
 import pytest
@@ -50,6 +52,18 @@ def test_variables_of_a_run_say_what_they_are(run):
         assert all(file[name].ndim == 2 for name in ("frame", "axis"))
     with xr.open_dataset(run) as opened:
         assert list(opened.frame) == ["first", "last"] and opened.axis.dims == ("axis",)
+
+
+@pytest.mark.skipif(not (which("cdo") and which("ncpdq")), reason="CDO and NCO are not installed")
+def test_cdo_reads_time_series_once_time_comes_first(run, tmp_path):
+    """As docs/data.md says."""
+    turned = tmp_path / "cdo.nc"
+    subprocess.run(["ncpdq", "-a", "time,replicate", run, turned], check=True)
+    words = ["cdo", "-s", "outputf,%.9g,1", "-timmean", "-selname,mean_velocity", turned]
+    said = subprocess.run(words, check=True, capture_output=True, text=True).stdout
+    with xr.open_dataset(run) as opened:
+        mean = opened.mean_velocity.mean("time").values
+    assert [float(one) for one in said.split()] == pytest.approx(mean, rel=1e-6)
 
 
 def test_a_run_tells_parameters_in_si_and_its_unit_of_velocity(run):
