@@ -3,7 +3,7 @@
 import math
 from typing import Any, ClassVar, Literal
 
-from sim.parameters.common import Real
+from sim.parameters.common import Parameters, Real, in_place
 from sim.parameters.roles import rows_of
 from sim.parameters.spheres import SlidingDirection, SphereParameters
 
@@ -21,6 +21,9 @@ class ConveyorParameters(SphereParameters):
     sampling_key: ClassVar[str] = "samples_per_cycle"
     boundaries: ClassVar[tuple[str, ...]] = ("flow", "transport")
     smallest_values: ClassVar[dict[str, Any]] = {"depth": 0.2, "cell": 5, "steps_per_collision": 10}
+    in_place: ClassVar[dict[str, Any]] = Parameters.in_place | {
+        name: in_place(name) for name in ("stroke", "vibration_angle")
+    }
     # No paper prescribes it.
     sliding_direction: SlidingDirection = row("sliding_direction")
     system: Literal["conveyor"] = row("system")

@@ -17,8 +17,8 @@ from sim.base.program import program
 from sim.base.yaml import read_yaml
 from sim.dataset.rounds import require_start_files
 from sim.engine.shared_runs import SharedRun, describe, find_runs
-from sim.parameters import Parameters, complete_values, field_info
-from sim.parameters.density import doubts_of
+from sim.parameters import Parameters, complete_values
+from sim.parameters.doubts import doubts_of
 from sim.parameters.points import ID_LENGTH
 from sim.study.figure_spec import written
 from sim.study.load import Study, as_study, parse_study
@@ -28,9 +28,6 @@ from sim.study.plot_contents import SCATTER_HINT, varying_parameters
 
 CORES = 2
 MEGABYTE = 1e6
-
-#: Largest length (m) of a particle that is not taken for one in another unit.
-LARGEST_LENGTH = 0.1
 
 #: Lengths of runs are similar up to this factor.
 SIMILAR = 2.0
@@ -190,20 +187,7 @@ def warnings(study: Study, results: Path) -> Iterator[str]:
     That is too little memory, no permission to write, and sizes that are probably not meant.
     """
     points = [point.parameters for point in study.points.values()]
-    lengths = Counter(
-        (row.name, getattr(parameters, row.name))
-        for parameters in points
-        for row in field_info(parameters).values()
-        if row.unit == "m"
-    )
-    is_natural = study.units == "natural"
-    for (name, value), count in lengths.items():
-        if value > LARGEST_LENGTH and not is_natural:
-            yield (
-                f"{name}: {value:g} at {count_text(count, 'point')} is {value:g} m; if you mean "
-                f"{value:g} mm, write {value / 1000:g}"
-            )
-    yield from () if is_natural else doubts_of(points)
+    yield from () if study.units == "natural" else doubts_of(points)
     memory = psutil.virtual_memory().total / MEGABYTE
     for key, cost in _costs(study).items():
         if cost.memory > memory:

@@ -16,7 +16,7 @@ from sim.base.plugins import load
 from sim.base.seals import checked_read, parse_sealed_json, to_sealed_json
 from sim.base.yaml import read_yaml
 from sim.parameters import Parameters, complete_values, parse_point, with_larger_amounts
-from sim.parameters.density import doubts_of
+from sim.parameters.doubts import doubts_of
 from sim.parameters.laws import ENGINE
 from sim.study.expand import expand
 from sim.study.feed import ask, feed
