@@ -143,6 +143,12 @@ class BeltParameters(Parameters):
         return amplitude * 2 * math.pi * self.frequency
 
     @property
+    def throw_number(self) -> float:
+        """Largest vertical acceleration of the belt over gravity, A_z ω²/g."""
+        rate = 2 * math.pi * self.frequency
+        return rate * rate * self.amplitude * self.diameter / self.gravity
+
+    @property
     def settling_step(self) -> float:
         """Time step while the bed settles, s.
 

@@ -89,6 +89,12 @@ class ConveyorParameters(SphereParameters):
         return {"plane_acceleration": (peak, "peak acceleration of the plane along z, A_z ω²")}
 
     @property
+    def throw_number(self) -> float:
+        """Largest normal acceleration of the plane over gravity's, A_z ω²/(g cos θ)."""
+        peak, _ = self.limits["plane_acceleration"]
+        return peak / (self.gravity * math.cos(math.radians(self.angle)))
+
+    @property
     def caveat(self) -> str:
         """Warning of a plane that is too fast for the contact law, or an empty text."""
         speed = sum(self.peak_velocity) + abs(self.initial_velocity) * self.velocity_unit

@@ -178,6 +178,12 @@ def parse_python_point(source: str, system: Any, values: Mapping[str, Any]) -> P
         name: value.item() if getattr(value, "shape", None) == () else value
         for name, value in values.items()
     }
+    fields = SYSTEMS[system].model_fields if system in SYSTEMS else {}
+    for name in fields.keys() & plain.keys() - SYSTEMS["chute"].pairs:
+        is_number, value = fields[name].annotation in (int, float), plain[name]
+        if is_number and hasattr(value, "__len__") and not isinstance(value, str):
+            allowed = f"{allowed_values(fields[name])}; for several, a loop or a study with a grid"
+            raise InputError.of_value(source, name, value, allowed)
     point = parse_point({**plain, "system": system}, source)
     for _, text in doubts(point):
         # As the caller of `simulate` or `Flow` sees it.

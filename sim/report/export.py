@@ -16,7 +16,7 @@ from sim.parameters import RUN_FILE, Parameters
 from sim.parameters.spheres import SphereParameters
 from sim.report.formats import FORMATS, Frame, Frames
 from sim.study.command import YAML_SUFFIXES
-from sim.study.load import load_study
+from sim.study.load import folder_of_results, load_study
 
 #: Variables of the frames of a trajectory, and of the first and last state of any run.
 _TRAJECTORY_VARIABLES = ("trajectory_position", "trajectory_velocity", "trajectory_spin")
@@ -130,7 +130,8 @@ def export(path: Path, to: str | None, output: Path | None, replicate: int) -> s
             raise InputError.of_value("--to", "", None, allowed)
         (to,) = fitting
     if path.suffix in YAML_SUFFIXES:
-        path = Path("results") / load_study(path).name
+        study = load_study(path)
+        path = folder_of_results(study, Path("results")) / study.name
     return (_export_study if path.is_dir() else _export_run)(path, to, output, replicate)
 
 

@@ -29,8 +29,9 @@ EVENT = "job_error"
 ADVICE = ("Detailed failure reason unavailable", "For further error details")
 
 #: Beginnings of Snakemake's messages on outputs of failed jobs without a backup, on the whole
-#: command of a job, and on turns of the scheduler.
+#: command of a job, on turns of the scheduler, and at the end of a workflow whose jobs said why.
 NO_NEWS = (
+    "WorkflowError:\nAt least one job did not complete",
     "Cannot restore ",
     "RuleException:\nCalledProcessError ",
     "Select jobs to execute",

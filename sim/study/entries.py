@@ -1,13 +1,15 @@
 """Keys of a study file, whatever their system: parameters, lists and ranges, overrides, names."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from math import floor
 from typing import Annotated, Any, ClassVar, TypeVar
 from unicodedata import category
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
+from pydantic_core import PydanticCustomError
 
 from sim.base.messages import input_error, number_and_unit
 from sim.parameters import Parameters, canonical_number, hint_on_key
@@ -202,6 +204,21 @@ def expand_range(value: Any, are_whole: bool = False) -> Any:
         count = floor(steps * (1 + _SLACK) + _SLACK) + 1
     numbers = [canonical_number(start + number * step) for number in range(count)]
     return [int(one) if are_whole and float(one).is_integer() else one for one in numbers]
+
+
+def ends_left_out(contents: Any, path: str = "") -> Iterator[str]:
+    """Yield a warning for each range in the contents of a file whose steps do not reach its end."""
+    if isinstance(contents, dict) and set(contents) == {"start", "stop", "step"}:
+        with suppress(PydanticCustomError):
+            last, stop = expand_range(contents)[-1], contents["stop"]
+            if number_and_unit(last) != number_and_unit(stop) or last != canonical_number(stop):
+                why = f"as {stop} is no whole number of steps from the start"
+                yield f"{path}: ends at {last}, {why}"
+    elif isinstance(contents, dict | list):
+        pairs = contents.items() if isinstance(contents, dict) else enumerate(contents)
+        for key, value in pairs:
+            place = f"{path}[{key}]" if isinstance(key, int) else f"{path}.{key}".lstrip(".")
+            yield from ends_left_out(value, place)
 
 
 def allow_range_in_schema(schema: dict[str, Any]) -> None:

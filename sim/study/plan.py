@@ -234,7 +234,9 @@ class Plan:
         try:
             lock.acquire(blocking=False)
         except Timeout:
-            raise InputError(f"{self.folder}: cannot be locked: its workflow is running") from None
+            raise InputError(
+                f"{self.folder}: cannot be locked: its workflow is running; status shows how far it is"
+            ) from None
         except OSError:
             pass  # no locks on this file system
         write_states(self._batches.parent / STATES, self._points().values())
