@@ -1,7 +1,7 @@
 """Values of parameters that are probably not meant, though they are allowed."""
 
 from collections.abc import Iterator, Sequence
-from math import degrees, pi
+from math import atan2, degrees, pi
 
 from sim.base.errors import count_text
 from sim.parameters.common import Parameters
@@ -39,15 +39,22 @@ def doubts(point: Parameters) -> Iterator[tuple[str, str]]:
     if not point.is_flow or point.diameter == point.mass == point.gravity == 1:
         return
     fields = type(point).model_fields
-    for name, row in declarations(type(point)).items():
-        value, meant = getattr(point, name), 0.0
-        if row.unit == "degree" and 0 < value <= pi / 2:
-            meant, other = degrees(value), "radians"
-        elif row.unit == "m" and value > LARGEST_LENGTH:
-            meant, other = value / 1000, f"{value:g} mm"
-        if meant:
-            text = f"{name}: {value:g} is {value:g}{row.unit_text}"
-            yield name, f"{text}; if you mean {other}, write {meant:.4g}"
+    units = {name: row.unit for name, row in declarations(type(point)).items()}
+    values = {name: getattr(point, name) for name in units}
+    if "amplitude_along" in values:
+        direction = degrees(atan2(values["amplitude"], values["amplitude_along"]))
+        values, units = (
+            values | {"vibration_angle": direction},
+            units | {"vibration_angle": "degree"},
+        )
+    for name, unit in units.items():
+        value = values[name]
+        if unit == "degree" and 0 < value <= pi / 2:
+            right = f"{value:g}°; if you mean radians, write {degrees(value):.4g}"
+            yield name, f"{name}: {value:g} is {right}"
+        elif unit == "m" and value > LARGEST_LENGTH:
+            right = f"{value:g} m; if you mean {value:g} mm, write {value / 1000:g}"
+            yield name, f"{name}: {value:g} is {right}"
     if point.diameter > LARGEST_LENGTH:
         return
     usual, stiffness = fields["diameter"].default, fields["stiffness"]
