@@ -72,6 +72,13 @@ def scales(values: Mapping[str, Any]) -> dict[str, Quantity]:
 OF_UNIT_SIZE = scales(dict.fromkeys(_SIZES, 1.0))
 
 
+def known_scales(values: Mapping[str, Any]) -> dict[str, Quantity]:
+    """Return the `scales` of values, of which some may be missing or no sizes; none then."""
+    sizes = {name: values[name] for name in _SIZES if name in values}
+    is_whole = sizes.keys() >= _SIZES - {"frequency"} and all(map(_is_usable, sizes.values()))
+    return scales(sizes) if is_whole else {}
+
+
 def plain_number(value: Any, row: Declaration, known: Mapping[str, Quantity]) -> Any:
     """Return a text such as ``2 mm`` as a number in the unit of a parameter, ``row``.
 
@@ -121,8 +128,8 @@ def plain_values(
         density = _checked("density", plain, model, source, paths)
         sizes["mass"] = plain["mass"] = density * sphere_volume(sizes["diameter"])
     # Sizes that are none are refused by the model.
-    if sizes and all(map(_is_usable, sizes.values())):
-        plain = plain_numbers(plain, model, scales(sizes))
+    if known := known_scales(sizes):
+        plain = plain_numbers(plain, model, known)
         if not plain.keys().isdisjoint(model.in_place.keys() - {"density"}):
             plain |= _amplitudes(plain, model, source, paths)
     return {name: value for name, value in plain.items() if name not in model.in_place}

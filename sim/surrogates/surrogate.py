@@ -11,6 +11,8 @@ import xarray as xr
 from sim.base.errors import InputError, percent
 from sim.base.messages import one_of
 from sim.base.statistics import MANY, student
+from sim.parameters import SYSTEMS
+from sim.parameters.in_place import known_scales, plain_numbers
 from sim.parameters.observables import forms
 from sim.study.design import Axis
 from sim.study.plottable import numbers
@@ -171,7 +173,7 @@ class Surrogate:
             Lists are coordinates of points, over ``point``, not of a grid.
         **values
             A number, a list of numbers, or an `xarray.DataArray` for each parameter, in the units
-            of study files. A list becomes a dimension of its name. Fixed ones may be left out.
+            of study files, or numbers with a unit. A list becomes a dimension of its name. Fixed ones may be left out.
 
         Returns
         -------
@@ -184,6 +186,8 @@ class Surrogate:
         InputError
             For a parameter that is missing or unknown, and a value outside the range of the points.
         """
+        model, known = SYSTEMS[self.system], known_scales({**self.fixed, **values})
+        values = plain_numbers(values, model, known)
         chosen = [name for name in values if name in self.choices]
         surrogate = self.at(**{name: values.pop(name) for name in chosen})
         names = [axis.name for axis in self.axes]
