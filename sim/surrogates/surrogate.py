@@ -173,7 +173,8 @@ class Surrogate:
             Lists are coordinates of points, over ``point``, not of a grid.
         **values
             A number, a list of numbers, or an `xarray.DataArray` for each parameter, in the units
-            of study files, or numbers with a unit. A list becomes a dimension of its name. Fixed ones may be left out.
+            of study files, or numbers with a unit. A list becomes a dimension of its name. Fixed
+            ones may be left out.
 
         Returns
         -------
