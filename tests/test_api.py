@@ -139,8 +139,8 @@ def test_numbers_of_numpy_are_numbers():
             "simulate: μ: unknown key, got 0.3; did you mean friction? allowed: ",
         ),
         (
-            lambda: sim.simulate("belt", frequency="30 Hz"),
-            "simulate: frequency: got '30 Hz'; allowed: a number > 0, in Hz, without the unit: 30",
+            lambda: sim.simulate("belt", frequency="30 kg"),
+            "simulate: frequency: got '30 kg'; allowed: a number > 0, in Hz, or with a unit of its",
         ),
         (
             lambda: sim.simulate(friction="0.3 "),

@@ -262,6 +262,7 @@ JOBS: dict[str, tuple[str, Sequence[Parameter]]] = {
     "questions": ("sim.surrogates.inquiries:build", [STUDY]),
     "claims": ("sim.claims.verdict_files:build", [STUDY]),
     "report": ("sim.report.page:build", [STUDY]),
+    "preview": ("sim.report.preview:write", [STUDY]),
     "schema": (
         "sim.study.reference:show",
         [

@@ -26,11 +26,17 @@ SHORT = 60
 #: Most names that a message lists, and fewest names like another that are listed in place of all.
 MOST_NAMES, _FEWEST = 12, 3
 
+#: Least ratio (`difflib`) of what may be typed for what.
+_LIKE = 0.72
+
 _QUOTED = re.compile(r"'([^']*)'")
 
-_WITH_UNIT = re.compile(r"([-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)\s*(\D.*)", re.ASCII)
+#: A unit begins with no digit, but for 1/s.
+_WITH_UNIT = re.compile(
+    r"([-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)(?:\s*(?!\d)|\s+(?=1/))(\S.*)", re.ASCII
+)
 
-_DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+")
+_DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+(\s*[^\d\s,].*)?")
 
 _SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 
@@ -109,7 +115,8 @@ def input_error(
             return InputError.of_value(source, path, got, rule["allowed"])
         case "extra_forbidden" | "invalid_key":
             hint = _hint(owner, name, None) or key_hint(name)
-            return unknown_key(source, path, got, owner.model_fields, hint)
+            known = owner.model_fields | getattr(owner, "in_place", {})
+            return unknown_key(source, path, got, known, hint)
         case "union_tag_invalid" | "union_tag_not_found":
             models, tag = _models_in(owner.model_fields[name].annotation), got.get(_TAG)
             every = one_of(tag, [one for model in models for one in _tags(model)])
@@ -192,7 +199,7 @@ def _allowed(entry: ErrorDetails, owner: type[BaseModel]) -> str | Allowed:
                 return allowed_values(constraint)
     if name not in fields:
         return entry["msg"]
-    allowed = allowed_values(fields[name]) + _unit(fields[name], entry["input"])
+    allowed = allowed_number(fields[name], entry["input"])
     return f"finite, {allowed}" if entry["type"] == "finite_number" else allowed
 
 
@@ -202,24 +209,33 @@ def _options(entry: ErrorDetails) -> list[str]:
     return [plain_name(name) for name in _QUOTED.findall(expected)]
 
 
-def _unit(field: FieldInfo, value: Any) -> str:
-    extra = field.json_schema_extra
+def allowed_number(field: FieldInfo, value: Any) -> str:
+    """Describe the values a field accepts, with the unit of numbers, to who gave a ``value``."""
+    extra, allowed = field.json_schema_extra, allowed_values(field)
     if not isinstance(value, int | float | str) or field.annotation not in (int, float):
-        return ""
+        return allowed
     if isinstance(value, str):
         with suppress(ValueError):
             number(value)
-            return ", without quotes"
+            return f"{allowed}, without quotes"
     unit = getattr(extra, "scale", "") or getattr(extra, "unit_text", "").strip()
-    without = f", without the unit{_converted(value, unit)}" if isinstance(value, str) else ""
-    return f", in {unit}{without}" if unit else ""
+    if unit:
+        return f"{allowed}, in {unit}" + ", or with a unit of its kind" * isinstance(value, str)
+    most = max((one.le for one in field.metadata if hasattr(one, "le")), default=0)
+    # What is little above 1 is no share in percent.
+    if isinstance(value, int | float) and most <= 1 and 2 <= value <= 100 * most:
+        return f"{allowed}; {value:g} % is {value / 100:g}"
+    return allowed
 
 
-def _converted(text: str, unit: str) -> str:
-    """Return what to write for a number with another unit: ``": 0.002"`` for 2 mm in m."""
-    match = _WITH_UNIT.fullmatch(text.strip())
-    factor = conversion(match[2], unit) if match else None
-    return f": {number(match[1]) * factor:.12g}" if match and factor else ""
+def number_and_unit(text: Any) -> tuple[float, str] | None:
+    """Return the two parts of a text such as ``2 mm``, None of anything else.
+
+    >>> number_and_unit("2 mm"), number_and_unit("30 1/s"), number_and_unit("20")
+    ((2.0, 'mm'), (30.0, '1/s'), None)
+    """
+    match = _WITH_UNIT.fullmatch(text.strip()) if isinstance(text, str) else None
+    return (number(match[1]), match[2]) if match else None
 
 
 def one_of(name: Any, options: Collection[str]) -> Allowed:
@@ -260,8 +276,29 @@ def did_you_mean(name: str, known: Collection[str]) -> str:
     >>> did_you_mean("frction", ["friction", "friction_cap", "depth"])
     'did you mean friction? '
     """
-    close = names_meant(name, known) or difflib.get_close_matches(name, known, n=1)
+    close = names_meant(name, known) or _typed(name, known)
     return f"did you mean {' or '.join(close)}? " if close else ""
+
+
+def _typed(name: str, known: Collection[str]) -> list[str]:
+    """Return the known name that ``name`` is but for a slip, if there is one.
+
+    Each of its words is then like one: ``fill_height`` is no slip of ``slice_height``.
+    """
+    words = {one: one.lower().split("_") for one in known}
+    given = name.lower().split("_")
+    close = difflib.get_close_matches(
+        "".join(given), {"".join(each): None for each in words.values()}, n=1, cutoff=_LIKE
+    )
+    return [
+        one
+        for one, each in words.items()
+        if "".join(each) in close and (len(each) != len(given) or all(map(_is_like, given, each)))
+    ][:1]
+
+
+def _is_like(word: str, other: str) -> bool:
+    return difflib.SequenceMatcher(None, word, other).ratio() >= _LIKE
 
 
 #: Names of Talus by other words that may stand for them; the rooms that know such words add them.
@@ -312,7 +349,8 @@ _UNITS: dict[str, _Unit] = {
     for name, powers in _PREFIXED.items()
 }
 _UNITS |= {"1": (1, _PURE), "-": (1, _PURE), "%": (0.01, _PURE), "min": _MINUTE}
-_UNITS |= {"h": (3600, _MINUTE[1])} | dict.fromkeys(("°", "deg", "degree", "degrees"), _DEGREE)
+_UNITS |= {"h": (3600, _MINUTE[1]), "rpm": (1 / 60, (0, 0, -1, 0))}
+_UNITS |= dict.fromkeys(("°", "deg", "degree", "degrees"), _DEGREE)
 
 #: Other spellings of the same letters.
 _SPELLINGS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻\N{MINUS SIGN}μ·*", "0123456789--µ  ")

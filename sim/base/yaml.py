@@ -27,6 +27,29 @@ _TAG = "tag:yaml.org,2002:"
 _TYPES = ("null", "bool", "str", "seq", "map")
 
 
+#: Problems as the libraries word them: what a person did, and whether it is where its context is.
+_INDENT = (
+    "this belongs to nothing: it is indented as nothing above it, or behind a text in quotes; what "
+    "belongs together begins in one column",
+    False,
+)
+_OPEN = "a bracket that is not closed, or a comma or a colon missing behind it", True
+_MEANINGS = {
+    "could not find expected ':'": ("a key without a colon and a space behind it", True),
+    "did not find expected key": _INDENT,
+    "did not find expected '-' indicator": _INDENT,
+    "expected <block end>": _INDENT,
+    "did not find expected ',' or": _OPEN,
+    "expected ',' or": _OPEN,
+    "found unexpected end of stream": ("a quote that is not closed", True),
+    "mapping values are not allowed": (
+        "a colon where none can be: the line above lacks one with a space behind it, or is "
+        "indented otherwise; or a text with ': ' in it needs quotes",
+        False,
+    ),
+}
+
+
 class _Loader(_Base):
     """Safe loader with the core schema of YAML 1.2: its types, its plain scalars, and merge keys.
 
@@ -104,10 +127,16 @@ def parse_yaml(text: str, source: str) -> Any:
         return loader.construct_document(node)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
+        if mark and text[mark.index - mark.column :].lstrip(" ").startswith("\t"):
+            problem = f"line {mark.line + 1} begins with a tab; YAML wants spaces"
+            raise InputError(f"{source}: {problem}") from None
         if mark and (cause := _cause(text.splitlines(), mark, str(error.problem))):
             raise InputError(f"{source}: {cause}") from None
-        line = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
         problem = (error.problem or "")[:_MAX_PROBLEM]
+        for beginning, (meaning, is_before) in _MEANINGS.items():
+            if problem.startswith(beginning):
+                problem, mark = meaning, error.context_mark if is_before else mark
+        line = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
         raise InputError(f"{source}: {line}not readable as YAML: {problem}") from None
     except (yaml.YAMLError, ValueError, LookupError, RecursionError) as error:
         # Explicit tags that do not fit their values and long chains of merge keys raise these.

@@ -1,7 +1,7 @@
 """Measures of what vibration carries along: a belt's bed, a conveyor's flow."""
 
 from collections.abc import Mapping
-from math import nan, pi
+from math import cos, nan, pi, radians
 from typing import Any
 
 from sim.measures.belt import acceleration_share, speed_along_x
@@ -19,6 +19,17 @@ def shaking_strength(run: Mapping[Any, Any]) -> float:
     if "plane_acceleration" not in run:
         return float(acceleration_share(run)) if "amplitude" in run else nan
     return float(run["plane_acceleration"] / run["gravity"])
+
+
+@observable(
+    "throw_number",
+    system="conveyor",
+    unit="1",
+    meaning="peak acceleration normal to the plane over gravity's, A_z ω²/(g cos θ)",
+)
+def throw_number(run: Mapping[Any, Any]) -> float:
+    """Return the shaking strength over the share of gravity that presses on the plane."""
+    return shaking_strength(run) / cos(radians(run["angle"])) if "angle" in run else nan
 
 
 @observable(

@@ -3,7 +3,7 @@
 import math
 from typing import Any, ClassVar, Literal
 
-from sim.parameters.common import MAX_PARTICLES, MAX_STEPS, Parameters, Real
+from sim.parameters.common import MAX_PARTICLES, MAX_STEPS, Parameters, Real, in_place
 from sim.parameters.roles import rows_of
 
 row = rows_of("belt")
@@ -63,6 +63,7 @@ class BeltParameters(Parameters):
     # A contact counts for each of its two partners; those with belt and obstacle are included.
     most_contacts: ClassVar[int] = 10
     boundaries: ClassVar[tuple[str, ...]] = ("flow", "transport")
+    in_place: ClassVar[dict[str, Any]] = Parameters.in_place | {"stroke": in_place("stroke")}
     smallest_values: ClassVar[dict[str, Any]] = {"beads": 2, "settle_velocity_squared": 1e6}
     system: Literal["belt"] = row("system")
     frequency: Real = row("frequency")
@@ -140,6 +141,12 @@ class BeltParameters(Parameters):
         slope = math.tan(math.radians(self.vibration_angle)) if along else 1.0
         amplitude = max(self.amplitude / slope or self.amplitude, 0.01) * self.diameter
         return amplitude * 2 * math.pi * self.frequency
+
+    @property
+    def throw_number(self) -> float:
+        """Largest vertical acceleration of the belt over gravity, A_z ω²/g."""
+        rate = 2 * math.pi * self.frequency
+        return rate * rate * self.amplitude * self.diameter / self.gravity
 
     @property
     def settling_step(self) -> float:

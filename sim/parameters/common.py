@@ -50,6 +50,12 @@ def canonical_number(value: Any) -> Any:
 Real = Annotated[float, BeforeValidator(canonical_number)]
 """A finite float in canonical form; range constraints act on the rounded value."""
 
+
+def in_place(name: str) -> FieldInfo:
+    """Return the declaration of a key in place of parameters, see `Parameters.in_place`."""
+    return FieldInfo.from_annotated_attribute(Real, rows_of("in_place")(name))
+
+
 #: In a series, the start from the end of the point before.
 PREVIOUS = "previous"
 
@@ -127,6 +133,7 @@ class Parameters(Ruled):
     ``most_contacts`` per particle in a frame of a trajectory; and the number of ``axes`` along
     which particles move. ``offered`` are options of plug-ins: parameter → name in points → option.
     ``pairs`` are parameters that files may give as a list of two, which is split into parameters.
+    ``in_place`` declares keys that stand in place of parameters in files and calls, see `GIVES`.
     ``is_flow`` is false where a function stands in place of particles.
     """
 
@@ -142,6 +149,7 @@ class Parameters(Ruled):
     most_contacts: ClassVar[int]
     offered: ClassVar[Mapping[str, Mapping[str, Any]]] = {}
     pairs: ClassVar[frozenset[str]] = frozenset()
+    in_place: ClassVar[dict[str, FieldInfo]] = {"density": in_place("density")}
 
     if TYPE_CHECKING:
         # Every concrete system adds these, with its own ranges, defaults and meanings.

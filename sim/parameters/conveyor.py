@@ -3,7 +3,7 @@
 import math
 from typing import Any, ClassVar, Literal
 
-from sim.parameters.common import Real
+from sim.parameters.common import Parameters, Real, in_place
 from sim.parameters.roles import rows_of
 from sim.parameters.spheres import SlidingDirection, SphereParameters
 
@@ -21,6 +21,9 @@ class ConveyorParameters(SphereParameters):
     sampling_key: ClassVar[str] = "samples_per_cycle"
     boundaries: ClassVar[tuple[str, ...]] = ("flow", "transport")
     smallest_values: ClassVar[dict[str, Any]] = {"depth": 0.2, "cell": 5, "steps_per_collision": 10}
+    in_place: ClassVar[dict[str, Any]] = Parameters.in_place | {
+        name: in_place(name) for name in ("stroke", "vibration_angle")
+    }
     # No paper prescribes it.
     sliding_direction: SlidingDirection = row("sliding_direction")
     system: Literal["conveyor"] = row("system")
@@ -84,6 +87,12 @@ class ConveyorParameters(SphereParameters):
         rate = 2 * math.pi * self.frequency
         peak = rate * rate * self.amplitude * self.diameter
         return {"plane_acceleration": (peak, "peak acceleration of the plane along z, A_z ω²")}
+
+    @property
+    def throw_number(self) -> float:
+        """Largest normal acceleration of the plane over gravity's, A_z ω²/(g cos θ)."""
+        peak, _ = self.limits["plane_acceleration"]
+        return peak / (self.gravity * math.cos(math.radians(self.angle)))
 
     @property
     def caveat(self) -> str:

@@ -272,6 +272,7 @@ class FunctionParameters(Parameters):
     is_flow: ClassVar[bool] = False
     sampling_key: ClassVar[str] = FUNCTION_NAME
     boundaries: ClassVar[tuple[str, ...]] = ()
+    in_place: ClassVar[dict[str, Any]] = {}
     smallest_values: ClassVar[dict[str, Any]] = {}
     state_numbers = axes = most_contacts = 0
 

@@ -27,8 +27,9 @@ from sim.parameters.choices import extended
 from sim.parameters.chute import ChuteParameters
 from sim.parameters.common import Parameters, canonical_number, given_sizes
 from sim.parameters.conveyor import ConveyorParameters
-from sim.parameters.density import DENSITY, doubts, with_mass
+from sim.parameters.doubts import doubts
 from sim.parameters.given import require_possible, state_of, with_state
+from sim.parameters.in_place import given_by, plain_values
 from sim.parameters.laws import ENGINE, FUNCTION, LAW, MOTION, FunctionParameters
 from sim.parameters.roles import (
     Declaration,
@@ -49,7 +50,8 @@ SYNONYMS = {
     "panels": "col facet facets row subplots",
     "profiles": "profile",
     "time_series": "series timeseries",
-    "velocity": "flow_rate mean_velocity speed v",
+    "mass_flux": "flow_rate throughput",
+    "velocity": "mean_velocity speed v",
 }
 
 
@@ -111,10 +113,10 @@ def parse_point(
 ) -> Parameters:
     """Return the parameters of one point: complete, canonical and immutable.
 
-    ``mapping`` has ``system`` and any of its parameters; omitted ones take the paper's values, and
-    a density (kg/m³) gives the mass, and a given initial state the number of particles. Raises
-    ``InputError``, which names ``source`` and the path of a value there, the parameter itself or
-    that of ``paths``.
+    ``mapping`` has ``system`` and any of its parameters, or keys in their place; numbers may have a
+    unit (``2 mm``). Omitted ones take the paper's values, and a given initial state gives the
+    number of particles. Raises ``InputError``, which names ``source`` and the path of a value
+    there, the parameter itself or that of ``paths``.
     """
     if not isinstance(mapping, Mapping):
         raise InputError.of_value(source, "", mapping, "a mapping of parameter names to values")
@@ -123,9 +125,10 @@ def parse_point(
         path = (paths or {}).get("system", "system")
         raise InputError.of_value(source, path, system, one_of(system, SYSTEMS))
     model, paths = SYSTEMS[system], paths or {}
-    values = with_state(with_mass(mapping, model, str(source), paths), model, str(source), paths)
-    if DENSITY in mapping:
-        paths = {**paths, "mass": paths.get(DENSITY, DENSITY)}
+    plain = plain_values(mapping, model, str(source), paths)
+    values = with_state(plain, model, str(source), paths)
+    for key in model.in_place.keys() & mapping.keys():
+        paths = {**dict.fromkeys(given_by(model, key), paths.get(key, key)), **paths}
     try:
         point = model.model_validate(values)
         # The least sizes of particles follow from the state, whose table has no other units.
@@ -138,15 +141,33 @@ def parse_point(
 
 
 def hint_on_key(key: str, system: str) -> str:
-    """Return whose parameter a key is that a system lacks, empty if it may mean one of its own."""
-    every = dict.fromkeys(name for model in SYSTEMS.values() for name in model.model_fields)
-    own, meant = SYSTEMS[system].model_fields, names_meant(key, every)
-    if key in own or (key not in every and (not meant or not own.keys().isdisjoint(meant))):
+    """Return how a parameter follows from what a key names, or whose parameter it is.
+
+    The text is empty if the key may mean a parameter of the system.
+    """
+    names = {one: {*model.model_fields, *model.in_place} for one, model in SYSTEMS.items()}
+    every, own = set[str]().union(*names.values()), names[system]
+    found = [] if key in own else [(one, _followed(key, one)) for one in (system, *SYSTEMS)]
+    where, (name, formula) = next((one for one in found if one[1][0]), ("", ("", "")))
+    if where == system:
+        return f"give {name}: {formula}"
+    meant = [name] if name else names_meant(key, every)
+    if key in own or (key not in every and (not meant or not own.isdisjoint(meant))):
         return ""
     name = key if key in every else meant[0]
-    owners = [one for one, model in SYSTEMS.items() if name in model.model_fields]
-    question = "" if name == key else f"did you mean {name}? "
+    owners = [one for one, known in names.items() if name in known]
+    question = "" if formula or name == key else f"did you mean {name}? "
     return f"{question}{name} is a parameter of the {' and the '.join(owners)}"
+
+
+def _followed(key: str, system: str) -> tuple[str, str]:
+    """Return a parameter of a system that follows from another quantity, and how; or two blanks."""
+    for name, row in declarations(SYSTEMS[system]).items():
+        for part in row.follows.split("; "):
+            words, _, formula = part.partition(": ")
+            if key.lower() in words.split():
+                return name, formula
+    return "", ""
 
 
 def parse_python_point(source: str, system: Any, values: Mapping[str, Any]) -> Parameters:
@@ -154,7 +175,14 @@ def parse_python_point(source: str, system: Any, values: Mapping[str, Any]) -> P
 
     Sizes of particles that are probably not meant are a warning.
     """
-    point = parse_point(plain({**values, "system": system}), source)
+    given = plain(values)
+    fields = SYSTEMS[system].model_fields if system in SYSTEMS else {}
+    for name in fields.keys() & given.keys() - SYSTEMS["chute"].pairs:
+        is_number, value = fields[name].annotation in (int, float), given[name]
+        if is_number and hasattr(value, "__len__") and not isinstance(value, str):
+            allowed = f"{allowed_values(fields[name])}; for several, a loop or a study with a grid"
+            raise InputError.of_value(source, name, value, allowed)
+    point = parse_point({**given, "system": system}, source)
     for _, text in doubts(point):
         # As the caller of `simulate` or `Flow` sees it.
         warnings.warn(text, stacklevel=3)

@@ -18,7 +18,7 @@ from pydantic import BaseModel, Field
 Role = Literal["physics", "reading", "numerics", "amount"]
 
 #: Units as people write them behind a number; all others are written as in UDUNITS.
-_WRITTEN = {"1": "", "degree": "°", "N m-1": " N/m", "m s-2": " m/s²"}
+_WRITTEN = {"1": "", "degree": "°", "N m-1": " N/m", "m s-2": " m/s²", "kg m-3": " kg/m³"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,7 +39,8 @@ class Declaration:
     defaults. A ``fixed`` one cannot change during a flow: it is equal in a run and the run it
     starts from. An ``added`` one came after points were published: where it has its default, the
     canonical form, id and run file of old and new points omit it. ``allowed`` are the allowed
-    values in words, where type and range are not enough, ``synonyms`` other words, for hints.
+    values in words, where type and range are not enough, ``synonyms`` other words, for hints, and
+    ``follows`` other quantities by which people say it, each with a formula: ``radius: 2 radius``.
     """
 
     symbol: str = ""
@@ -54,6 +55,7 @@ class Declaration:
     added: bool = False
     allowed: str = ""
     synonyms: str = ""
+    follows: str = ""
 
     def __call__(self, schema: dict[str, Any]) -> None:
         """Add symbol, unit, scale and equation to the JSON schema of the parameter."""

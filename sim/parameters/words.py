@@ -2,9 +2,10 @@
 
 import re
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 from sim.parameters.common import Parameters
+from sim.parameters.in_place import Quantity, scales
 from sim.parameters.points import SYSTEMS, complete_values, field_info
 
 #: The protocols in words, by system. Walton gives no lengths of runs, so the fixed length is ours.
@@ -68,13 +69,6 @@ def setting(system: str, name: str, value: object) -> str:
     return f"{name} {value if len(value) <= LONG else '…' + value[-END:]}"
 
 
-class Quantity(NamedTuple):
-    """A value and its unit as UDUNITS reads it."""
-
-    value: float
-    unit: str
-
-
 def in_si(parameters: Parameters) -> dict[str, Quantity]:
     """Return the parameters of a point that have a dimension, in SI, by name.
 
@@ -87,31 +81,11 @@ def in_si(parameters: Parameters) -> dict[str, Quantity]:
     (Quantity(value=0.002, unit='m'), Quantity(value=2.25, unit='s'))
     """
     values, quantities = complete_values(parameters), {}
-    scales = _scales(parameters)
+    known = scales(values) if parameters.is_flow else {}
     for name, row in field_info(parameters).items():
-        if row.scale in scales and isinstance(values[name], float):
-            scale = scales[row.scale]
+        if row.scale in known and isinstance(values[name], float):
+            scale = known[row.scale]
             quantities[name] = Quantity(values[name] * scale.value, scale.unit)
         elif row.unit not in ("", "1"):
             quantities[name] = Quantity(values[name], row.unit)
     return quantities
-
-
-def _scales(p: Parameters) -> dict[str, Quantity]:
-    """Return the quantities of which numbers are multiples, by ``scale`` of their declaration.
-
-    An overlap relative to the radii of a pair has no unit.
-    """
-    length, velocity = Quantity(p.diameter, "m"), Quantity(p.velocity_unit, "m s-1")
-    time = Quantity(p.time_unit, "s")
-    return {
-        "σ": length,
-        "⟨d⟩": length,
-        "√(gσ)": velocity,
-        "√(g⟨d⟩)": velocity,
-        "√(σ/g)": time,
-        "cycles": time,
-        # A rate: 50 means 500 per second where gravity is 10 m s-2.
-        "g": Quantity(p.gravity, "s-1"),
-        "g⟨m⟩/⟨d⟩": Quantity(p.gravity * p.mass / p.diameter, "N m-1"),
-    }

@@ -27,7 +27,7 @@ from sim.parameters import SYSTEMS, Parameters, canonical_values, point_id
 from sim.parameters.laws import engine_of
 from sim.parameters.words import setting
 from sim.report.numbers import finite_or_none, template, value_with_interval
-from sim.study.load import OWN, load_study, other_engines, twins
+from sim.study.load import OWN, folder_of_results, load_study, other_engines, twins
 from sim.study.model import Study
 
 _HEADINGS = ("point", "A", "B", "B - A", "p", "")
@@ -269,7 +269,7 @@ def ask(study_path: Path, results: Path, share: float, cores: int, engine: str =
     if cores < 1:
         raise InputError.of_value("--cores", "", cores, "an integer >= 1")
     study = load_study(study_path, results)
-    folder = results / study.name
+    folder = folder_of_results(study, results) / study.name
     # The study has loaded its plug-ins.
     others = other_engines()
     if not engine and len(others) == 1:

@@ -12,11 +12,12 @@ from sim.base.errors import InputError, count_text
 from sim.claims.evidence import reading_label, readings_of
 from sim.claims.judge import judge
 from sim.dataset.results import Results, load_current
-from sim.study.command import run_with_signals, snakemake_command
+from sim.study.command import go_to_results, run_with_signals, snakemake_command
 from sim.study.load import (
     ExtraAmounts,
     Point,
     Study,
+    folder_of_results,
     load_study,
     read_extra_amounts,
     write_extra_amounts,
@@ -59,7 +60,7 @@ def decide(study_path: Path, cores: int | None, results: Path = Path("results"))
         return _round(study_path, results)[0]
     if cores < 1:
         raise InputError.of_value("--cores", "", cores, "an integer >= 1")
-    load_study(study_path, results)
+    study_path = go_to_results(load_study(study_path, results))
     while True:
         if code := run_with_signals(snakemake_command(study_path, cores)):
             return code
@@ -77,7 +78,7 @@ def _round(study_path: Path, results: Path) -> tuple[list[str], bool]:
     study = load_study(study_path, results)
     if study.decide is None:
         raise InputError.of_value(study_path, "decide", None, "claims, precision, or both")
-    folder = results / study.name
+    folder = folder_of_results(study, results) / study.name
     dataset_results = load_current(study, folder)
     extra = read_extra_amounts(folder)
     spent_hours = float(dataset_results.dataset["wall_time"].sum()) / 3600

@@ -21,7 +21,7 @@ from sim.report.formats import FORMATS
 from sim.report.movie import MOST_FRAMES, Frame, Frames, write_movie
 from sim.report.table import TABLES, write_table
 from sim.study.command import YAML_SUFFIXES
-from sim.study.load import load_study
+from sim.study.load import folder_of_results, load_study
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -143,7 +143,8 @@ def export(
             raise InputError.of_value("--to", "", got, allowed)
         (to,) = fitting
     if path.suffix in YAML_SUFFIXES:
-        path = Path("results") / load_study(path).name
+        study = load_study(path)
+        path = folder_of_results(study, Path("results")) / study.name
     if to in TABLES:
         return write_table(
             partial(_table, path, of), to, output or Path(f"{path.resolve().name}.{to}")

@@ -174,11 +174,13 @@ def render(
     figures: Path,
     claims: list[dict[str, Any]],
     address: Address,
+    left: int = 0,
 ) -> str:
     """Return the report of a study with its results and the folder of its figures as HTML text.
 
     ``claims`` are its claims with their verdicts, as `sim.claims.verdict_files` writes them; empty
-    if they have not been judged. ``address`` embeds figures in the page or links them.
+    if they have not been judged. ``address`` embeds figures in the page or links them. ``left``
+    points have not ended yet.
     """
     dataset, folder = results.dataset, figures.parent
     caveats = Counter(str(text) for text in dataset["caveat"].values if text).most_common()
@@ -237,6 +239,7 @@ def render(
         ],
         headline=[entry for entry in entries if entry["name"] in headlines] or entries[:1],
         state=state_of(runs),
+        left=left,
         runs=runs,
         run_numbers={run["point"]: run["number"] for run in runs},
         explorer=compressed(explorer_data(dataset, runs, parameters, surrogates)),

@@ -17,20 +17,18 @@ from sim.base.program import program
 from sim.base.yaml import read_yaml
 from sim.dataset.rounds import require_start_files
 from sim.engine.shared_runs import SharedRun, describe, find_runs
-from sim.parameters import Parameters, complete_values, field_info
-from sim.parameters.density import doubts_of
+from sim.parameters import Parameters, complete_values
+from sim.parameters.doubts import doubts_of
 from sim.parameters.points import ID_LENGTH
+from sim.study.entries import ends_left_out
 from sim.study.figure_spec import written
-from sim.study.load import Study, as_study, parse_study
+from sim.study.load import Study, as_study, folder_of_results, parse_study
 from sim.study.model import PARTS, Boundary, Estimate, divide_range, estimate
 from sim.study.papers import paper_value_lines
 from sim.study.plot_contents import SCATTER_HINT, varying_parameters
 
 CORES = 2
 MEGABYTE = 1e6
-
-#: Largest length (m) of a particle that is not taken for one in another unit.
-LARGEST_LENGTH = 0.1
 
 #: Lengths of runs are similar up to this factor.
 SIMILAR = 2.0
@@ -52,14 +50,16 @@ def show(path: Path, format: str, as_point: bool = False, results: Path = Path("
         from sim.report.runs import describe_run
 
         return describe_run(path, as_point)
-    study = parse_study(as_study(read_yaml(path), path), path, None)
+    contents = read_yaml(path)
+    study = parse_study(as_study(contents, path), path, None)
+    results = folder_of_results(study, results)
     require_start_files(study)
     if study.plugins:
         # It needs the libraries of judges.
         from sim.claims.sources import require_plugins
 
         require_plugins(study.plugins)
-    for warning in warnings(study, results):
+    for warning in (*ends_left_out(contents), *warnings(study, results)):
         print(f"warning: {warning}", file=sys.stderr)
     points = {key: point.parameters for key, point in study.points.items()}
     shared = find_runs(results / study.name / "runs", points, study.need)
@@ -105,6 +105,7 @@ def as_table(
             caveats.setdefault(text, []).append(point.id)
         for partner, value in getattr(point.parameters, "restitutions", {}).items():
             restitutions.setdefault(partner, []).append(value)
+    throws = [getattr(point.parameters, "throw_number", 0.0) for point in points]
     seconds = {key: cost.core_seconds for key, cost in costs.items()}
     total = sum(seconds.values())
     text = template("points.txt.j2").render(
@@ -116,6 +117,7 @@ def as_table(
         pairs=sum(point.parameters.replicates == 2 for point in points),
         paper_values=paper_value_lines([one.parameters for one in points], study.paper),
         restitutions=restitutions,
+        throws=sorted(filter(None, throws)),
         costs=list(costs.values()),
         cores=CORES,
         seconds=total,
@@ -190,20 +192,7 @@ def warnings(study: Study, results: Path) -> Iterator[str]:
     That is too little memory, no permission to write, and sizes that are probably not meant.
     """
     points = [point.parameters for point in study.points.values()]
-    lengths = Counter(
-        (row.name, getattr(parameters, row.name))
-        for parameters in points
-        for row in field_info(parameters).values()
-        if row.unit == "m"
-    )
-    is_natural = study.units == "natural"
-    for (name, value), count in lengths.items():
-        if value > LARGEST_LENGTH and not is_natural:
-            yield (
-                f"{name}: {value:g} at {count_text(count, 'point')} is {value:g} m; if you mean "
-                f"{value:g} mm, write {value / 1000:g}"
-            )
-    yield from () if is_natural else doubts_of(points)
+    yield from () if study.units == "natural" else doubts_of(points)
     memory = psutil.virtual_memory().total / MEGABYTE
     for key, cost in _costs(study).items():
         if cost.memory > memory:

@@ -12,7 +12,7 @@ import xarray as xr
 from sim.base.errors import InputError, align_table
 from sim.base.numbers import number
 from sim.dataset.results import Results, load_current
-from sim.study.load import load_study
+from sim.study.load import folder_of_results, load_study
 from sim.study.surrogate import SurrogateFile
 from sim.surrogates.answers import KEY, parted, refusal_in, sentence
 from sim.surrogates.sample import sample_points
@@ -74,7 +74,7 @@ def predict(
 def _current_folder(source: Path, of: str | None, results: Path) -> Path:
     """Return the results of a study file; dataset and surrogate must be those that it asks for."""
     study = load_study(source, results)
-    folder = results / study.name
+    folder = folder_of_results(study, results) / study.name
     dataset = load_current(study, folder, title=False)
     named = [spec for spec in study.surrogates if spec.name == of]
     for spec in named or [spec for spec in study.surrogates if of in (None, spec.observable)]:

@@ -23,7 +23,7 @@ from sim.dataset.results import Results, load_current
 from sim.figures.pictures import require_unchanged
 from sim.report.claims import read_claims, require_table
 from sim.report.page import relative_link, render
-from sim.study.load import Study, extra_amounts_file, load_study
+from sim.study.load import Study, extra_amounts_file, folder_of_results, load_study
 
 # A published study as an RO-Crate 1.1 (https://w3id.org/ro/crate/1.1): who made it, under which
 # licence, and how, by the profile Process Run Crate.
@@ -207,7 +207,7 @@ def publish(
         raise InputError("--crate: needs the package rocrate; pip install rocrate")
     citation = read_citation(CITATION) if crate else None
     study = load_study(study_path, results)
-    folder = Path(results) / study.name
+    folder = folder_of_results(study, Path(results)) / study.name
     names = _published_files(study, folder)
     output = target / study.name
     require_writable(target, "--to")

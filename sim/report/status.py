@@ -32,6 +32,7 @@ from sim.study.load import (
     DEFAULT_STUDY,
     ExtraAmounts,
     Study,
+    folder_of_results,
     load_study,
     other_engines,
     read_extra_amounts,
@@ -272,6 +273,7 @@ def show(
     if remove and not orphans:
         raise InputError.of_value("--remove", "", remove, "with --orphans")
     study = load_study(study_path or DEFAULT_STUDY, results if orphans else None)
+    results = folder_of_results(study, results)
     if orphans:
         return list_orphans(study, results, remove)
     while True:

@@ -2,6 +2,7 @@
 
 import logging
 import os
+import subprocess
 import sys
 import threading
 import time
@@ -13,11 +14,15 @@ from tqdm import tqdm
 
 from sim.base.errors import InputError
 from sim.base.plugins import NOTICE
+from sim.base.program import PACKAGE
 from sim.report.status import as_text, survey
 from sim.study.load import Study
 
 #: Seconds between two checks of the folder of runs.
 PAUSE = 1.0
+
+#: Seconds before the first preview, and share of the time that previews may take.
+FIRST, SHARE = 60.0, 0.05
 
 #: Format of the bar on a terminal.
 BAR_FORMAT = "{desc}: {n_fmt} of {total_fmt} points |{bar:30}| {remaining} left{postfix}"
@@ -29,8 +34,11 @@ EVENT = "job_error"
 ADVICE = ("Detailed failure reason unavailable", "For further error details")
 
 #: Beginnings of Snakemake's messages on outputs of failed jobs without a backup, on the whole
-#: command of a job, and on turns of the scheduler.
+#: command of a job, on turns of the scheduler, and at the end of a workflow whose jobs said why.
 NO_NEWS = (
+    "WorkflowError:\nAt least one job did not complete",
+    "Complete log(s): ",
+    "Elapsed time: ",
     "Cannot restore ",
     "RuleException:\nCalledProcessError ",
     "Select jobs to execute",
@@ -69,11 +77,13 @@ class Watch(threading.Thread):
             file=sys.stderr,
             disable=not sys.stderr.isatty(),
         )
+        self._previews = Previews(study, folder)
 
     def run(self) -> None:
         """Report points at intervals of `PAUSE`."""
         while not self._ended.wait(PAUSE):
             self._report()
+            self._previews.update(len(self._points & self._inodes.keys()))
 
     def follow(self, log: logging.Logger) -> None:
         """Start, and add to Snakemake's log the lines of failed jobs, in place of its own."""
@@ -101,6 +111,7 @@ class Watch(threading.Thread):
         self._ended.set()
         if self.is_alive():
             self.join()
+        self._previews.stop()
         self._report()
         self._bar.close()
 
@@ -136,6 +147,40 @@ class Watch(threading.Thread):
             lines = (self._logs / f"{name}.log").read_text(encoding="utf-8").splitlines()
             return next((x for x in reversed(lines) if x.startswith(f"{name}: ")), "")
         return ""
+
+
+class Previews:
+    """Processes that write previews of a study, one at a time and seldom."""
+
+    def __init__(self, study: Study, folder: Path):
+        self._study, self._log = study, folder / "logs" / "preview.log"
+        self._process: subprocess.Popen[bytes] | None = None
+        self._started, self._next, self._shown = 0.0, time.monotonic() + FIRST, 0
+
+    def update(self, ended: int) -> None:
+        """Start a preview if it is time, given how many points have ended; with all, none is."""
+        if ended >= len(self._study.points):
+            self.stop()
+        elif self._process:
+            if self._process.poll() is not None:
+                now, self._process = time.monotonic(), None
+                self._next = now + (now - self._started) / SHARE
+        elif ended > self._shown and time.monotonic() >= self._next:
+            self._started, self._shown = time.monotonic(), ended
+            command = [sys.executable, "-P", "-m", "sim", "job", "preview"]
+            paths = [str(PACKAGE.parent), os.environ.get("PYTHONPATH")]
+            environment = os.environ | {"PYTHONPATH": ":".join(filter(None, paths))}
+            with suppress(OSError), self._log.open("wb") as log:
+                self._process = subprocess.Popen(
+                    [*command, str(self._study.path)], env=environment, stdout=log, stderr=log
+                )
+
+    def stop(self) -> None:
+        """End the process, if there is one, before it writes."""
+        if self._process and self._process.poll() is None:
+            self._process.kill()
+            self._process.wait()
+        self._process = None
 
 
 class FailedJobs(logging.Handler):

@@ -24,7 +24,7 @@ from sim.base.messages import one_of
 from sim.base.plugins import VARIABLE, module_names
 from sim.base.program import package_folder, program
 from sim.study.entries import ALLOWED_NAME, NAME
-from sim.study.load import DEFAULT_STUDY, load_study
+from sim.study.load import DEFAULT_STUDY, folder_of_results, load_study
 from sim.study.model import Study
 from sim.study.papers import OWN, SHIPPED
 
@@ -90,8 +90,9 @@ def _init_paper(target: Path, name: str) -> str:
 def study(
     study_path: Path, cores: int | None, profile: str | None, dry_run: bool, extra: Sequence[str]
 ) -> int:
-    """Check a study, then replace this process by the Snakemake that runs it in the current folder.
+    """Check a study, then replace this process by the Snakemake that runs it.
 
+    It runs in the current folder, or in that of the study file where its results are there alone.
     Signals and exit code are therefore Snakemake's own. ``cores`` are by default the number in the
     profile, else all. ``profile`` is the folder of a Snakemake profile, or the name of one that
     comes with Talus; ``extra`` are further arguments for Snakemake.
@@ -100,16 +101,31 @@ def study(
         raise InputError.of_value("--cores", "", cores, "an integer >= 1")
     if str(study_path) == "-":
         raise InputError.of_value("study", "", "-", "a file: Snakemake reads it again and again")
-    load_study(study_path)
+    loaded = load_study(study_path)
     if dry_run:
         extra = ["--dry-run", *extra]
     if profile:
-        own = package_folder("workflow") / "profiles" / profile
-        extra = ["--profile", str(own if own.is_dir() else profile), *extra]
+        own = [package_folder("workflow") / "profiles" / profile, Path(profile).absolute()]
+        folder = next((one for one in own if one.is_dir()), profile)
+        extra = ["--profile", str(folder), *extra]
+    study_path = go_to_results(loaded)
     # With a profile, the number of cores would limit the jobs on a cluster, too.
     command = snakemake_command(study_path, cores or (None if profile else "all"), extra)
     sys.stdout.flush()
     os.execve(command[0], command, environment())
+
+
+def go_to_results(study: Study) -> Path:
+    """Return the path of a study file, in the folder of it if its results are there and not here.
+
+    That becomes the current folder, so that nothing is computed again.
+    """
+    results = folder_of_results(study, Path("results"))
+    if results == Path("results"):
+        return study.path
+    print(f"{results / study.name}: has results of this study, which go on there", file=sys.stderr)
+    os.chdir(study.path.parent)
+    return Path(study.path.name)
 
 
 def snakemake_command(file: Path, cores: int | str | None, extra: Sequence[str] = ()) -> list[str]:

@@ -14,6 +14,8 @@ from sim.base.errors import InputError
 from sim.base.messages import allowed_values
 from sim.parameters import AMOUNTS, Parameters, canonical_number
 from sim.parameters.common import TWO_NUMBERS, Real, broken_rule
+from sim.parameters.in_place import OF_UNIT_SIZE, given_by, plain_number
+from sim.parameters.roles import Declaration
 from sim.study.design import OPERATORS, Axis, axis_of, block_size, read_comparison, unit_points
 from sim.study.entries import Lists, Strict, optional
 
@@ -27,6 +29,9 @@ _ALLOWED_COMPARISON = (
     f"two sides with one of {' '.join(OPERATORS)} between, numbers or parameters under over that "
     "take numbers"
 )
+
+#: Keys in place of parameters that a design may spread: each gives one parameter, in proportion.
+SPREAD = ("density",)
 
 #: Largest deviation of a normal distribution, in ranges: what is wider cannot be told from even.
 MOST_RANGES = 1000.0
@@ -80,8 +85,13 @@ class Distribution(Strict):
         return Axis(name, low, high, self.scale, normal=normal, is_integer=is_integer)
 
 
-def read_values(value: Any) -> Any:
-    """Return what a mapping says of the values of a parameter; a list stays one."""
+def read_values(value: Any, row: Declaration) -> Any:
+    """Return what a mapping says of the values of a parameter, ``row``; a list stays one."""
+    given = list(value.values()) if isinstance(value, dict) else value
+    plain = plain_number(given, row, {})
+    if plain != plain_number(plain, row, OF_UNIT_SIZE):
+        raise broken_rule("", value, f"numbers in {row.scale} without a unit: sizes may differ")
+    value = dict(zip(value, plain, strict=True)) if isinstance(value, dict) else plain
     if isinstance(value, dict):
         return Distribution.model_validate(value)
     if not isinstance(value, list) or not value:
@@ -102,6 +112,9 @@ class Over(Lists):
         """Return a hint at the intended key, empty if there is none."""
         if key in AMOUNTS:
             return f"{key} belongs under base, as it makes no other point"
+        if key in cls.in_place:
+            names = " and ".join(given_by(cls.parameters, key))
+            return f"a design spreads parameters: {names} in place of {key}"
         return super().hint(key, value)
 
 

@@ -1,18 +1,21 @@
 """Keys of a study file, whatever their system: parameters, lists and ranges, overrides, names."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from math import floor
 from typing import Annotated, Any, ClassVar, TypeVar
 from unicodedata import category
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
+from pydantic_core import PydanticCustomError
 
-from sim.base.messages import input_error
+from sim.base.messages import input_error, number_and_unit
 from sim.parameters import Parameters, canonical_number, hint_on_key
 from sim.parameters.common import Real, Ruled, broken_rule
-from sim.parameters.density import DENSITY, DENSITY_FIELD
+from sim.parameters.in_place import OF_UNIT_SIZE, plain_number
+from sim.parameters.roles import Declaration
 
 #: Unicode categories without letters, some of which move the cursor or reverse the line where a
 #: title is shown; and the maximum lengths of a title and of a text in a paper's files.
@@ -82,8 +85,8 @@ class Some(Strict):
     """Values of some parameters of a system; only those given are set."""
 
     parameters: ClassVar[type[Parameters]]
-    #: Keys that stand in place of a parameter, with their declarations.
-    in_place: ClassVar[dict[str, FieldInfo]] = {DENSITY: DENSITY_FIELD}
+    #: Keys that stand in place of parameters, those of the system.
+    in_place: ClassVar[dict[str, FieldInfo]]
 
     @classmethod
     def hint(cls, key: str, value: Any) -> str:
@@ -100,7 +103,15 @@ class Some(Strict):
 
     def explicit_values(self) -> dict[str, Any]:
         """Return the values that the file sets here, with numbers in canonical form."""
-        return self.model_dump(exclude_unset=True)
+        names = (name for name in type(self).model_fields if name in self.model_fields_set)
+        return {name: getattr(self, name) for name in names}
+
+
+def number_or_text(given: Any, number: Callable[[Any], Any], row: Declaration) -> Any:
+    """Return a number by its validator; a text stays one where the point gives the scale."""
+    value = plain_number(given, row, {})
+    is_text = isinstance(value, str) and value != plain_number(value, row, OF_UNIT_SIZE)
+    return value if is_text else number(value)
 
 
 def one_or_pair(given: Any, one: Callable[[Any], Any]) -> Any:
@@ -127,6 +138,13 @@ class Override(Strict):
 
     when: Lists = Field(description="values that a point must have, each one of its list")
     set: Some = Field(description="parameters to set at those points")
+
+
+def _shared_unit(range_: dict[str, Any]) -> str:
+    """Return the unit of all numbers of a range, empty if they have none or several."""
+    given = [number_and_unit(one) for key, one in range_.items() if key != "num"]
+    units = {one[1] if one else "" for one in given}
+    return units.pop() if len(units) == 1 else ""
 
 
 _ALLOWED_RANGE = "a list of values, {start, stop, num} or {start, stop, step}"
@@ -164,6 +182,10 @@ def expand_range(value: Any, are_whole: bool = False) -> Any:
     """
     if not isinstance(value, dict):
         return value
+    if unit := _shared_unit(value):
+        parts = {key: number_and_unit(one) or (one,) for key, one in value.items()}
+        plain = expand_range({key: one[0] for key, one in parts.items()})
+        return [f"{one:.12g} {unit}" for one in plain]
     are_numbers = all(type(one) in (int, float) and abs(one) < 1e15 for one in value.values())
     if not are_numbers or set(value) not in ({"start", "stop", "num"}, {"start", "stop", "step"}):
         raise broken_rule("", value, _ALLOWED_RANGE)
@@ -182,6 +204,21 @@ def expand_range(value: Any, are_whole: bool = False) -> Any:
         count = floor(steps * (1 + _SLACK) + _SLACK) + 1
     numbers = [canonical_number(start + number * step) for number in range(count)]
     return [int(one) if are_whole and float(one).is_integer() else one for one in numbers]
+
+
+def ends_left_out(contents: Any, path: str = "") -> Iterator[str]:
+    """Yield a warning for each range in the contents of a file whose steps do not reach its end."""
+    if isinstance(contents, dict) and set(contents) == {"start", "stop", "step"}:
+        with suppress(PydanticCustomError):
+            last, stop = expand_range(contents)[-1], contents["stop"]
+            if number_and_unit(last) != number_and_unit(stop) or last != canonical_number(stop):
+                why = f"as {stop} is no whole number of steps from the start"
+                yield f"{path}: ends at {last}, {why}"
+    elif isinstance(contents, dict | list):
+        pairs = contents.items() if isinstance(contents, dict) else enumerate(contents)
+        for key, value in pairs:
+            place = f"{path}[{key}]" if isinstance(key, int) else f"{path}.{key}".lstrip(".")
+            yield from ends_left_out(value, place)
 
 
 def allow_range_in_schema(schema: dict[str, Any]) -> None:

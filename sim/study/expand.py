@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.base.errors import InputError
+from sim.base.messages import number_and_unit
 from sim.parameters import (
     RUN_FILE,
     SYSTEMS,
@@ -21,7 +22,7 @@ from sim.parameters import (
     with_larger_amounts,
 )
 from sim.parameters.common import PREVIOUS
-from sim.parameters.density import DENSITY
+from sim.parameters.in_place import given_by, plain_numbers, plain_values, rivals, scales
 from sim.study.design import Axis
 from sim.study.design_file import DesignFile
 from sim.study.entries import NATURAL
@@ -79,8 +80,7 @@ class _Draft:
         return self._replaced(values, {name: f"{path}.{name}" for name in values})
 
     def _replaced(self, values: dict[str, Any], paths: dict[str, str]) -> "_Draft":
-        other = {DENSITY: "mass", "mass": DENSITY}
-        gone = {other[name] for name in other if name in values} - values.keys()
+        gone = set().union(*map(rivals, values)) - values.keys()
         earlier = {name: value for name, value in self.values.items() if name not in gone}
         left = self.of_paper - values.keys()
         return replace(self, values=earlier | values, paths=self.paths | paths, of_paper=left)
@@ -158,7 +158,10 @@ class _Family:
         for draft in self._drafts():
             for index, value in enumerate(self.entry.range):
                 self._parameters_along(draft, value, f"range[{index}]")
-            grid = {name: draft.values[name] for name in self.entry.grid_lists}
+            model = SYSTEMS[self.entry.system]
+            plain = plain_values(draft.values, model, self.source, draft.paths)
+            names = (name for key in self.entry.grid_lists for name in given_by(model, key))
+            grid = {name: plain[name] for name in names}
             named = self.entry.model_dump(include={"name", "of", "along", "tolerance"})
             named |= {"low": self.entry.range[0], "high": self.entry.range[1], "grid": grid}
             at, figures = partial(self._parameters_along, draft), tuple(self.entry.figures)
@@ -237,10 +240,15 @@ class _Family:
 
         They apply to the point before any override, defaults included. Later overrides win.
         """
+        for name, value in draft.values.items() if self.file.is_natural else ():
+            if number_and_unit(value):
+                allowed = "a number without a unit, of which units: natural has none"
+                raise InputError.of_value(self.source, draft.paths[name], value, allowed)
         before = draft.point(self.source)
         new = draft
         for index, override in enumerate(self.entry.overrides):
             conditions = override.when.explicit_values()
+            conditions = plain_numbers(conditions, type(before), scales(vars(before)))
             if all(getattr(before, name) in values for name, values in conditions.items()):
                 path = f"{self.key}.overrides[{index}].set"
                 new = new.with_values(override.set.explicit_values(), path)

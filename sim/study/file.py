@@ -12,7 +12,7 @@ from sim.base.additions import additions
 from sim.base.plugins import ALLOWED, PATTERN
 from sim.parameters import AMOUNTS, SYSTEMS, Parameters
 from sim.parameters.common import PREVIOUS, TWO_NUMBERS, Real, broken_rule, sphere_volume
-from sim.parameters.density import DENSITY
+from sim.parameters.in_place import given_by
 from sim.parameters.roles import fixed_parameters
 from sim.study.design import Axis, axis_of
 from sim.study.design_file import DesignFile
@@ -120,7 +120,7 @@ class SeriesFile(_Family):
         others = (f"{name}_across" for name in in_cases if name in model.pairs)
         given = (*self.grid_lists, *in_cases, *others)
         axes, fields = list[Axis](), model.model_fields
-        for name in dict.fromkeys("mass" if one == DENSITY else one for one in given):
+        for name in dict.fromkeys(chain(*(given_by(model, one) for one in given))):
             values = [getattr(one, name) for one in points]
             if name not in AMOUNTS and len(set(values)) > 1:
                 axes.append(axis_of(name, values, fields[name].annotation is int))
@@ -137,7 +137,7 @@ class SeriesFile(_Family):
 
 def _of_mass(axis: Axis, points: Sequence[Parameters]) -> Axis:
     """Return an axis of densities as that of the masses that points have, any other unchanged."""
-    if axis.name != DENSITY:
+    if axis.name != "density":
         return axis
     volumes = [sphere_volume(point.diameter) for point in points]
     low, high = min(volumes) * axis.low, max(volumes) * axis.high

@@ -17,8 +17,9 @@ from sim.base.plugins import load
 from sim.base.seals import checked_read, parse_sealed_json, to_sealed_json
 from sim.base.yaml import read_yaml
 from sim.parameters import Parameters, complete_values, parse_point, with_larger_amounts
-from sim.parameters.density import doubts_of
+from sim.parameters.doubts import doubts_of
 from sim.parameters.laws import ENGINE
+from sim.study.entries import ends_left_out
 from sim.study.expand import expand
 from sim.study.feed import ask, feed
 from sim.study.file import PART_NAME
@@ -145,12 +146,23 @@ def parse_study(mapping: Any, path: str | Path, results: str | Path | None = "re
     files = validate(documents)
     study = ask(feed(expand(files), files), files)
     if results is not None:
-        folder = Path(results) / study.name
+        folder = folder_of_results(study, Path(results)) / study.name
         require_writable(folder, f"{study.path}: study")
         if study.decide:
             extra, judged = read_extra_amounts(folder), study.decide.claims is not None
             study = replace(study, points=with_extra_amounts(study.points, extra, judged))
     return replace(study, plugins=tuple(dict.fromkeys(loaded)))
+
+
+def folder_of_results(study: Study, results: Path) -> Path:
+    """Return the folder of all results that has those of a study.
+
+    It is ``results``; but where this has none of the study, and a folder of its name beside the
+    study file has, it is that one.
+    """
+    beside = study.path.parent / results
+    is_beside = not (results / study.name).is_dir() and (beside / study.name).is_dir()
+    return beside if is_beside else results
 
 
 def as_study(contents: Any, path: Path) -> Any:
@@ -195,8 +207,8 @@ def points(study: str | Path | Mapping[str, Any]) -> "pd.DataFrame":
         The index holds the ids of the points. Columns are all parameters in the units of a study
         file, ``particles``, ``core_seconds`` (an estimate for all replicates), ``series`` and
         ``figures``. Parameters that the system of a point does not have are missing. The attribute
-        ``paper_values`` lists what all points have as a paper has it. Sizes of particles that are
-        probably not meant are a warning.
+        ``paper_values`` lists what all points have as a paper has it. What is probably not meant is
+        a warning: sizes, angles, ranges that end before their ``stop``.
 
     Raises
     ------
@@ -218,7 +230,9 @@ def points(study: str | Path | Mapping[str, Any]) -> "pd.DataFrame":
     else:
         raise InputError.of_value("points", "study", study, "the path of a study file or a mapping")
     members = [point.parameters for point in validated_study.points.values()]
-    for text in doubts_of(members) if validated_study.units == "si" else ():
+    doubts = doubts_of(members) if validated_study.units == "si" else []
+    contents = study if isinstance(study, Mapping) else read_yaml(study)
+    for text in (*ends_left_out(contents), *doubts):
         warnings.warn(text, stacklevel=2)
     rows = {}
     for point in validated_study.points.values():

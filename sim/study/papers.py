@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterable, Mapping
 from functools import cached_property
 from importlib import import_module
+from itertools import chain
 from pathlib import Path
 from typing import Any, Literal
 
@@ -18,7 +19,7 @@ from sim.base.errors import InputError
 from sim.base.plugins import module_names, require_one_of
 from sim.base.yaml import read_yaml
 from sim.parameters import SYSTEMS, Parameters, default_of, field_info, parse_point
-from sim.parameters.density import DENSITY
+from sim.parameters.in_place import given_by
 from sim.parameters.laws import LAW
 from sim.parameters.words import quantity, setting
 from sim.study.entries import NATURAL, Strict, Text, read_into
@@ -94,7 +95,7 @@ class Paper(Strict):
             given = units | self.defaults.get(system, {})
             paths = {name: f"defaults.{system}.{name}" for name in (*given, "system")}
             point = parse_point({**given, "system": system}, self.folder / "paper.yaml", paths)
-            names = ("mass" if name == DENSITY else name for name in given)
+            names = chain(*(given_by(type(point), name) for name in given))
             found[system] = {name: getattr(point, name) for name in names}
         return found
 

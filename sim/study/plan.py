@@ -234,7 +234,8 @@ class Plan:
         try:
             lock.acquire(blocking=False)
         except Timeout:
-            raise InputError(f"{self.folder}: cannot be locked: its workflow is running") from None
+            what = "its workflow is running; talus status tells how far it is"
+            raise InputError(f"{self.folder}: cannot be locked: {what}") from None
         except OSError:
             pass  # no locks on this file system
         write_states(self._batches.parent / STATES, self._points().values())

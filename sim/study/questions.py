@@ -15,9 +15,8 @@ from sim.base.additions import plain_name
 from sim.base.errors import InputError
 from sim.base.measured import ALLOWED_FILE, FILE, PURE, MeasuredTable, read_measured
 from sim.base.messages import one_of
-from sim.parameters import SYSTEMS, field_info
+from sim.parameters import SYSTEMS, FieldRow, field_info
 from sim.parameters.common import CHOICES, TWO_NUMBERS, Real, broken_rule
-from sim.parameters.density import DENSITY
 from sim.study.design import Axis, block_size
 from sim.study.design_file import ALLOWED_VALUES, distribution, read_values
 from sim.study.entries import optional
@@ -80,8 +79,8 @@ class _OfSurrogateOrRuns(Question):
             hint = f": {', '.join(others)}" if others else ""
             allowed = f"a series whose design is of kind {' or '.join(self.kinds)}{hint}"
             raise place.error("series", name, allowed)
-        if DENSITY in design.names:
-            raise place.error("series", name, f"a series whose design is over mass, not {DENSITY}")
+        if "density" in design.names:
+            raise place.error("series", name, "a series whose design is over mass, not density")
         fewest = FEWEST_BLOCKS * block_size(design.kind, len(design.axes))
         if design.size < fewest:
             allowed = f"a design of {fewest} points or more"
@@ -157,7 +156,8 @@ class PropagationFile(_OfSurrogateOrRuns):
         for name, value in (self.over or {}).items():
             if name not in known:
                 raise place.error(f"over.{name}", value, one_of(name, known))
-            known[name] = _spread(known[name], value, place)
+            row = field_info(SYSTEMS[asked.of.system])[name]
+            known[name] = _spread(known[name], value, row, place)
         where = tuple((design and design.where) or ())
         return asked.with_values(axes=tuple(known.values()), where=where)
 
@@ -167,10 +167,10 @@ class PropagationFile(_OfSurrogateOrRuns):
         return (*super().settings, spread, tuple(self.quantiles), tuple(self.exceeds))
 
 
-def _spread(axis: Axis, value: Any, place: Place) -> Axis:
+def _spread(axis: Axis, value: Any, row: FieldRow, place: Place) -> Axis:
     """Return how a parameter of a surrogate is spread by a value under ``over``."""
     try:
-        spread = distribution(read_values(value)).axis(axis.name, axis.is_integer)
+        spread = distribution(read_values(value, row)).axis(axis.name, axis.is_integer)
     except (ValidationError, PydanticCustomError):
         raise place.error(f"over.{axis.name}", value, ALLOWED_VALUES) from None
     if not axis.low <= spread.low < spread.high <= axis.high or not spread.is_number:

@@ -30,6 +30,9 @@ def schema() -> dict[str, Any]:
     models: tuple[type[BaseModel], ...] = (file_models()[0], *SYSTEMS.values())
     _, definitions = models_json_schema([(model, "validation") for model in models])
     references: list[dict[str, Any]] = [{"$ref": f"#/$defs/{model.__name__}"} for model in models]
+    parameters = {f"{one.capitalize()}{kind}" for one in SYSTEMS for kind in ("Some", "Lists")}
+    for name in parameters | {model.__name__ for model in SYSTEMS.values()}:
+        _allow_units(definitions["$defs"][name])
     study, point, *others = references
     for system, other in zip(list(SYSTEMS)[1:], others, strict=True):
         condition = {"properties": {"system": {"const": system}}}
@@ -41,8 +44,23 @@ def schema() -> dict[str, Any]:
         "if": {"required": ["system"]},
         "then": point,
         "else": study,
-        "$defs": definitions["$defs"] | {RANGE: RANGE_SCHEMA},
+        "$defs": definitions["$defs"]
+        | {RANGE: RANGE_SCHEMA, _NUMBER: {"type": ["number", "string"], "pattern": r"^[-+]?\d"}},
     }
+
+
+#: Name of a number with or without a unit in the JSON schema.
+_NUMBER = "Number"
+
+
+def _allow_units(node: Any) -> None:
+    """Let a schema of parameters allow texts such as ``2 mm`` where it has numbers."""
+    if isinstance(node, dict) and node.get("type") == "number":
+        node["$ref"] = f"#/$defs/{_NUMBER}"
+        del node["type"]
+    for child in node.values() if isinstance(node, dict) else node:
+        if isinstance(child, dict | list):
+            _allow_units(child)
 
 
 def schema_text() -> str:

@@ -11,7 +11,6 @@ from pydantic import (
     BaseModel,
     BeforeValidator,
     Field,
-    PlainSerializer,
     TypeAdapter,
     WithJsonSchema,
     WrapValidator,
@@ -20,8 +19,7 @@ from pydantic import (
 
 from sim.base.errors import InputError
 from sim.parameters import AMOUNTS, SYSTEMS, Parameters, roles
-from sim.parameters.density import DENSITY
-from sim.study.design_file import DesignFile, Distribution, Over, read_values
+from sim.study.design_file import SPREAD, DesignFile, Distribution, Over, read_values
 from sim.study.entries import (
     Lists,
     Override,
@@ -30,6 +28,7 @@ from sim.study.entries import (
     Strict,
     allow_range_in_schema,
     expand_range,
+    number_or_text,
     one_or_pair,
     optional,
     read_into,
@@ -70,7 +69,7 @@ def _system_models(system: str) -> SystemModels:
     figures = [name for name, spec in FIGURES.items() if spec.system == system]
     values, lists = _with_parameters(Some, system), _with_parameters(Lists, system)
     readings = _with_parameters(Readings, system, roles.reading_parameters(model))
-    over = _with_parameters(Over, system, {DENSITY, *model.model_fields} - AMOUNTS)
+    over = _with_parameters(Over, system, {*SPREAD, *model.model_fields} - AMOUNTS)
     override = _of_system(Override, system, when=lists, set=values)
     shared: dict[str, Any] = {
         "system": Literal[system],
@@ -92,22 +91,26 @@ def _system_models(system: str) -> SystemModels:
 def _with_parameters(base: type[Some], system: str, names: Collection[str] | None = None) -> Any:
     """Return a model based on ``base`` with all parameters of a system, or some, as fields."""
     fields: dict[str, Any] = {}
-    for key, parameter in (SYSTEMS[system].model_fields | base.in_place).items():
+    parameters = SYSTEMS[system]
+    for key, parameter in (parameters.model_fields | parameters.in_place).items():
         if key == "system" or (names is not None and key not in names):
             continue
         value: Any = Annotated[(parameter.annotation, *parameter.metadata, None)]
-        said = parameter.description
+        said: str | None = parameter.description
+        row: Any = parameter.json_schema_extra
         field = optional(said)
-        if key in SYSTEMS[system].pairs and not issubclass(base, Lists):
+        if parameter.annotation is float:
+            value = Annotated[value, WrapValidator(partial(number_or_text, row=row))]
+        if key in parameters.pairs and not issubclass(base, Lists):
             one = TypeAdapter(value).json_schema()
             pair = {"type": "array", "items": one, "minItems": 2, "maxItems": 2}
             said_of_both = WithJsonSchema({"anyOf": [one, pair]})
-            as_it_is = PlainSerializer(lambda given: given)
-            value = Annotated[value, WrapValidator(one_or_pair), as_it_is, said_of_both]
+            value = Annotated[value, WrapValidator(one_or_pair), said_of_both]
         if issubclass(base, Lists):
             value = Annotated[_list_type(value), Field(min_length=1)]
             if issubclass(base, Over):
-                value = Annotated[list[Any] | Distribution, BeforeValidator(read_values)]
+                read = partial(read_values, row=row)
+                value = Annotated[list[Any] | Distribution, BeforeValidator(read)]
             elif parameter.annotation in (int, float):
                 expand = partial(expand_range, are_whole=parameter.annotation is int)
                 value = Annotated[value, BeforeValidator(expand)]
@@ -115,7 +118,7 @@ def _with_parameters(base: type[Some], system: str, names: Collection[str] | Non
         fields[key] = value, field
     name = f"{system.capitalize()}{base.__name__}"
     model = create_model(name, __base__=base, __doc__=base.__doc__, **fields)
-    model.parameters = SYSTEMS[system]
+    model.parameters, model.in_place = parameters, parameters.in_place
     return model
 
 

@@ -12,6 +12,8 @@ import xarray as xr
 from sim.base.errors import InputError, percent
 from sim.base.messages import one_of
 from sim.base.statistics import MANY, student
+from sim.parameters import SYSTEMS
+from sim.parameters.in_place import known_scales, plain_numbers
 from sim.parameters.observables import forms
 from sim.parameters.words import setting
 from sim.study.design import Axis
@@ -174,9 +176,10 @@ class Surrogate:
             Lists are coordinates of points, over ``point``, not of a grid.
         **values
             A number, a list of numbers, an `xarray.DataArray` or a column of a table for each
-            parameter, in the units of study files. A list becomes a dimension of its name; arrays
-            and columns that share a dimension or an index are points. Fixed ones may be left out. A
-            number that is left out is held in the middle of its range, as in pictures.
+            parameter, in the units of study files, or numbers with a unit. A list becomes a
+            dimension of its name; arrays and columns that share a dimension or an index are points.
+            Fixed ones may be left out. A number that is left out is held in the middle of its
+            range, as in pictures.
 
         Returns
         -------
@@ -191,6 +194,7 @@ class Surrogate:
             For a word that is missing, an unknown parameter, and a value outside the range of the
             points.
         """
+        values = self._plain(values)
         chosen = [name for name in values if name in self.choices]
         surrogate = self.at(**{name: values.pop(name) for name in chosen})
         names = [axis.name for axis in self.axes]
@@ -237,11 +241,16 @@ class Surrogate:
 
         See `sim.surrogates.extreme.extreme`.
         """
-        return extreme(self, 1, values)
+        return extreme(self, 1, self._plain(values))
 
     def lowest(self, **values: Any) -> xr.Dataset:
         """Predict where the mean is lowest, as `highest` does."""
-        return extreme(self, -1, values)
+        return extreme(self, -1, self._plain(values))
+
+    def _plain(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """Return values of parameters with those that have a unit as plain numbers."""
+        known = known_scales({**self.fixed, **values})
+        return plain_numbers(values, SYSTEMS[self.system], known)
 
     def cube(self, x: np.ndarray) -> np.ndarray:
         """Return points as of `predict` in the unit cube of the process."""

@@ -26,7 +26,7 @@ UNITS = re.compile(r"1|[A-Za-z]+(-?[1-9])?( [A-Za-z]+(-?[1-9])?)*")
 LACKING = {"base_slip": "all runs of chutes have what it needs"}
 
 #: What parameters alone say.
-OF_PARAMETERS = {"shaking_strength"}
+OF_PARAMETERS = {"shaking_strength", "throw_number"}
 
 
 def point_of(system: str):

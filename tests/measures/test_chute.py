@@ -132,12 +132,18 @@ def cycle_and_drive(point: ConveyorParameters):
 
 
 def test_the_shaking_strength_is_the_largest_acceleration_along_z_over_gravity():
-    point = ConveyorParameters(frequency=23, amplitude=0.7, amplitude_along=0.2, phase_along=50)
+    point = ConveyorParameters(
+        frequency=23, amplitude=0.7, amplitude_along=0.2, phase_along=50, angle=25
+    )
     time, drive = cycle_and_drive(point)
     velocity = np.gradient(plane_position(drive, 1, time), time)
     largest = np.abs(np.gradient(velocity, time)[5:-5]).max()
-    found = measured(shaken_run(point, 0.1), "conveyor")["shaking_strength"]
-    assert found == pytest.approx(largest / point.gravity, rel=1e-3)
+    found = measured(shaken_run(point, 0.1), "conveyor")
+    assert found["shaking_strength"] == pytest.approx(largest / point.gravity, rel=1e-3)
+    assert found["throw_number"] == pytest.approx(point.throw_number)
+    # On a slope gravity presses with its cosine alone.
+    pressing = point.gravity * np.cos(np.radians(point.angle))
+    assert point.throw_number == pytest.approx(largest / pressing, rel=1e-3)
 
 
 def test_what_goes_as_fast_as_the_plane_at_its_fastest_is_transported_wholly():
@@ -148,4 +154,7 @@ def test_what_goes_as_fast_as_the_plane_at_its_fastest_is_transported_wholly():
         found = measured(shaken_run(point, sign * fastest), "conveyor")["transport_efficiency"]
         assert found == pytest.approx(sign, rel=1e-6)
     upward = ConveyorParameters(amplitude_along=0)
-    assert set(measured(shaken_run(upward, 0.0), "conveyor")) == {"shaking_strength"}
+    assert set(measured(shaken_run(upward, 0.0), "conveyor")) == {
+        "shaking_strength",
+        "throw_number",
+    }

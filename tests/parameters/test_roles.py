@@ -46,7 +46,7 @@ def test_roles_fit_together(model):
 
 def test_every_row_of_the_table_is_a_parameter_and_readings_are_told_choices_first():
     models = (*SYSTEMS.values(), FunctionParameters)
-    names = {name for model in models for name in model.model_fields}
+    names = {name for model in models for name in (*model.model_fields, *model.in_place)}
     with TABLE.open(encoding="utf-8") as file:
         assert {row["name"] for row in csv.DictReader(file)} == names
     *choices, ratio, exponent = reading_parameters(SYSTEMS["chute"])
@@ -54,7 +54,7 @@ def test_every_row_of_the_table_is_a_parameter_and_readings_are_told_choices_fir
     assert (ratio, exponent) == ("tangential_ratio", "tangential_exponent")
 
 
-PARAMETERS = {name for model in SYSTEMS.values() for name in model.model_fields}
+PARAMETERS = {name for one in SYSTEMS.values() for name in (*one.model_fields, *one.in_place)}
 NAMES = {*PARAMETERS, *every_name(), *study_kinds(), *PlotFile.model_fields}
 
 

@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -11,6 +12,8 @@ from sim.__main__ import main
 from sim.base.errors import duration
 from sim.parameters import canonical_values, parse_point, point_id
 from sim.report.status import STATES, as_json, as_text
+from sim.study.command import go_to_results
+from sim.study.load import load_study
 from sim.study.model import estimate
 from tests.made.folder import BOUNDED, EARLIER, LATER, STUDY, Folder
 from tests.made.netcdf import edit_file
@@ -33,6 +36,24 @@ def test_a_study_that_was_not_started_waits(folder):
     assert "5 points: 5 waiting" in as_text(status)
     assert "nothing is running" in as_text(status)
     assert not folder.results.exists()
+
+
+def test_results_beside_the_study_file_are_found_from_elsewhere(folder, monkeypatch, capsys):
+    folder.finish(folder.ids[0])
+    elsewhere = folder.file.parent / "other" / "place"
+    elsewhere.mkdir(parents=True)
+    monkeypatch.chdir(elsewhere)
+    file = Path("../../made.yaml")
+    for command in ("status", "points"):
+        assert main([command, str(file)]) == 0
+    assert "5 points: 1 done, 4 waiting" in (output := capsys.readouterr().out)
+    assert "of which 1 have been run in ../../results/made" in output
+    study = load_study(file)
+    assert go_to_results(study) == Path("made.yaml") and Path.cwd() == folder.file.parent
+    # Results in the present folder come first.
+    (elsewhere / "results" / "made").mkdir(parents=True)
+    monkeypatch.chdir(elsewhere)
+    assert go_to_results(study) == file and Path.cwd() == elsewhere
 
 
 def test_every_state_is_told_in_text_and_in_json(folder, capsys):

@@ -9,8 +9,11 @@ from unittest.mock import Mock
 
 import pytest
 
-from sim.report.watch import FailedJobs, Watch
+from sim.base.errors import InputError
+from sim.report.preview import write
+from sim.report.watch import FIRST, SHARE, FailedJobs, Previews, Watch
 from sim.study.load import load_study
+from tests.made.folder import Folder
 
 STUDY = """\
 study: watched
@@ -134,3 +137,47 @@ def test_a_workflow_ends_with_failed_jobs_the_status_and_a_report_no_older_than_
     monkeypatch.setattr("sim.report.watch.survey", Mock(side_effect=PermissionError("runs")))
     Watch(study, tmp_path).summarize()
     assert "no summary: runs" in capsys.readouterr().err
+
+
+def test_previews_are_one_at_a_time_seldom_and_never_of_a_study_that_has_ended(
+    study, tmp_path, monkeypatch
+):
+    (tmp_path / "logs").mkdir()
+    now, started = [0.0], []
+    monkeypatch.setattr("time.monotonic", lambda: now[0])
+    monkeypatch.setattr(
+        "subprocess.Popen", lambda *words, **_: started.append(Mock()) or started[-1]
+    )
+    previews = Previews(study, tmp_path)
+
+    def update(time, ended, running=None):
+        now[0] = time
+        if started:
+            started[-1].poll.return_value = None if running else 0
+        previews.update(ended)
+        return len(started)
+
+    assert update(FIRST - 1, 1) == 0
+    assert update(FIRST, 0) == 0
+    assert update(FIRST, 1) == 1
+    assert update(FIRST + 5, 2, running=True) == 1
+    assert update(FIRST + 10, 2) == 1
+    assert update(FIRST + 10 + 10 / SHARE - 1, 2) == 1
+    assert update(FIRST + 10 + 10 / SHARE, 1) == 1
+    assert update(FIRST + 10 + 10 / SHARE, 2) == 2
+    assert update(FIRST + 11 + 10 / SHARE, len(study.points), running=True) == 2
+    started[-1].kill.assert_called_once()
+
+
+def test_a_preview_has_the_points_that_have_ended_and_is_older_than_all(tmp_path):
+    folder = Folder(tmp_path)
+    with pytest.raises(InputError, match="no point has a run file"):
+        folder.results.joinpath("made").mkdir(parents=True)
+        write(folder.file, folder.results)
+    for key in folder.ids[:2]:
+        run = folder.finish(key)
+    page = write(folder.file, folder.results)
+    assert "Not complete: 2 of 5 points have ended." in page.read_text("utf-8")
+    assert page == folder.results / "made" / "report.html"
+    assert page.stat().st_mtime < run.stat().st_mtime
+    assert {path.name for path in page.parent.iterdir()} == {"runs", "report.html"}

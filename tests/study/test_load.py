@@ -300,7 +300,7 @@ def test_doubtful_points_are_pointed_out(parse, tmp_path, monkeypatch):
     assert line.startswith("chute-depth1e06-") and "MB of memory" in line
     study = parse(chute_study(base={"diameter": 100}, grid={"depth": [2, 5]}))
     (line,) = warnings(study, tmp_path)
-    assert line == "diameter: 100 at 2 points is 100 m; if you mean 100 mm, write 0.1"
+    assert line == "at 2 points: diameter: 100 is 100 m; if you mean 100 mm, write 0.1"
     right = parse(chute_study(base={"diameter": 0.1, "density": 1300, "stiffness": 1e4}))
     assert not [*warnings(right, tmp_path)]
     line = "warning of replicates: 2 at 1 point: the 95 % interval of two is 12.7 standard errors"

@@ -6,7 +6,7 @@ import pytest
 
 import sim
 from sim.parameters import SYSTEMS, parse_point, point_id
-from sim.parameters.density import doubts, doubts_of
+from sim.parameters.doubts import doubts, doubts_of
 from sim.study.load import parse_study, points
 from sim.study.papers import paper_values
 
