@@ -100,8 +100,10 @@ def checked_read(path: Path, kind: str, replaceable: bool, sealed: bool = False)
             raise OSError(errno.EIO, reason, str(path)) from None
         message = f"{path}: damaged or not a {kind} ({error})"
         if replaceable:
+            studies = [other.parts[-3] for other in shared_names(path)]
+            shared = f", as in {', '.join(studies)}, which shared it" if studies else ""
             aside = set_aside(path).name
-            message += f"; now {aside}: rerun the study, which makes what is missing"
+            message += f"; now {aside}{shared}: rerun the study, which makes what is missing"
         raise DamagedError(message) from None
 
 
@@ -158,11 +160,28 @@ def checksum(file: BinaryIO, length: int) -> bytes:
     return digest.hexdigest().encode()
 
 
+def shared_names(path: Path) -> list[Path]:
+    """Return the other names of a file in results: studies share run files."""
+    path = path.absolute()
+    if path.stat().st_nlink == 1:
+        return []
+    others = sorted(path.parents[2].glob(f"*/{path.parent.name}/{path.name}"))
+    return [other for other in others if other != path and other.samefile(path)]
+
+
 def set_aside(path: Path) -> Path:
     """Rename an unusable file to ``<name>.damaged`` and return the new path.
 
-    Where there is one already, the name ends in ``.damaged.2``, and so on.
+    Where there is one already, the name ends in ``.damaged.2``, and so on. Other studies lose it,
+    too: the first of them that runs again makes it, and the others take it from there.
     """
+    for other in shared_names(path):
+        with suppress(OSError):
+            _rename_damaged(other)
+    return _rename_damaged(path)
+
+
+def _rename_damaged(path: Path) -> Path:
     names = (f"{path.name}.damaged{ending}" for ending in ("", *(f".{n}" for n in range(2, 100))))
     free = (name for name in names if not os.path.lexists(path.with_name(name)))
     return path.replace(path.with_name(next(free, f"{path.name}.damaged")))

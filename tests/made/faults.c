@@ -28,9 +28,17 @@ static struct {
     int kinds, what, number, at, calls, sticky, of_kind[STAT + 1];
 } *plan;
 
+/* File of the names at which processes have ended, or NULL; what a name must contain; and whether
+   the process ends alone, not with all of its group. */
+static const char *seams, *only, *alone;
+
 __attribute__((constructor)) static void set_up(void)
 {
     plan = mmap(NULL, sizeof *plan, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    seams = getenv("FAULTS_SEAMS");
+    only = getenv("FAULTS_ONLY"), alone = getenv("FAULTS_ALONE");
+    if (seams)
+        strcpy(plan->folder, getenv("FAULTS_FOLDER"));
 }
 
 /* The `at`-th call of some kinds below a folder goes wrong, and all later ones where sticky. */
@@ -65,6 +73,29 @@ static int is_below(int folder, const char *path)
             snprintf(full + size, sizeof full - size, "/%s", path);
     }
     return !strncmp(full, plan->folder, length);
+}
+
+/* End processes once a file has or loses its name, the first time for each name below the folder.
+   Names of temporary files, which are others in each run, do not count. */
+static int seam(int result, int folder, const char *path)
+{
+    char line[2 * PATH_MAX], name[2 * PATH_MAX];
+    int before = errno;
+    if (result || !seams || !is_below(folder, path) || strstr(path, ".part") || strstr(path, "tmp")
+        || (only && !strstr(path, only)))
+        return errno = before, result;
+    snprintf(name, sizeof name, "%s\n", path);
+    FILE *list = fopen(seams, "a+");
+    rewind(list);
+    while (fgets(line, sizeof line, list))
+        if (!strcmp(line, name)) {
+            fclose(list);
+            return errno = before, result;
+        }
+    fputs(name, list);
+    fclose(list);
+    kill(alone ? getpid() : 0, SIGKILL);
+    return result;
 }
 
 /* Return whether this call fails; `errno` is then set. */
@@ -206,7 +237,7 @@ OF_LENGTH(ftruncate64)
     int name(const char *from, const char *to) \
     { \
         REAL(int, name, const char *, const char *); \
-        return fails(WRITE, AT_FDCWD, to, NULL) ? -1 : real(from, to); \
+        return fails(WRITE, AT_FDCWD, to, NULL) ? -1 : seam(real(from, to), AT_FDCWD, to); \
     }
 OF_TWO(rename)
 OF_TWO(link)
@@ -215,20 +246,20 @@ OF_TWO(symlink)
 int renameat(int one, const char *from, int other, const char *to)
 {
     REAL(int, renameat, int, const char *, int, const char *);
-    return fails(WRITE, other, to, NULL) ? -1 : real(one, from, other, to);
+    return fails(WRITE, other, to, NULL) ? -1 : seam(real(one, from, other, to), other, to);
 }
 
 int linkat(int one, const char *from, int other, const char *to, int flags)
 {
     REAL(int, linkat, int, const char *, int, const char *, int);
-    return fails(WRITE, other, to, NULL) ? -1 : real(one, from, other, to, flags);
+    return fails(WRITE, other, to, NULL) ? -1 : seam(real(one, from, other, to, flags), other, to);
 }
 
 #define OF_PATH(name) \
     int name(const char *path) \
     { \
         REAL(int, name, const char *); \
-        return fails(WRITE, AT_FDCWD, path, NULL) ? -1 : real(path); \
+        return fails(WRITE, AT_FDCWD, path, NULL) ? -1 : seam(real(path), AT_FDCWD, path); \
     }
 OF_PATH(unlink)
 OF_PATH(rmdir)
@@ -236,7 +267,7 @@ OF_PATH(rmdir)
 int unlinkat(int folder, const char *path, int flags)
 {
     REAL(int, unlinkat, int, const char *, int);
-    return fails(WRITE, folder, path, NULL) ? -1 : real(folder, path, flags);
+    return fails(WRITE, folder, path, NULL) ? -1 : seam(real(folder, path, flags), folder, path);
 }
 
 int mkdir(const char *path, mode_t mode)

@@ -80,15 +80,65 @@ class Commands:
         return Outcome(code, dict(zip(Calls, calls, strict=True)), *said)
 
 
-@contextmanager
-def faulty_commands(folder: Path, room: Path) -> Iterator[Commands]:
-    """Start the process; ``room``, another folder, gets the library. Skip without a compiler."""
+def build_library(room: Path) -> Path:
+    """Compile the library into a folder, and return its path. Skip without a compiler."""
     compiler = shutil.which("cc") or shutil.which("gcc")
     if not (compiler and sys.platform == "linux"):
         pytest.skip("calls are intercepted by a library for Linux, which a C compiler makes")
     library = room / LIBRARY
     source = Path(__file__).with_suffix(".c")
     subprocess.run([compiler, "-shared", "-fPIC", "-O1", "-o", library, source, "-ldl"], check=True)
+    return library
+
+
+class Seams:
+    """A command that is killed at each seam: after every file that it names or removes.
+
+    Each name in ``folder`` counts once, if it contains ``only``. With ``alone`` the process that
+    named the file is killed, else its whole group, as when a machine loses its power. ``room``,
+    another folder, gets the library and the names.
+    """
+
+    def __init__(self, folder: Path, room: Path, *, alone: bool, only: str = ""):
+        self.folder, self._log, self._list = folder, room / "seams.log", room / "seams.txt"
+        self._list.touch()
+        self._options = {"FAULTS_SEAMS": str(self._list), "FAULTS_FOLDER": f"{folder}/"}
+        self._options |= {"LD_PRELOAD": str(build_library(room)), "TALUS_CHECKPOINT_SECONDS": "0"}
+        self._options |= {"PYTHONPATH": str(ROOT)} | ({"FAULTS_ALONE": "1"} if alone else {})
+        self._options |= {"FAULTS_ONLY": only} if only else {}
+
+    @property
+    def names(self) -> list[str]:
+        """Return the files at which processes were killed so far."""
+        return self._list.read_text().splitlines()
+
+    def run(self, *words: str) -> str:
+        """Give a command of the program again and again, until no process of it was killed.
+
+        Return what it said in the end. It may fail only where one of its processes was killed.
+        """
+        while True:
+            before = len(self.names)
+            with self._log.open("w") as log:
+                code = subprocess.Popen(
+                    [sys.executable, "-m", "sim", *words],
+                    cwd=self.folder,
+                    env=os.environ | self._options,
+                    stdout=log,
+                    stderr=log,
+                    start_new_session=True,
+                ).wait()
+            said, seams = self._log.read_text(), self.names[before:]
+            assert "Traceback" not in said, f"{said} after {seams or self.names[-1:]}"
+            if not seams:
+                assert code == 0, f"{said} after {self.names[-1:]}"
+                return said
+
+
+@contextmanager
+def faulty_commands(folder: Path, room: Path) -> Iterator[Commands]:
+    """Start the process; ``room``, another folder, gets the library. Skip without a compiler."""
+    library = build_library(room)
     server = subprocess.Popen(
         [sys.executable, "-m", "tests.made.faults"],
         cwd=ROOT,

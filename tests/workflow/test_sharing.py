@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
+from sim.base.seals import is_damaged
+from sim.dataset.sources import EARLIER_FILE
 from sim.engine.command import batch
 from sim.parameters import canonical_values
 from sim.study.load import load_study
@@ -96,3 +98,29 @@ def test_a_job_looks_again_just_before_it_computes(tree, tmp_path, monkeypatch):
     assert run_files(tree, "late")[key].samefile(run_files(tree, "first")[key])
     log = (results / "logs" / "runs" / f"{key}.log").read_text()
     assert f"{key}: taken from " in log and log.endswith("already there\n")
+
+
+def test_damage_in_a_shared_run_is_told_for_all_studies_and_healed_once(tree):
+    """A flipped bit in a file is one in all studies that have it."""
+    for name in ("second", "third"):
+        assert snakemake(tree, "dataset", study=write(tree, name)).returncode == 0
+    files = [run_files(tree, name) for name in ("first", "second", "third")]
+    key = min(files[0])
+    content = bytearray(files[0][key].read_bytes())
+    content[len(content) // 2] ^= 1
+    with files[0][key].open("r+b") as file:
+        file.write(content)
+    for kept in ("dataset.nc", EARLIER_FILE):
+        (tree / "results" / "second" / kept).unlink()
+    process = snakemake(tree, "dataset", study="second.yaml")
+    log = (tree / "results" / "second" / "logs" / "dataset.log").read_text()
+    assert process.returncode != 0 and "now " + files[0][key].name + ".damaged, as in " in log
+    assert "first" in log and "third" in log
+    assert not any(one[key].exists() for one in files)
+    assert all((one[key].parent / f"{key}.nc.damaged").exists() for one in files)
+    assert snakemake(tree, "dataset", study="second.yaml").returncode == 0
+    for name in ("first", "third"):
+        assert planned_points(tree, "dataset", study=f"{name}.yaml") == set()
+        assert snakemake(tree, "dataset", study=f"{name}.yaml").returncode == 0
+    healed = [run_files(tree, name)[key] for name in ("first", "second", "third")]
+    assert all(one.samefile(healed[0]) for one in healed) and not is_damaged(healed[0])
