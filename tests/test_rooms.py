@@ -41,19 +41,19 @@ ONLY = {
 #: Most lines of code of each room: no docstring, comment, import or blank line. Whoever adds takes
 #: away elsewhere; a commit that raises a number here says what for.
 WEIGHT = {
-    "base": 1_498,
-    "parameters": 1_910,
-    "study": 3_201,
-    "engine": 6_082,
+    "base": 1_647,
+    "parameters": 2_033,
+    "study": 3_283,
+    "engine": 6_087,
     "laws": 223,
     "engines": 443,
-    "measures": 558,
+    "measures": 566,
     "dataset": 1_478,
-    "surrogates": 1_837,
-    "figures": 3_416,
+    "surrogates": 1_940,
+    "figures": 3_422,
     "claims": 1_470,
-    "papers": 2_516,
-    "report": 2_327,
+    "papers": 2_509,
+    "report": 2_540,
     "verify": 462,
 }
 
