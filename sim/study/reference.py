@@ -84,8 +84,7 @@ def reference_text() -> str:
         "data beside a plot's own": BesideFile,
         "an override": entries.override,
     }
-    parts = [part for of, model in models.items() for part in (f"### Keys of {of}", _keys(model))]
-    parts += [*_observables(), *_figures(), *_parameters()]
+    parts = [*_keys(models), *_observables(), *_figures(), *_parameters()]
     return "\n\n".join(parts) + "\n"
 
 
@@ -112,11 +111,22 @@ def show(folder: Path | None) -> str | None:
     return None
 
 
-def _keys(model: type[BaseModel]) -> str:
-    return "\n".join(
-        f"- `{name}`{' (required)' * field.is_required()}: {field.description or ''}"
-        for name, field in model.model_fields.items()
-    )
+def _keys(models: Mapping[str, type[BaseModel]]) -> list[str]:
+    """Return headings and lists of keys; what an earlier entry has, too, is named alone."""
+    known: dict[str, str] = {}
+    parts = []
+    for of, model in models.items():
+        lines, shared = list[str](), dict[str, list[str]]()
+        for name, field in model.model_fields.items():
+            required = " (required)" * field.is_required()
+            line = f"- `{name}`{required}: {field.description or ''}"
+            if (first := known.setdefault(line, of)) == of:
+                lines.append(line)
+            else:
+                shared.setdefault(first, []).append(f"`{name}`{required}")
+        same = [f"- {', '.join(names)}: as of {first}" for first, names in shared.items()]
+        parts += [f"### Keys of {of}", "\n".join(same + lines)]
+    return parts
 
 
 #: Letters of what an observable is, and a kind of plot that shows such.
@@ -139,20 +149,18 @@ def _observables() -> list[str]:
 
 
 def _figures() -> list[str]:
-    rows: dict[str, list[Sequence[str]]] = {}
+    rows: dict[str, list[str]] = {}
     for name, spec in FIGURES.items():
         fields = field_info(SYSTEMS[spec.system])
         usual = {key: _default(field.default) for key, field in fields.items()}
         other = {key: each for key, each in spec.taken.items() if each != usual.get(key)}
-        only = [f"{key} {each}" for key, each in other.items()]
-        if len(other) == len(spec.taken):
-            only.append("any")
         curves = f" ({', '.join(spec.groups)})" if spec.groups else ""
-        vary = ", ".join(spec.axes) + curves
-        row = (f"`{name}`", spec.title, vary, "; ".join(only))
-        rows.setdefault(f"the {spec.system}", []).append(row)
-    headings = ("figure", "shows", "points vary (curves)", "takes only")
-    return _sections("Figures", {of: _table(headings, each) for of, each in rows.items()})
+        vary = f"{', '.join(spec.axes)}{curves}".strip()
+        takes = [f"over {vary}"] * bool(vary) + [f"{key} {each}" for key, each in other.items()]
+        takes += ["any"] * (len(other) == len(spec.taken))
+        line = "; ".join([f"- `{name}`: {spec.title}", *takes])
+        rows.setdefault(f"the {spec.system}", []).append(line)
+    return _sections("Figures", {of: "\n".join(lines) for of, lines in rows.items()})
 
 
 def _parameters() -> list[str]:
