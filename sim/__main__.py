@@ -46,17 +46,9 @@ Talus {version}: parameter studies of granular flow
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code.
 
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        Command line without the program's name; ``sys.argv`` when omitted.
-
-    Returns
-    -------
-    int
-        0 on success, 2 after a one-line message on standard error for unusable input, 3 from
-        ``run`` for a run that failed, 130 after an interrupt; 143 from a ``run`` that saved its
-        state first.
+    ``arguments`` are those of the command line without the program's name. The code is 0 on
+    success, 2 after a one-line message on standard error for unusable input, 3 from ``run`` for a
+    run that failed, 130 after an interrupt; 143 from a ``run`` that saved its state first.
     """
     for stream in (sys.stdout, sys.stderr):
         # Characters that a terminal cannot show are escaped, instead of an error.

@@ -85,12 +85,8 @@ def attribute_additions_to(plugin: Plugin) -> Iterator[None]:
 def add(kind: str, name: str, value: Any, reserved: Iterable[str] = ()) -> None:
     """Add a value of a kind under a name.
 
-    Outside the loading of a plug-in this adds nothing: its file can be imported as usual.
-
-    Raises
-    ------
-    AdditionError
-        When the name is not valid, or in use: by Talus (``reserved``) or by a plug-in.
+    Outside the loading of a plug-in this adds nothing: its file can be imported as usual. Raises
+    `AdditionError` when the name is not valid, or in use: by Talus (``reserved``) or by a plug-in.
     """
     require_name(kind, name)
     if is_of_talus():

@@ -296,12 +296,8 @@ class Commands(click.Group):
 def parse(arguments: Sequence[str]) -> dict[str, Any]:
     """Return the options of a command line, with the command's function as ``function``.
 
-    Raises
-    ------
-    InputError
-        When there is no such command or option.
-    SystemExit
-        When help, the version or a completion has been printed.
+    Raises `InputError` when there is no such command or option, and `SystemExit` when help, the
+    version or a completion has been printed.
     """
     name, *words = arguments or [""]
     words = [*EARLIER_NAMES.get(name, [name] if arguments else []), *words]

@@ -115,10 +115,8 @@ def _folder_of(package: str) -> Path:
 def load_shipped(package: str) -> None:
     """Import the modules of a package of Talus, which add to it by the calls that plug-ins make.
 
-    Raises
-    ------
-    InputError
-        For a call of a module that is refused, or lacks an argument, with its line there.
+    Raises `InputError` for a call of a module that is refused, or lacks an argument, with its line
+    there.
     """
     with attribute_additions_to(TALUS):
         for name in module_names(package):

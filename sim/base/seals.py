@@ -54,16 +54,9 @@ def checked_read(path: Path, kind: str, replaceable: bool, sealed: bool = False)
 
     ``kind`` is the kind of file expected, for messages. An unreadable file that is ``replaceable``
     is renamed to ``<name>.damaged``, so that the workflow makes it again. Of a ``sealed`` one, the
-    checksum at its end is checked first.
-
-    Raises
-    ------
-    InputError
-        When there is no such file.
-    DamagedError
-        When its bytes are wrong.
-    OSError
-        When the system does not give its bytes, as without permission; the file stays as it is.
+    checksum at its end is checked first. Raises `InputError` when there is no such file,
+    `DamagedError` when its bytes are wrong, and `OSError` when the system does not give its bytes,
+    as without permission; the file stays as it is.
     """
     missing = InputError(f"{path}: no such {kind}; rerun the study to make it")
     try:

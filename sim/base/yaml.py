@@ -105,11 +105,8 @@ for _name, _pattern, _first in (
 def read_yaml(path: str | Path) -> Any:
     """Read the one document of a YAML (or JSON) file; ``-`` reads standard input.
 
-    Raises
-    ------
-    InputError
-        When the file is missing, not regular, unreadable, too large, not text, empty or not YAML
-        (with the line number), or when a key is repeated or no text.
+    Raises `InputError` when the file is missing, not regular, unreadable, too large, not text,
+    empty or not YAML (with the line number), or when a key is repeated or no text.
     """
     source = "<stdin>" if str(path) == "-" else str(path)
     return parse_yaml(_read_text(path, source), source)

@@ -79,10 +79,7 @@ def fill(text: str, bounds: Mapping[str, Any]) -> str:
     >>> fill("{share:percent} % at {angles:and} degrees", {"share": 0.1, "angles": [30, 45, 60]})
     '10 % at 30, 45 and 60 degrees'
 
-    Raises
-    ------
-    ValueError
-        When braces in the text name no bound, or a format does not fit it.
+    Raises `ValueError` when braces in the text name no bound, or a format does not fit it.
     """
     try:
         return _Text().vformat(text, (), bounds)
@@ -202,21 +199,11 @@ class Claim(Declared):
     ) -> tuple[Check, ...]:
         """Return the checks of the judge on evidence, or on a reading for a claim on the model.
 
-        Parameters
-        ----------
-        subject : Evidence or mapping
-            What the judge gets.
-        number : float, optional
-            Value of the number that the paper does not give, by default its headline.
-        alternative : str, optional
-            One of the other readings of the claim, by its words.
-
-        Raises
-        ------
-        Untestable, Ambiguous, ZeroDivisionError
-            When runs are missing or may be either of two flows, or a quantity to divide by is zero.
-        InputError
-            For any other error of a plug-in's judge, with its line there.
+        The number that the paper does not give has the value ``number``, by default its headline;
+        the ``alternative`` is one of the other readings of the claim, by its words. Raises
+        `Untestable`, `Ambiguous` or `ZeroDivisionError` when runs are missing or may be either of
+        two flows, or a quantity to divide by is zero, and `InputError` for any other error of a
+        plug-in's judge, with its line there.
         """
         try:
             bounds = self.bounds_at(number) | self.alternatives.get(alternative, {})
@@ -283,12 +270,8 @@ def declare_claims(paper: Paper) -> None:
     """Declare the claims of a paper by `judge`, once, from its ``claims.yaml`` if it has one.
 
     Each claim there has the arguments of `judge`, its name as ``id`` and its function as ``judge``,
-    such as ``judges.onset`` of a module ``judges`` beside the file.
-
-    Raises
-    ------
-    InputError
-        For a file that is not readable, and for the first wrong claim.
+    such as ``judges.onset`` of a module ``judges`` beside the file. Raises `InputError` for a file
+    that is not readable, and for the first wrong claim.
     """
     if paper.name in {claim.paper for claim in _registered()}:
         return

@@ -60,15 +60,10 @@ class Evidence:
 
         Numerical settings (`sim.parameters.roles.numerical_parameters`) that are not named may have
         any value, cell and start (`sim.parameters.roles.start_parameters`) where it makes no
-        difference, or where they are named as `ANY`. The paper's are preferred,
-        then more replicates, then longer runs.
-
-        Raises
-        ------
-        Untestable
-            When there is no such place, or none of its replicates completed.
-        Ambiguous
-            When there are two whose velocities differ by more than their intervals.
+        difference, or where they are named as `ANY`. The paper's are preferred, then more
+        replicates, then longer runs. Raises `Untestable` when there is no such place, or none of
+        its replicates completed, and `Ambiguous` when there are two whose velocities differ by more
+        than their intervals.
         """
         rows = self._rows(system, where)
         if not rows.size:

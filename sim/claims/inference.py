@@ -41,26 +41,18 @@ def trend(
     """Return the check that a quantity rises (or falls) along a parameter: Jonckheere's trend test.
 
     It shows the mean of Kendall's τ of group number and value, with the p-value of their statistic.
+    Each of ``strata`` has the groups of replicates, arrays (R,), in the order of the parameter: one
+    stratum, or one per cell or frequency within which groups can be compared. Their p-values are
+    combined (Stouffer, weighted with the root of their sizes).
 
-    Parameters
-    ----------
-    strata : sequence of sequence of (R,) arrays
-        For each stratum the groups of replicates in the order of the parameter: one stratum, or one
-        per cell or frequency within which groups can be compared. Their p-values are combined
-        (Stouffer, weighted with the root of their sizes).
-    places : iterable of Place
-        Those of the groups; with a ``margin`` one per group, in the same order.
-    margin : float, optional
-        For positive values: the claim is about any two groups of a stratum. It holds only where
-        surely no two of them go the other way by this share or more (one-sided equivalence), since
-        that no reversal is seen is no evidence that there is none. It fails only where two surely
-        do, corrected for the number of pairs. All pairs are tested, not neighbours alone: single
-        steps may be too small to show a decrease over several. A pair pays for the looks at its own
-        places.
-    labels : sequence of str
-        Names of the groups, ``"20 Hz"`` for instance. With a margin the text of the check then
-        names the surest reversal, if that refutes the claim, with the interval of the difference,
-        whose ``unit`` is that of the values.
+    With a ``margin`` the values are positive, and the claim is about any two groups of a stratum.
+    It holds only where surely no two of them go the other way by this share or more (one-sided
+    equivalence), since that no reversal is seen is no evidence that there is none. It fails only
+    where two surely do, corrected for the number of pairs. All pairs are tested, not neighbours
+    alone: single steps may be too small to show a decrease over several. A pair pays for the looks
+    at its own places: ``places`` are those of the groups, then in the same order. The text of the
+    check names by ``labels``, such as ``"20 Hz"``, the surest reversal, if that refutes the claim,
+    with the interval of the difference, whose ``unit`` is that of the values.
     """
     sign, places = 1 if rising else -1, tuple(places)
     sizes = [sum(map(len, groups)) for groups in strata]

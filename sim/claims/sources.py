@@ -22,11 +22,9 @@ from sim.study.papers import PAPER, Paper
 def require_plugins(plugins: Iterable[Plugin]) -> None:
     """Refuse the first mistake in the code of plug-ins, and in the files of their papers.
 
-    Raises
-    ------
-    InputError
-        For a name in a function that nothing defines, a parameter or number that judges ask for
-        and none has, and for a wrong value, figure of the headline, claim or judge of a paper.
+    Raises `InputError` for a name in a function that nothing defines, a parameter or number that
+    judges ask for and none has, and for a wrong value, figure of the headline, claim or judge of a
+    paper.
     """
     every = tuple(plugins)
     added: list[Paper] = [one.value for one in additions(PAPER).values() if one.plugin in every]

@@ -27,13 +27,8 @@ def build(study_path: str | Path, results: str | Path = "results") -> Path:
     """Write ``claims.json``, ``claims.csv`` and ``verdicts.csv`` into ``results/<study>``.
 
     They are made from the dataset of the study. Returns the path of the JSON file. Each file
-    appears complete or not at all, the JSON file last.
-
-    Raises
-    ------
-    InputError
-        When the dataset is missing or damaged, naming it, or the study has changed since the
-        dataset was made.
+    appears complete or not at all, the JSON file last. Raises `InputError` when the dataset is
+    missing or damaged, naming it, or the study has changed since the dataset was made.
     """
     study = load_study(study_path, results)
     folder = Path(results) / study.name

@@ -53,27 +53,10 @@ def adopt(study_path: Path, dataset_path: Path, results: Path = Path("results"))
     """Make the rows of a dataset reduced run files of a study.
 
     A run file that is there stays where it holds enough of its point, or something that the row
-    does not hold. Where rounds may add points to the study, rows of any point become run files.
-
-    Parameters
-    ----------
-    study_path : Path
-        The study file.
-    dataset_path : Path
-        The dataset, of this study or of another one that has some of its points.
-    results : Path
-        Folder of all results.
-
-    Returns
-    -------
-    str
-        A message: how many points of the study it covers.
-
-    Raises
-    ------
-    InputError
-        When the dataset is missing or damaged, has other numerics, or covers no point. Nothing is
-        written then.
+    does not hold. Where rounds may add points to the study, rows of any point become run files. The
+    dataset may be of another study that has some of the points. Returns a message: how many points
+    of the study it covers. Raises `InputError` when the dataset is missing or damaged, has other
+    numerics, or covers no point. Nothing is written then.
     """
     study = load_study(study_path, results)
     folder = results / study.name

@@ -88,21 +88,11 @@ def add_rounds(study: Study, sides_of_boundaries: Sequence[Sides]) -> Study:
 def tabulate(study: Study, sides_of_boundaries: Sequence[Sides]) -> "pd.DataFrame":
     """Return a table with one row per boundary: its definition, its location, its parameters.
 
-    Parameters
-    ----------
-    study : Study
-        The study with the boundaries.
-    sides_of_boundaries : sequence of dict
-        For each boundary the side of each value, by value.
-
-    Returns
-    -------
-    pandas.DataFrame
-        ``name``, ``system``, ``of``, ``along``, ``unit`` (of ``low`` and ``high``), ``figures``,
-        ``low`` and ``high`` (NaN without a boundary in the range), ``below``, ``above``,
-        ``verdict`` (see `sim.study.model.BoundaryEstimate`), ``points`` (their number), then the
-        parameters of the point at the low end of the range; NaN or ``""`` for parameters that only
-        other systems have.
+    ``sides_of_boundaries`` has for each boundary the side of each value, by value. Columns are
+    ``name``, ``system``, ``of``, ``along``, ``unit`` (of ``low`` and ``high``), ``figures``,
+    ``low`` and ``high`` (NaN without a boundary in the range), ``below``, ``above``, ``verdict``
+    (see `sim.study.model.BoundaryEstimate`), ``points`` (their number), then the parameters of the
+    point at the low end of the range; NaN or ``""`` for parameters that only other systems have.
     """
     import pandas as pd
 
@@ -132,15 +122,8 @@ def tabulate(study: Study, sides_of_boundaries: Sequence[Sides]) -> "pd.DataFram
 def build(study_path: str | Path, results: str | Path = "results") -> Path:
     """Write ``results/<study>/boundaries.csv`` from the dataset of a study.
 
-    Returns
-    -------
-    Path
-        The file written: one row per boundary. It appears complete or not at all.
-
-    Raises
-    ------
-    InputError
-        When the study has no boundaries, or the dataset is missing.
+    The file has one row per boundary; it appears complete or not at all. Raises `InputError` when
+    the study has no boundaries, or the dataset is missing.
     """
     from sim.dataset.results import load_results
 

@@ -71,35 +71,15 @@ def build(
 ) -> Path:
     """Combine the run files of a study into ``results/<study>/dataset.nc``.
 
-    Run files that the earlier dataset was made from are not read again; the result is the same.
-
-    Parameters
-    ----------
-    study_path : str or Path
-        The study file. Its points, with those of all rounds of refinement, name the run files in
-        ``results/<study>/runs``.
-    results : str or Path
-        Folder of all results.
-    processes : int
-        Number of processes that read run files in parallel.
-    scheduler : str, optional
-        Address of a dask scheduler whose workers read them instead.
-    finished : Path, optional
-        Write this file instead, which must not exist yet. Its dataset has only points whose run
-        files are undamaged and have what is wanted of them, and no boundaries.
-
-    Returns
-    -------
-    Path
-        The file written. It appears complete or not at all. Its group ``boundaries`` has the table
-        of boundaries.
-
-    Raises
-    ------
-    InputError
-        When a run file is missing or damaged; the message names it. All damaged files are set
-        aside, so that the workflow computes them again. With ``finished``, when that file exists,
-        or when there is no such point.
+    Run files that the earlier dataset was made from are not read again; the result is the same. The
+    points of the study file, with those of all rounds of refinement, name them. The dataset appears
+    complete or not at all; its group ``boundaries`` has the table of boundaries. For ``processes``
+    and ``scheduler`` see `sim.dataset.sources.read_files`. With ``finished``, that file is written
+    instead, which must not exist yet: its dataset has only points whose run files are undamaged and
+    have what is wanted of them, and no boundaries. All damaged run
+    files are set aside, so that the workflow computes them again. Raises `InputError` when a run
+    file is missing or damaged, naming it; with ``finished``, when that file exists, or when there
+    is no such point.
     """
     study = load_study(study_path, results)
     folder = Path(results) / study.name
@@ -134,21 +114,9 @@ def gather_results(
 ) -> Results:
     """Return the results of points of a series without writing a dataset.
 
-    Parameters
-    ----------
-    study : Study
-        The study.
-    folder : Path
-        Its results.
-    series : str
-        The series.
-    points : mapping
-        Its points by id, those of rounds included.
-
-    Raises
-    ------
-    InputError
-        When a run file is missing or damaged, see `gather_rows`.
+    ``points`` are those of the series by id, those of rounds included, and ``folder`` has the
+    results of the study. Raises `InputError` when a run file is missing or damaged, see
+    `gather_rows`.
     """
     members = {
         key: study.points.get(key) or Point(key, point, (series,), ())
@@ -265,19 +233,10 @@ _VELOCITIES = ("velocity", "velocity_half_width", "point_velocity", "point_half_
 def root(rows: Table, study: Study) -> xr.Dataset:
     """Return the root group: the scalars of runs over ``point`` and ``replicate``.
 
-    Parameters
-    ----------
-    rows : Table
-        The runs of the study, in the order of its points.
-    study : Study
-        Gives the series and figures of each point.
-
-    Returns
-    -------
-    xarray.Dataset
-        Variables over (point, replicate), padded with NaN and ``""`` where a point has fewer
-        replicates than another. Every parameter of the systems of the study is a coordinate over
-        ``point``, NaN or ``""`` where the point's system does not have it.
+    ``rows`` are in the order of the points of the study, which gives series and figures of each.
+    Variables are padded with NaN and ``""`` where a point has fewer replicates than another. Every
+    parameter of the systems of the study is a coordinate over ``point``, NaN or ``""`` where the
+    point's system does not have it.
     """
     scalars = xr.Dataset(
         {

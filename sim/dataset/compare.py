@@ -48,15 +48,8 @@ def mean_of(values: np.ndarray, half_widths: np.ndarray, samples: np.ndarray) ->
     """Return the mean of replicates.
 
     Its error is the larger of two: that from their scatter, and that from their own intervals, as
-    everywhere (`sim.base.statistics.mean_interval`).
-
-    Parameters
-    ----------
-    values : (R,) array
-        The quantity of each replicate.
-    half_widths, samples : (R,) array
-        Half width of the 95 % interval within each replicate, and its number of samples;
-        not-a-number where the replicate has none.
+    everywhere (`sim.base.statistics.mean_interval`). Each has its value, the half width of the 95 %
+    interval within it, and its number of samples, (R,); not-a-number where the replicate has none.
     """
     value, (half_width, _) = float(values.mean()), mean_interval(values, half_widths)
     is_from_scatter = half_width == student_half_width(values)
@@ -104,18 +97,10 @@ class Pair:
 class Comparison:
     """Comparison of two sides: their common points and their differences.
 
-    Attributes
-    ----------
-    pairs : sequence of Pair
-        In the order of the first side.
-    differing_parameters : mapping
-        Parameters with one value throughout the first side and another throughout the second, with
-        the two values.
-    unmatched_counts : (int, int)
-        Numbers of points of each side that the other does not have.
-    shorter_counts : (int, int)
-        Numbers of points of each side that are left out, because another point differs from them
-        only in its amounts and has more replicates.
+    ``pairs`` are in the order of the first side. ``differing_parameters`` have one value throughout
+    the first side and another throughout the second; both are given. ``unmatched_counts`` are the
+    numbers of points of each side that the other does not have, and ``shorter_counts`` of those
+    left out, because another point differs from them only in its amounts and has more replicates.
     """
 
     pairs: Sequence[Pair]
@@ -137,22 +122,10 @@ class Comparison:
 def read_side(path: Path, quantity: str) -> tuple[pd.DataFrame, str]:
     """Return a table of the points of a side, and the unit of a quantity.
 
-    Parameters
-    ----------
-    path : Path
-        A run file, a dataset, or the folder of a study's results.
-    quantity : str
-        Any number that the side has per replicate, such as ``velocity``.
-
-    Returns
-    -------
-    pandas.DataFrame
-        A row for each point with a known value, see `tabulate`.
-
-    Raises
-    ------
-    InputError
-        When there is no such file, or it has no such quantity, or no completed run has a value.
+    The side is a run file, a dataset, or the folder of a study's results; the quantity any number
+    that it has per replicate, such as ``velocity``. For the table, of points with a known value,
+    see `tabulate`. Raises `InputError` when there is no such file, or it has no such quantity, or
+    no completed run has a value.
     """
     names = (quantity, _HALF_WIDTH, _SAMPLES)
     rows: list[tuple[dict[str, Any], list[np.ndarray]]] = []
@@ -196,17 +169,9 @@ def tabulate(
 ) -> pd.DataFrame:
     """Return a table with a row for each point with a known value.
 
-    Parameters
-    ----------
-    rows : iterable of (mapping, (array, array, array))
-        Parameters of each point, and the arguments of `mean_of` over its completed replicates.
-    quantity : str
-        The intervals within runs are those of ``velocity`` and of no other quantity.
-
-    Returns
-    -------
-    pandas.DataFrame
-        All parameters, ``system`` among them; ``_mean``, a `Mean`; and ``_replicates``.
+    ``rows`` have the parameters of each point, and the arguments of `mean_of` over its completed
+    replicates; the intervals within runs are those of ``velocity`` and of no other quantity.
+    Columns are all parameters, ``system`` among them; ``_mean``, a `Mean`; and ``_replicates``.
     """
     table = []
     for parameters, columns in rows:
@@ -224,13 +189,9 @@ def compare(first: pd.DataFrame, second: pd.DataFrame, ignored: Collection[str] 
     """Return the comparison of two sides, paired by all parameters that vary within either.
 
     Parameters that are constant within each side may differ between them: they are compared.
-    ``ignored`` parameters may differ too, for example one that follows from another.
-
-    Raises
-    ------
-    InputError
-        When the sides have no point in common, or when several points of a side are paired with
-        one.
+    ``ignored`` parameters may differ too, for example one that follows from another. Raises
+    `InputError` when the sides have no point in common, or when several points of a side are paired
+    with one.
     """
     # Either side may lack a system, and so its parameters.
     columns = list(dict.fromkeys([*first, *second]))

@@ -51,22 +51,12 @@ def read_run(
 ) -> Row:
     """Read the row of a run file, whole or reduced, in a dataset.
 
-    Parameters
-    ----------
-    path : Path
-        The file; its name is the id of its point.
-    amounts : mapping, optional
-        Amounts to read, see `sim.parameters.points`; all that the file holds if omitted.
-    need : Need
-        What is needed besides scalars. The particles are those of the first completed replicate.
-
-    Raises
-    ------
-    InputError
-        When there is no such file, or it holds less than these amounts, or a reduced one holds less
-        than is needed.
-    DamagedError
-        When it cannot be read as the run that its name says; it is set aside.
+    The name of the file is the id of its point. ``amounts`` are those to read
+    (`sim.parameters.points`), by default all that the file holds, and ``need`` is what is needed
+    besides scalars. The particles are those of the first completed replicate. Raises `InputError`
+    when there is no such file, or it holds less than these amounts, or a reduced one holds less
+    than is needed, and `DamagedError` when it cannot be read as the run that its name says; it is
+    set aside.
     """
     with checked_read(path, "run file", replaceable=True, sealed=True):
         # The seal is read first: if another file takes this name in between, its seal differs from
@@ -201,12 +191,9 @@ def measure(
 def column_means(run: Mapping[str, Any]) -> dict[str, np.ndarray]:
     """Return velocity and density along the belt, averaged over all levels of the field.
 
-    Returns
-    -------
-    dict
-        ``column_velocity`` (m/s) and ``column_density`` (beads per length, m⁻¹), each over
-        (replicate, square), and ``column`` (square,), the centres of the squares along the belt
-        (m). Empty for a run without a field.
+    These are ``column_velocity`` (m/s) and ``column_density`` (beads per length, m⁻¹), each over
+    (replicate, square), and ``column`` (square,), the centres of the squares along the belt (m).
+    Empty for a run without a field.
     """
     if "field_velocity" not in run:
         return {}
@@ -223,12 +210,9 @@ def column_means(run: Mapping[str, Any]) -> dict[str, np.ndarray]:
 def cycle_means(run: Mapping[str, Any]) -> dict[str, np.ndarray]:
     """Return forces on the belt and contact time against its phase, averaged over the window.
 
-    Returns
-    -------
-    dict
-        ``cycle_normal_force`` and ``cycle_shear_force`` (N), and ``cycle_contact_time``, each over
-        (replicate, moment). ``cycle_phase`` (moment,) is the phase of the belt (rad) in the middle
-        of each averaging interval. Empty for a run that has not recorded these series.
+    These are ``cycle_normal_force`` and ``cycle_shear_force`` (N), and ``cycle_contact_time``, each
+    over (replicate, moment). ``cycle_phase`` (moment,) is the phase of the belt (rad) in the middle
+    of each averaging interval. Empty for a run that has not recorded these series.
     """
     if "belt_normal_force" not in run:
         return {}

@@ -46,25 +46,10 @@ def regrid(
     """Return a profile on a grid (R, K) and its heights (K,) in m.
 
     Granular temperatures do not include the differences of mean velocity between slices of a cell.
-
-    Parameters
-    ----------
-    grid : str
-        One of `GRIDS`.
-    diameter : float
-        ⟨d⟩, m.
-    height : (H,) array
-        Centres of the slices, m.
-    name : str
-        The name of the profile.
-    values, number : (R, H) array
-        The profile and the number density of the beads, per replicate and slice. Without the
-        number density only densities can be put on another grid.
-
-    Raises
-    ------
-    ValueError
-        When the slices are too thick for the grid, or do not fill its cells.
+    ``grid`` is one of `GRIDS`, ``diameter`` ⟨d⟩ (m), ``height`` (H,) the centres of the slices (m),
+    ``values`` (R, H) the profile of this name and ``number`` (R, H) the number density of the
+    beads. Without that, only densities can be put on another grid. Raises `ValueError` when the
+    slices are too thick for the grid, or do not fill its cells.
     """
     share = diameter / (height[1] - height[0]) if height.size > 1 else 1.0
     slices = round(share)

@@ -72,20 +72,13 @@ def outcomes(dataset: xr.Dataset) -> list[dict[str, Any]]:
 def outcome(point: Mapping[str, Any]) -> dict[str, Any]:
     """Return mean velocity, trend, regime and quality of a point over its replicates.
 
-    Parameters
-    ----------
-    point : mapping
-        `SCALARS` of the point, each over its replicates, and its `PARAMETERS`.
-
-    Returns
-    -------
-    dict
-        ``velocity`` (m/s, mean over completed replicates), ``half_width`` (m/s, of its 95 %
-        interval), ``interval`` (``replicates``, ``within run`` or ``none``), ``acceleration`` and
-        ``acceleration_half_width`` (m/s², mean of the signed slopes of replicates), ``completed``
-        (number of replicates), ``regime`` (``mixed`` where replicates contradict each other,
-        ``failed`` where none completed), ``quality`` of the mean, ``stopped`` (why they stopped)
-        and ``reason`` (of failures).
+    ``point`` has its `SCALARS`, each over its replicates, and its `PARAMETERS`. The answer has
+    ``velocity`` (m/s, mean over completed replicates), ``half_width`` (m/s, of its 95 % interval),
+    ``interval`` (``replicates``, ``within run`` or ``none``), ``acceleration`` and
+    ``acceleration_half_width`` (m/s², mean of the signed slopes of replicates), ``completed``
+    (number of replicates), ``regime`` (``mixed`` where replicates contradict each other, ``failed``
+    where none completed), ``quality`` of the mean, ``stopped`` (why they stopped) and ``reason``
+    (of failures).
     """
     is_completed = np.asarray(point["status"]) == "completed"
     if str(point.get("system")) == FUNCTION:
@@ -270,15 +263,9 @@ LEDGER_SCALARS = (
 def caveats(own_caveat: str, scalars: Mapping[str, Any], parameters: Parameters) -> str:
     """Return all caveats of the run of a point as one text, empty for a sound run.
 
-    Parameters
-    ----------
-    own_caveat : str
-        Caveat in the run file.
-    scalars : mapping
-        By name, over the replicates, what is known of ``status``, ``steps``, ``time_step_used``,
-        ``max_overlap`` and ``layer_order``, and ``missing_energy`` or `LEDGER_SCALARS`.
-    parameters : Parameters
-        The point.
+    The run file has its own; ``scalars`` are, by name and over the replicates, what is known of
+    ``status``, ``steps``, ``time_step_used``, ``max_overlap`` and ``layer_order``, and
+    ``missing_energy`` or `LEDGER_SCALARS`.
     """
     if not parameters.is_flow:
         return own_caveat

@@ -134,12 +134,7 @@ def fields_of(system: str) -> Mapping[str, Any]:
 class Groups(Mapping[str, xr.Dataset]):
     """Groups of a dataset by name, each read from the file at its first access.
 
-    Parameters
-    ----------
-    path : Path
-        The dataset.
-    paths : mapping
-        Path of each group in the dataset, by name.
+    ``paths`` are those of the groups in the dataset, by name.
     """
 
     def __init__(self, path: Path, paths: Mapping[str, str]):
@@ -166,16 +161,8 @@ class Groups(Mapping[str, xr.Dataset]):
 def load_results(results: str | Path) -> Results:
     """Load the results of a study: profiles and particles are read at their first access.
 
-    Parameters
-    ----------
-    results : str or Path
-        The folder of the results, or the dataset in it.
-
-    Raises
-    ------
-    InputError
-        When there is no dataset, or it is damaged; the message names it. A damaged dataset of a
-        study is set aside.
+    ``results`` is their folder, or the dataset in it. Raises `InputError` when there is no dataset,
+    or it is damaged; the message names it. A damaged dataset of a study is set aside.
     """
     if not isinstance(results, (str, Path)):
         allowed = "the path of a study's results or of a dataset"
@@ -220,10 +207,7 @@ def _read_boundaries(file: netCDF4.Dataset) -> pd.DataFrame:
 def added_columns(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Return the columns of all added parameters, with the default where a row has no value.
 
-    Parameters
-    ----------
-    columns : mapping
-        Arrays over rows: ``system`` and parameters, NaN or ``""`` where a row has none.
+    ``columns`` are arrays over rows: ``system`` and parameters, NaN or ``""`` where a row has none.
     """
     systems = np.asarray(columns["system"])
     filled: dict[str, np.ndarray] = {}
@@ -264,13 +248,9 @@ def require_known_options(dataset: xr.Dataset, path: Path) -> None:
 def load_current(study: Study, folder: Path, *, title: bool = True) -> Results:
     """Load the dataset of a study from its folder of results; it must be of the present study file.
 
-    Without ``title`` it may have had another title.
-
-    Raises
-    ------
-    InputError
-        When there is no dataset, or it is damaged, or it was made from another study file or from
-        this one before an edit; the message names the study file and the difference.
+    Without ``title`` it may have had another title. Raises `InputError` when there is no dataset,
+    or it is damaged, or it was made from another study file or from this one before an edit; the
+    message names the study file and the difference.
     """
     path = folder / "dataset.nc"
     results = load_results(path)

@@ -52,10 +52,7 @@ SCALARS = (
 def read_round(path: Path) -> dict[str, Parameters]:
     """Read the points by id that a round has added; a damaged file is set aside.
 
-    Raises
-    ------
-    InputError
-        When there is no such file, or it is not a round.
+    Raises `InputError` when there is no such file, or it is not a round.
     """
     with checked_read(path, "round of refinement", replaceable=True):
         text = path.read_text(encoding="utf-8")
@@ -124,12 +121,9 @@ def add_further_points(study: Study, known: Collection[str]) -> Study:
 def require_start_files(study: Study) -> None:
     """Refuse a run file that a point of a study cannot start from.
 
-    Points that start from other points of the study were checked when the study was loaded.
-
-    Raises
-    ------
-    InputError
-        When it is damaged or no run file, or a flow of the point cannot go on from its flow.
+    Points that start from other points of the study were checked when the study was loaded. Raises
+    `InputError` when it is damaged or no run file, or a flow of the point cannot go on from its
+    flow.
     """
 
     read = cache(read_parameters)
@@ -145,10 +139,7 @@ def require_start_files(study: Study) -> None:
 def side_of_run(path: Path, of: str, parameters: Parameters) -> str | None:
     """Return the side that the run in a file is on, see `side`.
 
-    Raises
-    ------
-    InputError
-        When there is no such file, or it is not a run file of this point.
+    Raises `InputError` when there is no such file, or it is not a run file of this point.
     """
     with checked_read(path, "run file", replaceable=True, sealed=True):
         run = summary_of(path, amounts(parameters))
@@ -161,17 +152,9 @@ def side(scalars: NamedValues, of: str, parameters: Parameters) -> str | None:
     """Return the side that a run is on, ``None`` where it is undecided.
 
     Failed replicates are left out; the others must agree. A flow of undetermined regime counts as
-    flowing if the whole 95 % interval of its velocity is above zero and that of its acceleration
-    is not wholly below zero.
-
-    Parameters
-    ----------
-    scalars : mapping
-        `SCALARS` of the run, each over its replicates.
-    of : str
-        What changes at the boundary: ``flow``, ``acceleration`` or ``transport``.
-    parameters : Parameters
-        The point.
+    flowing if the whole 95 % interval of its velocity is above zero and that of its acceleration is
+    not wholly below zero. ``scalars`` are the `SCALARS` of the run, each over its replicates;
+    ``of`` is what changes at the boundary: ``flow``, ``acceleration`` or ``transport``.
     """
     values = {name: np.asarray(scalars[name]) for name in SCALARS}
     velocity, margin, regime = (

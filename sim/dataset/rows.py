@@ -112,19 +112,11 @@ def amounts_text(amounts: Mapping[str, float] | None) -> str:
 class Row(NamedTuple):
     """A run in a dataset.
 
-    Attributes
-    ----------
-    point : str
-        Id of its point.
-    origin : dict of str to str
-        By name, what made it: ``seal`` of its file, how much of it was ``wanted``,
-        ``engine_version``, ``numerics``,
-        ``source_hash``, ``versions``, ``created``, the ``caveat`` it gives itself, and the name of
-        the dataset that it was ``adopted`` with, if any.
-    values : dict of str to array
-        Scalars, measures and profiles, over their `dimensions`.
-    state : xarray.Dataset, optional
-        Last state and path of the particles, where a figure shows them.
+    It has the id of its ``point``; of its ``origin``, by name, what made it: ``seal`` of its file,
+    how much of it was ``wanted``, ``engine_version``, ``numerics``, ``source_hash``, ``versions``,
+    ``created``, the ``caveat`` it gives itself, and the name of the dataset that it was ``adopted``
+    with, if any; as ``values`` scalars, measures and profiles, over their `dimensions`; and as
+    ``state`` last state and path of the particles, where a figure shows them.
     """
 
     point: str
@@ -162,17 +154,9 @@ def tabulate_rows(
 ) -> Table:
     """Return the rows of points in one table, in the order of the points.
 
-    Parameters
-    ----------
-    rows : mapping
-        Rows by point.
-    points : sequence of str
-        Ids of the points.
-    names : iterable of str
-        Variables to return, where any row has them. They are as long as the longest run; NaN or
-        ``""`` is where a run is shorter or lacks a variable.
-    replicates : int
-        Smallest number of replicates of the table.
+    The table has the variables of these ``names`` that any row has, and at least ``replicates``.
+    They are as long as the longest run; NaN or ``""`` is where a run is shorter or lacks a
+    variable.
     """
     chosen = [rows[point] for point in points]
     sizes = {"replicate": replicates}

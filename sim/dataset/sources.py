@@ -71,23 +71,10 @@ def gather_rows(
 ) -> dict[str, Row]:
     """Return the rows of points of a study by point, each from the first source that has it.
 
-    These are the earlier dataset and run files.
-
-    Parameters
-    ----------
-    study : Study
-        The study, which says how much its figures need of particles.
-    folder : Path
-        Its results.
-    points : mapping
-        The points by id, with the amounts to read.
-    processes, scheduler
-        See `read_files`.
-
-    Raises
-    ------
-    InputError
-        When run files are missing or damaged, see `read_files`.
+    These are the earlier dataset and run files. The study says how much its figures need of
+    particles, ``folder`` has its results, and ``points`` have the amounts to read, by id. For
+    ``processes`` and ``scheduler`` see `read_files`. Raises `InputError` when run files are missing
+    or damaged, see `read_files`.
     """
     need = study.need
     known = {key: point.parameters for key, point in points.items()}
@@ -109,20 +96,10 @@ def read_files(
 ) -> list[Row]:
     """Read the rows of run files.
 
-    Parameters
-    ----------
-    files : sequence of (Path, mapping, Need)
-        The files, the amounts of each, and what is needed of it.
-    processes : int
-        Number of processes that read in parallel, where there are files enough.
-    scheduler : str, optional
-        Address of a dask scheduler whose workers read them instead; they must see the same folders.
-
-    Raises
-    ------
-    InputError
-        When files are missing or damaged; the message names the first. All damaged files are set
-        aside.
+    Each of ``files`` has its path, the amounts of it, and what is needed of it. If they are enough,
+    a number of ``processes`` read in parallel, or instead the workers of a dask ``scheduler`` at
+    this address; they must see the same folders. Raises `InputError` when files are missing or
+    damaged; the message names the first. All damaged files are set aside.
     """
     batches = list(_batches(files, processes, scheduler))
     if problems := [problem for batch in batches for problem in batch.problems]:
@@ -240,15 +217,9 @@ def earlier_rows(
 ) -> list[Row]:
     """Return the rows of points in the earlier dataset that equal what their run files would give.
 
-    Parameters
-    ----------
-    folder : Path
-        Results of the study. There are no such rows without an earlier dataset, or if that is
-        damaged or was made by other code.
-    need : callable
-        Returns what must be stored of a point besides its scalars, by its id.
-    points : mapping
-        The points, by id.
+    ``folder`` has the results of the study. There are no such rows without an earlier dataset, or
+    if that is damaged or was made by other code. ``need`` returns what must be stored of a point
+    besides its scalars, by its id; ``points`` are by id, too.
     """
     path = folder / EARLIER_FILE
     texts = {point: amounts_text(amounts(value)) for point, value in points.items()}

@@ -36,23 +36,10 @@ TOO_LARGE = ("Maximum allowed dimension exceeded", "negative dimensions are not 
 def run(point: str, output: Path, quiet: bool, record_failure: bool) -> int:
     """Run one point, unless a current run file exists; return 0, or 3 for a run that failed.
 
-    Parameters
-    ----------
-    point : str
-        The point file, or ``-`` for standard input.
-    output : Path
-        The run file; its folder is created.
-    quiet : bool
-        Neither bar nor log lines about progress.
-    record_failure : bool
-        Count a blow-up as a result: the file says what happened and the exit code is 0.
-
-    Raises
-    ------
-    InputError
-        When the point or the output cannot be used.
-    OSError
-        When the system fails, or no machine could compute the point.
+    The ``point`` is a file, or ``-`` for standard input; the folder of the run file ``output`` is
+    created. For ``quiet`` and ``record_failure`` see `sim.engine.run.run_point`. Raises
+    `InputError` when the point or the output cannot be used, and `OSError` when the system fails,
+    or no machine could compute the point.
     """
     parameters = _read_point(point)
     _require_usable(output, point)
@@ -73,11 +60,7 @@ def batch(results: Path) -> int:
     The points are read from standard input as a JSON list. ``results`` is the folder of a study's
     results: run files go to ``runs/<id>.nc`` and logs to ``logs/runs/<id>.log`` in it. A blow-up
     counts as a result, and an error of one point does not stop the others: the exit code is then 1.
-
-    Raises
-    ------
-    InputError
-        When a point or the folder cannot be used.
+    Raises `InputError` when a point or the folder cannot be used.
     """
     listed = None
     with suppress(ValueError, AttributeError):  # without a standard input, there is no such file

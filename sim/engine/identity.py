@@ -115,12 +115,9 @@ def cache_directory(with_plugins: bool = True) -> Path:
 
     ``TALUS_CACHE_DIR`` overrides the default ``~/.cache/talus`` (``XDG_CACHE_HOME`` is honoured).
     If the default cannot be used, a folder of this user under the system's temporary folder
-    replaces it. If that fails too, a folder is made that is removed when the process exits.
-
-    Raises
-    ------
-    InputError
-        When the folder in ``TALUS_CACHE_DIR`` belongs to another user, or others can write it.
+    replaces it. If that fails too, a folder is made that is removed when the process exits. Raises
+    `InputError` when the folder in ``TALUS_CACHE_DIR`` belongs to another user, or others can write
+    it.
     """
     name = source_hash(COMPILED_PARTS)
     if with_plugins and (text := codes(*COMPILED_KINDS)):

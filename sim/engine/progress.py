@@ -102,17 +102,9 @@ def progress(
 ) -> Iterator[Callable[[int], None]]:
     """Yield a function to call with the number of steps of every advance.
 
-    Parameters
-    ----------
-    parameters : Parameters
-        The point.
-    output : Path
-        The future run file. The progress file lies beside it until the block ends; after a
-        ``SystemExit`` it stays, and the next start replaces it.
-    quiet : bool
-        Neither bar nor log lines.
-    done : int
-        Steps that a resumed run has done already.
+    ``output`` is the future run file. The progress file lies beside it until the block ends; after
+    a ``SystemExit`` it stays, and the next start replaces it. ``quiet``: neither bar nor log lines.
+    ``done`` are the steps that a resumed run has done already.
     """
     meter, is_kept = _Meter(parameters, output, quiet, done), False
     try:

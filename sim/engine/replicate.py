@@ -210,13 +210,9 @@ def origin_of(parameters: Parameters, output: Path) -> Origin | None:
     """Return the origin of the replicates of a point, None where they start as in the paper.
 
     ``output`` is its run file; the run file of an origin named by its id is in the same folder.
-
-    Raises
-    ------
-    InputError
-        When there is no such run file, or its particles are not those of the point. The function
-        ``start`` raises it when the final state of a replicate is missing, and ``BlowUp`` when that
-        replicate has failed, so that the new one fails, too.
+    Raises `InputError` when there is no such run file, or its particles are not those of the point.
+    The function ``start`` raises it when the final state of a replicate is missing, and ``BlowUp``
+    when that replicate has failed, so that the new one fails, too.
     """
     source_name, name = parameters.start_from, point_id(parameters)
     if not source_name:

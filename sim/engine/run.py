@@ -47,19 +47,11 @@ def run_point(
 ) -> int:
     """Run all replicates of a point and write its file; return the exit code.
 
-    Parameters
-    ----------
-    parameters : Parameters
-        The point.
-    output : Path
-        The netCDF file; it appears, complete, at the end. An existing file grows; it is left
-        unchanged where it has all amounts of the point.
-    quiet : bool
-        Neither bar nor log lines about progress.
-    record_failure : bool
-        Count a blow-up as a result: the file holds the reason and the exit code is 0, else 3.
-    temporary : bool
-        The file will not last, so that no message sends anybody there.
+    The netCDF file ``output`` appears, complete, at the end. An existing one grows; it is left
+    unchanged where it has all amounts of the point. ``quiet``: neither bar nor log lines about
+    progress. ``record_failure``: a blow-up counts as a result: the file holds the reason and the
+    exit code is 0, else 3. ``temporary``: the file will not last, so that no message sends anybody
+    there.
     """
     name = point_id(parameters)
     log.info("%s: %d particles, %s", name, parameters.particles, length(parameters))

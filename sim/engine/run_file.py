@@ -48,16 +48,8 @@ class StoredRun(NamedTuple):
 def write(path: Path, run: StoredRun, system: Any, attributes: Mapping[str, Any]) -> None:
     """Write a run file under a temporary name, seal it, and rename it once it is complete.
 
-    Parameters
-    ----------
-    path : Path
-        The file; an existing one is replaced.
-    run : StoredRun
-        The run.
-    system : Replica
-        One of the replicates, for heights, axes, coordinates, and names and units of the series.
-    attributes : mapping
-        Global attributes.
+    An existing one is replaced. ``system`` is one of the replicates, for heights, axes,
+    coordinates, and names and units of the series; ``attributes`` are the global ones.
     """
     with atomic_write(path) as temporary:
         with netCDF4.Dataset(temporary, "w") as file:

@@ -64,12 +64,8 @@ def refill(structure: Any, values: Mapping[str, Any], growing_axis: int = -1) ->
 
     An array that occurs at two paths of the structure is one array in the result, too. Arrays may
     be longer or shorter along ``growing_axis``, as those of contacts are when their number changes.
-
-    Raises
-    ------
-    ValueError
-        When ``values`` has other paths than the structure, or an array there has another type or
-        other lengths.
+    Raises `ValueError` when ``values`` has other paths than the structure, or an array there has
+    another type or other lengths.
     """
     left, arrays = dict(values), dict[int, Any]()
 

@@ -282,18 +282,10 @@ class RunFile(_Arrays):
     """An open run file, limited to some amounts; ``attrs`` are its global attributes.
 
     A file that holds less gives all it has, and ``is_enough`` is false. Of a longer run it gives
-    the first replicates. xarray would take a
-    twentieth of a second to look at the hundred variables of a run.
-
-    Parameters
-    ----------
-    file : netCDF4.Dataset
-        The run file.
-    amounts : mapping, optional
-        The amounts that are wanted, see `sim.parameters.points`; everything if omitted.
-    summary_scalars : mapping, optional
-        Scalars of the run, from the summary at the end of the file. They spare reading a
-        third of what a dataset stores.
+    the first replicates. xarray would take a twentieth of a second to look at the hundred variables
+    of a run. ``amounts`` are those that are wanted (`sim.parameters.points`), by default
+    everything. ``summary_scalars``, those of the summary at the end of the file, spare reading a
+    third of what a dataset stores.
     """
 
     def __init__(

@@ -72,12 +72,8 @@ def bulk_profiles(run: Mapping[Any, Any]) -> dict[str, float]:
 def profile_power(depth: np.ndarray, velocity: np.ndarray) -> float:
     """Return p of u = a + c (1 - depthᵖ) with the least squares, NaN where none is the best.
 
-    Parameters
-    ----------
-    depth : (P,) array
-        Depths below the surface in heights of the flow, in (0, 1).
-    velocity : (P,) array
-        Velocities, m/s. They need not vanish at the base.
+    ``depth`` (P,) are depths below the surface in heights of the flow, in (0, 1). Velocities, (P,)
+    in m/s, need not vanish at the base.
     """
     # Imported here: it takes a quarter of a second.
     from scipy.optimize import minimize_scalar

@@ -152,14 +152,8 @@ def base_stress_ratio(run: Mapping[Any, Any]) -> float:
 def coherent_bonds(position: np.ndarray, sides: tuple[float, float], diameter: float) -> np.ndarray:
     """Return the number of coherent q6 bonds of each sphere, (N,).
 
-    Parameters
-    ----------
-    position : (N, 3) array
-        Centres, m.
-    sides : tuple of float
-        Sides of the cell along x and y (m), along which alone it is periodic.
-    diameter : float
-        Mean diameter, m.
+    ``position`` (N, 3) has their centres (m), and ``sides`` the sides of the cell along x and y
+    (m), along which alone it is periodic; ``diameter`` is the mean one (m).
     """
     import freud
 

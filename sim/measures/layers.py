@@ -263,12 +263,8 @@ def _mean_profiles(velocity: np.ndarray, packing: np.ndarray) -> tuple[np.ndarra
 def spell_statistics(inside: np.ndarray, length: np.ndarray) -> tuple[float, float, float]:
     """Return the share of the time in a state, that time, and the number of its endings.
 
-    Parameters
-    ----------
-    inside : (P,) array
-        Whether the flow was in the state in each of successive spells.
-    length : (P,) array
-        Duration of each spell.
+    ``inside`` (P,) says whether the flow was in the state in each of successive spells, and
+    ``length`` (P,) how long each was.
     """
     time = float(length[inside].sum())
     ended = int((inside[:-1] & ~inside[1:]).sum())

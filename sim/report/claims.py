@@ -205,21 +205,17 @@ def _variant(variant: Mapping[str, Any], claim: Mapping[str, Any]) -> dict[str, 
 def reading_tables(claims: Sequence[Mapping[str, Any]], results: Results) -> list[dict[str, Any]]:
     """Return a table per paper whose claims were judged under more than one reading.
 
-    Returns
-    -------
-    list of dict
-        ``paper`` and its ``author``; ``why``, the reason for the headline reading; ``readings``;
-        ``claims``, which more than one protocol or reading tests; and ``rows``, one per protocol
-        and reading, with their ``verdicts`` on these claims, None where it has no runs of its own.
+    It has ``paper`` and its ``author``; ``why``, the reason for the headline reading; ``readings``;
+    ``claims``, which more than one protocol or reading tests; and ``rows``, one per protocol and
+    reading, with their ``verdicts`` on these claims, None where it has no runs of its own.
 
-        Each reading has its ``words``, and the ``sentences`` that leave it open or the reason why
-        it is a ``control``. Of the claims ``tested`` under it, ``hold`` hold. Of the ``common``
-        claims, which the headline reading tests, too, ``common_hold`` hold under it and
-        ``headline_hold`` under the headline reading.
-
-        ``points`` counts the points with a run of the published protocol. Of these, ``stable`` have
-        a time step within the integrator's stability (None where the system has no such bound), and
-        ``sound`` close their energy ledger. ``missing`` is the worst ledger of these points.
+    Each reading has its ``words``, and the ``sentences`` that leave it open or the reason why it is
+    a ``control``. Of the claims ``tested`` under it, ``hold`` hold. Of the ``common`` claims, which
+    the headline reading tests, too, ``common_hold`` hold under it and ``headline_hold`` under the
+    headline reading. ``points`` counts the points with a run of the published protocol. Of these,
+    ``stable`` have a time step within the integrator's stability (None where the system has no such
+    bound), and ``sound`` close their energy ledger. ``missing`` is the worst ledger of these
+    points.
     """
     tables = []
     for name, paper in papers().items():

@@ -108,30 +108,14 @@ def export(
 ) -> str:
     """Write the trajectory of a replicate, or its first and last state, or the table of a study.
 
-    Parameters
-    ----------
-    path : Path
-        The run file; or the results of a study or its file, for all runs of the study.
-    to : str, optional
-        One of `FORMATS`, or of `TABLES` of a study. By default, that of the suffix of ``output``.
-    output : Path, optional
-        The file to write, or the folder for those of a study. It must not exist. A file needs a
-        suffix of the format, by which other programs recognise it. By default, it is named like the
-        run file, or like the study and the format, in the present folder.
-    replicate : int
-        Number of the replicate, from 0.
-    of : sequence of str
-        Observables in a table; by default all that have a value.
-
-    Returns
-    -------
-    str
-        A line on the written files.
-
-    Raises
-    ------
-    InputError
-        When a run file cannot be read, has no such replicate, or the output cannot be written.
+    ``path`` is a run file; or the results of a study or its file, for all its runs. ``to`` is one
+    of `FORMATS`, or of `TABLES` of a study, by default that of the suffix of ``output``. This is
+    the file to write, or the folder for those of a study. It must not exist; by default it is named
+    like the run file, or like the study and the format, in the present folder. A file needs a
+    suffix of the format, by which other programs recognise it. ``of`` are the observables in a
+    table, by default all that have a value. Returns a line on the written files. Raises
+    `InputError` when a run file cannot be read, has no such replicate, or the output cannot be
+    written.
     """
     if to is None:
         every = {name: ends for name, (ends, _) in FORMATS.items()}

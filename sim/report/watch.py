@@ -53,12 +53,8 @@ CLOCKS_DIFFER_BY = 2.0
 class Watch(threading.Thread):
     """Thread that follows the run files and logs of a study until `end` is called.
 
-    Parameters
-    ----------
-    study : Study
-        The study. Points of rounds of refinement are reported once they have run files.
-    folder : Path
-        Its results: ``runs`` and ``logs/runs``.
+    Points of rounds of refinement are reported once they have run files. ``folder`` has the
+    results: ``runs`` and ``logs/runs``.
     """
 
     def __init__(self, study: Study, folder: Path):

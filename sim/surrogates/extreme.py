@@ -32,14 +32,9 @@ def extreme(surrogate: Any, sign: int, given: Mapping[str, Any]) -> xr.Dataset:
     Parameters that are not ``given`` are searched over the ranges of the points and over their
     words, where a regime of the mean is the likeliest. The answer is that of a call at the place.
     Its attribute ``likely`` maps each of them to the range, or the words, in which the place lies
-    with 95 % probability: the mean may take any course that its errors allow.
-
-    Raises
-    ------
-    InputError
-        When no parameter is left to search, or a value is not allowed.
-    Refusal
-        When no place has a regime of the mean.
+    with 95 % probability: the mean may take any course that its errors allow. Raises `InputError`
+    when no parameter is left to search, or a value is not allowed, and `Refusal` when no place has
+    a regime of the mean.
     """
     free = [axis for axis in surrogate.axes if axis.name not in given]
     if not free:

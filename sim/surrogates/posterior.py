@@ -76,15 +76,12 @@ def calibrate(calibration: Calibration) -> dict[str, xr.Dataset]:
        than those made, or no regime that they allow is likely, nothing fits.
     4. Otherwise tell the parameters, and which further measurement would narrow them most.
 
-    Returns
-    -------
-    dict of xarray.Dataset
-        ``posterior``: parameters and `DISCREPANCY`, over chain and draw. ``posterior_predictive``:
-        measurements repeated, (chain, draw, measurement). ``observed_data`` and ``constant_data``:
-        the measurements, their conditions and errors. ``predictions_constant_data``: conditions of
-        a further measurement, with the share of the variance of the posterior that it would take
-        away (``narrowing``). Attributes of ``observed_data`` say how it ended, see `attributes`.
-        Where nothing fits there is no ``posterior``.
+    ``posterior`` has parameters and `DISCREPANCY`, over chain and draw; ``posterior_predictive``
+    measurements repeated, (chain, draw, measurement); ``observed_data`` and ``constant_data`` the
+    measurements, their conditions and errors; ``predictions_constant_data`` conditions of a further
+    measurement, with the share of the variance of the posterior that it would take away
+    (``narrowing``). Attributes of ``observed_data`` say how it ended, see `attributes`. Where
+    nothing fits there is no ``posterior``.
     """
     chain, length, autocorrelation = _sample(calibration)
     check = check_draws(calibration, chain.reshape(-1, chain.shape[-1]))

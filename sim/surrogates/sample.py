@@ -41,22 +41,13 @@ _SIZES = (1e-100, 1e100)
 def sample_points(results: Results, spec: SurrogateFile) -> xr.Dataset:
     """Return what the runs of a surrogate's series say, over ``point``.
 
-    Returns
-    -------
-    xarray.Dataset
-        A variable for each axis; ``mean`` of the observable (SI; NaN without a value),
-        ``standard_error`` of the mean, ``replicates`` that completed, ``regime``, ``lost`` ones,
-        ``caveat`` of the runs, and ``core_hours``. Attribute ``scatter`` is 1 where the scatter
-        between initial states is not known, as too few points have two replicates. The standard
-        errors then leave it out. Attribute ``fixed`` maps the parameters that are the same at all
-        points to their values.
-
-    Raises
-    ------
-    InputError
-        When the series has no point in the results.
-    Refusal
-        When values are too large or too small to be squared.
+    Variables are one for each axis; ``mean`` of the observable (SI; NaN without a value),
+    ``standard_error`` of the mean, ``replicates`` that completed, ``regime``, ``lost`` ones,
+    ``caveat`` of the runs, and ``core_hours``. Attribute ``scatter`` is 1 where the scatter between
+    initial states is not known, as too few points have two replicates. The standard errors then
+    leave it out. Attribute ``fixed`` maps the parameters that are the same at all points to their
+    values. Raises `InputError` when the series has no point in the results, and `Refusal` when
+    values are too large or too small to be squared.
     """
     dataset = results.dataset
     is_member = [spec.series in str(names).split() for names in dataset["series"].values]

@@ -92,12 +92,8 @@ def checks_of(name: str) -> list[Check]:
 def verify(names: Sequence[str], folder: Path | None) -> int:
     """Print the table of some rows, or of all, and return 0 if all checks hold, else 1.
 
-    With a ``folder``, the page and the picture are written there.
-
-    Raises
-    ------
-    InputError
-        When there is no such row, or the folder cannot be written; before anything is computed.
+    With a ``folder``, the page and the picture are written there. Raises `InputError` when there is
+    no such row, or the folder cannot be written; before anything is computed.
     """
     for name in names:
         if name not in ROWS:

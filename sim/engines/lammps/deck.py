@@ -159,16 +159,8 @@ def _wave(amplitude: float, rate: float, phase: float, time_step: float) -> str:
 def deck(p: Any, time_step: float, start: str, is_restart: bool) -> list[str]:
     """Return the commands that set up a point; ``run N`` follows.
 
-    Parameters
-    ----------
-    p : ChuteParameters or ConveyorParameters
-        The point.
-    time_step : float
-        In s.
-    start : str
-        Name of the file with the particles: data, or a restart where ``is_restart``.
-    is_restart : bool
-        Whether the flow goes on.
+    ``time_step`` is in s. ``start`` names the file with the particles: data, or a restart, from
+    which the flow goes on, where ``is_restart``.
     """
     pairs, plane = contact_commands(p)
     speed = frame_speed(p)
@@ -198,14 +190,9 @@ def deck(p: Any, time_step: float, start: str, is_restart: bool) -> list[str]:
 def particle_data(p: Any, spheres: Any, velocity: np.ndarray) -> str:
     """Return the data file of particles in their initial state.
 
-    Parameters
-    ----------
-    p : ChuteParameters or ConveyorParameters
-        The point.
-    spheres : sim.engine.dynamics.spheres.Spheres
-        In the order of their labels; those without mass are glued.
-    velocity : (3, N) array
-        At the time of the positions, in the frame of LAMMPS (m/s).
+    ``spheres`` (`sim.engine.dynamics.spheres.Spheres`) are in the order of their labels, those
+    without mass glued; ``velocity`` (3, N) is at the time of the positions, in the frame of LAMMPS
+    (m/s).
     """
     along, across = p.cell * p.diameter, p.breadth * p.diameter
     (x, y, z), radius = spheres.position, spheres.radius

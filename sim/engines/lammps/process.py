@@ -112,12 +112,9 @@ class Process:
     def run(self, commands: Iterable[str]) -> None:
         """Give commands and wait until all are done.
 
-        Raises
-        ------
-        BlowUp
-            When LAMMPS has lost particles or met a number that is not finite.
-        InputError
-            When it has stopped for another reason; the line names its deck and log, which stay.
+        Raises `BlowUp` when LAMMPS has lost particles or met a number that is not finite, and
+        `InputError` when it has stopped for another reason; the line names its deck and log, which
+        stay.
         """
         pipe: Any = self._process
         try:
