@@ -123,18 +123,7 @@ def parse_yaml(text: str, source: str) -> Any:
         _refuse_wrong_keys(node, source)
         return loader.construct_document(node)
     except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        if mark and text[mark.index - mark.column :].lstrip(" ").startswith("\t"):
-            problem = f"line {mark.line + 1} begins with a tab; YAML wants spaces"
-            raise InputError(f"{source}: {problem}") from None
-        if mark and (cause := _cause(text.splitlines(), mark, str(error.problem))):
-            raise InputError(f"{source}: {cause}") from None
-        problem = (error.problem or "")[:_MAX_PROBLEM]
-        for beginning, (meaning, is_before) in _MEANINGS.items():
-            if problem.startswith(beginning):
-                problem, mark = meaning, error.context_mark if is_before else mark
-        line = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
-        raise InputError(f"{source}: {line}not readable as YAML: {problem}") from None
+        raise InputError(f"{source}: {_cause(text.splitlines(), error)}") from None
     except (yaml.YAMLError, ValueError, LookupError, RecursionError) as error:
         # Explicit tags that do not fit their values and long chains of merge keys raise these.
         problem = " ".join(str(error).split()).partition(";")[0][:_MAX_PROBLEM]
@@ -143,17 +132,23 @@ def parse_yaml(text: str, source: str) -> Any:
         loader.dispose()
 
 
-def _cause(lines: list[str], mark: yaml.Mark, problem: str) -> str:
-    """Return a mistake of letters for which YAML has no words, empty if there is none."""
-    last = lines[mark.line] if mark.line < len(lines) else ""
-    if last.lstrip(" ").startswith("\t"):
-        return f"line {mark.line + 1} begins with a tab; YAML wants spaces"
-    for line in (mark.line, mark.line - 1):
-        if _ODD_SPACE.search("".join(lines[line : line + 1])):
-            return f"line {line + 1} holds a non-breaking space; YAML wants plain ones"
-    if problem.startswith("mapping values") and ": " in last[: mark.column]:
-        return f"line {mark.line + 1}: a text with a colon and a space needs quotes"
-    return ""
+def _cause(lines: list[str], error: yaml.MarkedYAMLError) -> str:
+    """Return what a person did, as far as it can be told, and where."""
+    problem, mark = (error.problem or "")[:_MAX_PROBLEM], error.problem_mark or error.context_mark
+    if mark:
+        last = lines[mark.line] if mark.line < len(lines) else ""
+        if last.lstrip(" ").startswith("\t"):
+            return f"line {mark.line + 1} begins with a tab; YAML wants spaces"
+        for line in (mark.line, mark.line - 1):
+            if _ODD_SPACE.search("".join(lines[line : line + 1])):
+                return f"line {line + 1} holds a non-breaking space; YAML wants plain ones"
+        if problem.startswith("mapping values") and ": " in last[: mark.column]:
+            return f"line {mark.line + 1}: a text with a colon and a space needs quotes"
+    for beginning, (meaning, is_before) in _MEANINGS.items():
+        if problem.startswith(beginning):
+            problem, mark = meaning, error.context_mark if is_before else mark
+    line = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
+    return f"{line}not readable as YAML: {problem}"
 
 
 def _read_text(path: str | Path, source: str) -> str:

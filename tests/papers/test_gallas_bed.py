@@ -8,6 +8,7 @@ import pytest
 
 from sim.claims.verdict import RISK
 from sim.papers.gallas.judges.density import (
+    ALL,
     compare_differences,
     g15,
     g16,
@@ -16,8 +17,8 @@ from sim.papers.gallas.judges.density import (
     g19,
     g20,
     plateau_end,
+    width_of_beads,
 )
-from sim.papers.gallas.judges.ranks import ALL, width_of_beads
 from sim.papers.gallas.judges.snapshots import g26, g27, g28, g40
 from sim.papers.gallas.judges.velocity import g21, g22, g23, g29, g30
 from tests.made.paper_belt import BEAD, density, paper_point, temperature_profile, velocity_profile

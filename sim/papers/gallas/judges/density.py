@@ -26,6 +26,7 @@ from sim.claims.evidence import Evidence
 from sim.claims.inference import reported_order, trend
 from sim.claims.place import Place, quotient, replicate_mean, select_replicated
 from sim.claims.verdict import Check, Untestable
+from sim.measures import layers
 from sim.papers.gallas.judges.lines import (
     bed,
     common_beds,
@@ -34,9 +35,11 @@ from sim.papers.gallas.judges.lines import (
     pair_label,
     peak_density,
 )
-from sim.papers.gallas.judges.ranks import ALL, width_label, width_of_beads
 
 DENSITY = "number_density"
+
+#: Share that stands for all beads: their heights have a standard deviation as the width.
+ALL = 1.0
 
 #: Frequencies (Hz) that are needed of a bed that flows.
 FLOWING = (20, 60, 80)
@@ -299,3 +302,26 @@ def density_near_belt(place: Place, height: float) -> UFloat:
 
 def _pair_label(place: Place) -> str:
     return pair_label(place["damping"], place["shear_damping"])
+
+
+@cache
+def width_of_beads(share: float) -> Callable[[np.ndarray, np.ndarray], float]:
+    """Return a function of height and number density: the width (m) of the layer.
+
+    It is the range that holds the middle ``share`` of the beads, or the standard deviation of the
+    heights of `ALL`. A threshold of density would jump where the lowest slice crosses it.
+    """
+
+    def width(height: np.ndarray, number: np.ndarray) -> float:
+        if share == ALL:
+            mean = np.average(height, weights=number)
+            return float(np.sqrt(np.average((height - mean) ** 2, weights=number)))
+        low, high = (layers.level(height, number, 0.5 + side * share / 2) for side in (-1, 1))
+        return high - low
+
+    return width
+
+
+def width_label(share: float) -> str:
+    """Return the name of the width of `width_of_beads`."""
+    return "standard deviation of heights" if share == ALL else f"middle {100 * share:g} % of beads"
