@@ -63,7 +63,6 @@ _PLACES = {
     "study": "sim.study",
 }
 
-
 __all__ = ["InputError", "__version__", *_PLACES]
 
 

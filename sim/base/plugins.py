@@ -317,7 +317,6 @@ Names = Annotated[
     ),
 ]
 
-
 _adapter = cache(TypeAdapter)
 
 

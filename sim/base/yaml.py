@@ -26,7 +26,6 @@ _ODD_SPACE = re.compile("[\u00a0\u2000-\u200b\u202f\u3000]")
 _TAG = "tag:yaml.org,2002:"
 _TYPES = ("null", "bool", "str", "seq", "map")
 
-
 #: Problems as the libraries word them: what a person did, and whether it is where its context is.
 _INDENT = (
     "this belongs to nothing: it is indented as nothing above it, or behind a text in quotes; what "

@@ -236,7 +236,6 @@ DEFAULT = "default"
 #: The reading that is no parameter of runs: the grid on which the same profiles are evaluated.
 GRID = "profile_grid"
 
-
 #: What stands for the paper of a system that none is about.
 NO_PAPER = Paper(name="", author="none", quote="none", system="", folder=Path(), package="")
 

@@ -32,7 +32,6 @@ GROUP = "boundaries"
 #: All columns of a table without rows.
 COLUMNS = ("name", "system", "of", "along", "unit", "figures", *RESULT_COLUMNS)
 
-
 #: Fields that identify a boundary in a study and in its dataset.
 _BOUNDARY_KEYS = ("name", "of", "along")
 

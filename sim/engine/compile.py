@@ -26,7 +26,6 @@ from sim.parameters.choices import Choice
 
 log = logging.getLogger("talus")
 
-
 #: The plug-ins for which the cache folder is valid.
 PLUGIN_CODES = codes(*COMPILED_KINDS)
 
@@ -278,11 +277,8 @@ adopted_types: set[type] = set()
 def adopt_type(kind: type, has_plugin: bool = True) -> bool:
     """Register a type, of a plug-in or of Talus; return True where it is new.
 
-    Raises
-    ------
-    InputError
-        When the engine was loaded before the plug-in: code compiled with the plug-in would be
-        stored in the cache folder of processes without it.
+    Raises `InputError` when the engine was loaded before the plug-in: code compiled with the
+    plug-in would be stored in the cache folder of processes without it.
     """
     if kind in adopted_types:
         return False
@@ -339,7 +335,6 @@ def require_numbers(
 # arrays; short kernels take less. A kernel that another kernel calls is compiled again as part of
 # its caller and may round differently there. Called at its address it is the same machine code,
 # with the same bits.
-
 
 #: Functions that Python calls and addresses of machine code, by kernel and kind of arguments.
 _functions: dict[tuple, Callable] = {}

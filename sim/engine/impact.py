@@ -180,7 +180,6 @@ GIVEN = {
     "spin": ("s-1", "spin of the sphere before the impact, positive as if it rolled"),
 }
 
-
 #: Parameters of a chute on which nothing flows.
 LEVEL = {"angle": 0.0, "initial_velocity": 0.0}
 

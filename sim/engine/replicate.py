@@ -28,7 +28,6 @@ log = logging.getLogger("talus")
 #: Divisor of the time step when a replicate that blew up is run again.
 SUBSTEPS = 2
 
-
 #: A function that puts the system of a replicate, given by its number, into its initial state.
 Start = Callable[[Replica, int], None]
 

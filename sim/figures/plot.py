@@ -220,7 +220,6 @@ def write_no_data(shown: Panels, noun: str) -> None:
 
 # Foreign data in a plot, not simulated by the study: grey markers and dashed lines.
 
-
 #: Columns of the plotted data with the label of foreign rows (empty for those of the study), and
 #: with their errors.
 FOREIGN_COLUMN, ERROR_COLUMN = "not of this study", "error, not of this study"

@@ -162,7 +162,6 @@ def missing_energy(run: Mapping[Any, Any]) -> float:
 # A flow without a plug (`layers.plug_share`) shears deep. A plug is locked if its spheres stay in
 # touch, and agitated if they do not.
 
-
 #: States of a deep flow, each with measures of its share, time and endings, in words.
 STATES = {
     "deep_shear": "without a plug",

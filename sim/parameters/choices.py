@@ -31,7 +31,6 @@ from sim.parameters.variables import reserved_names
 #: Names in files of runs and studies that are neither parameters nor observed.
 _ELSEWHERE = {"system", "study", "point", "series", "name", "figures", "caveat", "replicate"}
 
-
 #: What an option adds as a parameter.
 _MADE = allowed(
     "what talus.parameter makes",

@@ -25,7 +25,6 @@ __all__ = ["LAW", "SMALL_OVERLAP", "Law", "law"]
 #: The choice of a contact law.
 LAW = Choice.declared("law", ChuteParameters, ConveyorParameters)
 
-
 #: Numbers of its own that a law remembers of a contact unless it says another number, and at most.
 USUALLY_REMEMBERED, MOST_REMEMBERED = 4, 32
 
@@ -191,10 +190,7 @@ def flow_engine(name: str, **fields: Any) -> None:
 def engine_of(parameters: Any) -> Engine:
     """Return the engine of a point.
 
-    Raises
-    ------
-    InputError
-        Where the engine needs a package that is not installed.
+    Raises `InputError` where the engine needs a package that is not installed.
     """
     option, name = parameters.option(ENGINE.name), getattr(parameters, ENGINE.name, "")
     if option.module and find_spec(option.module) is None:

@@ -54,7 +54,6 @@ SYNONYMS = {
     "velocity": "mean_velocity speed v",
 }
 
-
 SYSTEMS: dict[str, type[Parameters]] = {
     "chute": ChuteParameters,
     "belt": BeltParameters,

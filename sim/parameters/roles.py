@@ -71,16 +71,10 @@ class Declaration:
 def declare(default: Any = ..., *, description: str, unit: str = "", **options: Any) -> Any:
     """Declare one parameter.
 
-    Parameters
-    ----------
-    default : object
-        Value when omitted; leave out when ``default_factory`` is among the options.
-    description : str
-        Meaning, one sentence without full stop; also the long name in output files.
-    unit : str
-        Omitted, it is ``"1"``, that of pure numbers, and ``""`` for choices and switches.
-    **options
-        Other attributes of `Declaration`; ranges and defaults for pydantic's ``Field``.
+    The ``default`` is left out when ``default_factory`` is among the ``options``: other attributes
+    of `Declaration`, ranges and defaults for pydantic's ``Field``. The ``description`` is one
+    sentence without full stop; also the long name in output files. A ``unit`` that is omitted is
+    ``"1"``, that of pure numbers, and ``""`` for choices and switches.
     """
     own = {one.name: options.pop(one.name) for one in fields(Declaration) if one.name in options}
     is_pure = "scale" in own or type(default) in (int, float)

@@ -159,7 +159,6 @@ def parts(ending: str, system: str) -> dict[str, str]:
 #: Scalars of each replicate in a run file.
 SCALARS = variables_of("scalar")
 
-
 #: Scalars that tell how a replicate was run, and how its spheres overlapped: failed ones have them.
 OF_FAILURES = ("steps", "time_step_used", "wall_time", "loop_time", "replicate_seed", "max_overlap")
 

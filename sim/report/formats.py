@@ -20,7 +20,6 @@ ANGSTROM, PICOSECOND = 1e10, 1e12
 #: Indices of the corners of a box (x varies slowest) in the order of VTK.
 _HEXAHEDRON = np.array([[0, 4, 6, 2, 1, 5, 7, 3]])
 
-
 #: Writes the head of a frame, and returns the format of the lines of its particles, whose arguments
 #: are number, kind, position, velocity, radius and spin.
 _Head = Callable[[IO[str], Frames, Frame, int], str]

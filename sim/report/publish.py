@@ -52,7 +52,6 @@ _MEANINGS = {
 }
 _MEDIA = {".nc": "application/netcdf", ".yaml": "application/yaml"}
 
-
 #: Properties of an author, by the keys of a citation.
 _AUTHOR = {"given-names": "givenName", "family-names": "familyName", "affiliation": "affiliation"}
 

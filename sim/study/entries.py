@@ -44,7 +44,6 @@ ALLOWED_NAME: dict[str, Any] = {
 }
 Name = Annotated[str, Field(pattern=NAME, max_length=60, json_schema_extra=ALLOWED_NAME)]
 
-
 #: A model of what a file says.
 _Model = TypeVar("_Model", bound=BaseModel)
 

@@ -201,7 +201,6 @@ def work_against(before, after, slip):
 # subtracted from a constant, gives the power within 3.5 per cent; two polynomial corrections
 # follow.
 
-
 #: Numbers below this count as zero: their powers would leave the range of normal numbers.
 SMALLEST = 1e-290
 

@@ -249,7 +249,6 @@ LIST_FULL = 1
 NOT_FINITE = 2
 OVERLAP = 3
 
-
 REASONS = {
     NOT_FINITE: "a position is not finite",
     OVERLAP: "an overlap exceeds overlap_limit",

@@ -22,18 +22,9 @@ def base_forces(
 ) -> dict[str, float]:
     """Return the scalars of the force balance over a window, forces in N.
 
-    Parameters
-    ----------
-    shear, normal : (T,) arrays
-        Mean forces on the plane over successive intervals (N).
-    velocity : (T,) array
-        Mean velocity along the slope over the intervals (m/s).
-    mass : float
-        Mass of all particles (kg).
-    weight : tuple of 2 floats
-        Weight of all particles along the slope and normal to it (N).
-    interval : float
-        Length of an interval (s).
+    ``shear``, ``normal`` and ``velocity`` (T,) are mean forces on the plane (N) and mean velocities
+    along the slope (m/s) over successive intervals of a length ``interval`` (s). ``mass`` (kg) and
+    ``weight`` (N), along the slope and normal to it, are those of all particles.
     """
     budget, budget_error = momentum_budget(shear, mass * velocity, interval)
     along, across = weight

@@ -249,7 +249,6 @@ def wave_power(sums: np.ndarray, beads: int) -> np.ndarray:
 # numpy adds several partial sums in parallel and halves arrays longer than a block. It rounds the
 # squares of an array of complex numbers once less than other powers.
 
-
 #: Number of parallel partial sums for real numbers, and for real or imaginary parts.
 REAL, COMPLEX = 8, 4
 

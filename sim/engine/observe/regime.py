@@ -21,7 +21,6 @@ from sim.base.statistics import student
 # the detected transient is discarded, and the widest of three intervals is used: one from the
 # inefficiency and two from means over batches.
 
-
 #: Numbers of batches; each number gives one interval.
 BATCHES = (6, 10)
 
@@ -219,21 +218,10 @@ FAILED_TREND = Trend(UNKNOWN_INTERVAL, UNKNOWN_INTERVAL, "undetermined", "failed
 def analyse(velocity: np.ndarray, interval: float, scales: Scales, period: int = 1) -> Trend:
     """Return mean, slope, regime and quality of a velocity series.
 
-    Parameters
-    ----------
-    velocity : (T,) array
-        Mean velocity per sample interval (m/s), without the transient.
-    interval : float
-        Time between samples (s).
-    scales : Scales
-        Thresholds of the tests.
-    period : int
-        Samples after which the driving repeats; the series is averaged over whole periods first.
-
-    Returns
-    -------
-    Trend
-        Errors are not-a-number, and the regime undetermined, with fewer than 10 means over periods.
+    ``velocity`` (T,) has the mean velocity per sample interval (m/s), without the transient;
+    samples are ``interval`` (s) apart, and ``scales`` the thresholds of the tests. The driving
+    repeats after ``period`` samples; the series is averaged over whole periods first. Errors are
+    not-a-number, and the regime undetermined, with fewer than 10 means over periods.
     """
     cycles = cycle_means(velocity, period)
     average, trend = mean(cycles), slope(cycles, interval * period)

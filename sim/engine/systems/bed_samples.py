@@ -190,7 +190,6 @@ def _profile(profiles, k):
 #: Processor time of this process in millionths of a second, by the C library.
 _clock = types.ExternalFunction("clock", types.int64())
 
-
 #: Numbers of partners other than beads.
 BELT, OBSTACLE = -1, -2
 

@@ -56,7 +56,6 @@ BREADTH = 3.0
 LOSSES = ("normal_loss", "frictional_loss")
 TERMS = ("kinetic_energy", "rotational_energy", "potential_energy", "stored_energy", *LOSSES)
 
-
 #: The numbers of a sample by name, or those of K samples, with a first axis over them.
 State = dict[str, Any]
 

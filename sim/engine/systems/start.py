@@ -338,14 +338,9 @@ beds: dict[tuple[Any, ...], Any] = {}
 def settle_once(kind: Hashable, given: Any, settle: Callable[[], Any]) -> Any:
     """Return what ``settle`` returns, without calling it where an equal bed has settled before.
 
-    Parameters
-    ----------
-    kind : hashable
-        Selects the compiled code.
-    given : nested tuples of arrays and numbers
-        All else that ``settle`` reads.
-    settle : callable
-        Returns the settled bed, nested tuples of arrays and numbers. An exception is passed on.
+    It returns the settled bed, nested tuples of arrays and numbers; its exceptions are passed on.
+    ``kind`` selects the compiled code, and ``given`` is all else that it reads, nested tuples as
+    well.
     """
     values = flatten(given).values()
     key = kind, *(one.tobytes() if isinstance(one, np.ndarray) else repr(one) for one in values)

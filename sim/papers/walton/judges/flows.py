@@ -48,7 +48,6 @@ MIN_DEPTHS = 6
 #: Deviation of the dissipated power from N m g V sin θ that is shown as a threshold.
 POWER = 0.02
 
-
 #: Depths at which states are reported by start.
 STATE_DEPTHS = (10, 20)
 
