@@ -138,16 +138,16 @@ def _cause(lines: list[str], error: yaml.MarkedYAMLError) -> str:
         last = lines[mark.line] if mark.line < len(lines) else ""
         if last.lstrip(" ").startswith("\t"):
             return f"line {mark.line + 1} begins with a tab; YAML wants spaces"
-        for line in (mark.line, mark.line - 1):
-            if _ODD_SPACE.search("".join(lines[line : line + 1])):
-                return f"line {line + 1} holds a non-breaking space; YAML wants plain ones"
+        for number in (mark.line, mark.line - 1):
+            if _ODD_SPACE.search("".join(lines[number : number + 1])):
+                return f"line {number + 1} holds a non-breaking space; YAML wants plain ones"
         if problem.startswith("mapping values") and ": " in last[: mark.column]:
             return f"line {mark.line + 1}: a text with a colon and a space needs quotes"
     for beginning, (meaning, is_before) in _MEANINGS.items():
         if problem.startswith(beginning):
             problem, mark = meaning, error.context_mark if is_before else mark
-    line = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
-    return f"{line}not readable as YAML: {problem}"
+    place = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
+    return f"{place}not readable as YAML: {problem}"
 
 
 def _read_text(path: str | Path, source: str) -> str:
