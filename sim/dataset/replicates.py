@@ -251,13 +251,7 @@ _LAYERS_TEXT = (
 )
 
 #: The scalars that make up the energy ledger of a replicate.
-LEDGER_SCALARS = (
-    "energy_residual",
-    "frictional_power",
-    "normal_power",
-    "velocity",
-    "acceleration",
-)
+LEDGER_SCALARS = ("energy_residual", "frictional_power", "normal_power", "velocity", "acceleration")
 
 
 def caveats(own_caveat: str, scalars: Mapping[str, Any], parameters: Parameters) -> str:

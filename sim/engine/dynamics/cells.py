@@ -249,10 +249,7 @@ LIST_FULL = 1
 NOT_FINITE = 2
 OVERLAP = 3
 
-REASONS = {
-    NOT_FINITE: "a position is not finite",
-    OVERLAP: "an overlap exceeds overlap_limit",
-}
+REASONS = {NOT_FINITE: "a position is not finite", OVERLAP: "an overlap exceeds overlap_limit"}
 
 
 class BlowUp(RuntimeError):

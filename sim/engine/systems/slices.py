@@ -7,14 +7,7 @@ import numpy as np
 
 from sim.engine.observe.contacts import XX, XZ, YY, ZZ, Slip, Stress, no_slip, no_stress
 from sim.engine.observe.force_balance import inertial_number, shear_rate
-from sim.engine.observe.profiles import (
-    Profile,
-    Squares,
-    empty_profile,
-    no_overlaps,
-    ratio,
-    squares,
-)
+from sim.engine.observe.profiles import Profile, Squares, empty_profile, no_overlaps, ratio, squares
 from sim.engine.observe.samples import Sums, mask_samples
 from sim.parameters import BeltParameters
 from sim.parameters.spheres import SphereParameters

@@ -22,13 +22,7 @@ from sim.claims.evidence import Evidence
 from sim.claims.inference import reported_likelihood, single_rise, trend
 from sim.claims.place import Place, quotient, select_replicated
 from sim.claims.verdict import NOT_REPRODUCED, Check, Untestable
-from sim.papers.gallas.judges.lines import (
-    MARKERS,
-    bed,
-    pair_label,
-    peak_density,
-    velocity_order,
-)
+from sim.papers.gallas.judges.lines import MARKERS, bed, pair_label, peak_density, velocity_order
 
 #: Frequencies (Hz) that are needed at 45°, those just after the jump of V included.
 NEEDED = (16, 18, 20, 25, 30, 40, 50, 60, 80, 100)

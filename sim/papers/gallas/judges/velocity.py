@@ -14,12 +14,7 @@ from sim.claims.inference import mean_of_others, reported_order, trend
 from sim.claims.place import Place, replicate_mean
 from sim.claims.verdict import Check, Untestable
 from sim.measures.belt import EARLY_CYCLES
-from sim.papers.gallas.judges.lines import (
-    beads_between,
-    complete_line,
-    mean_between,
-    pair_label,
-)
+from sim.papers.gallas.judges.lines import beads_between, complete_line, mean_between, pair_label
 
 PROFILES = ("velocity_profile", "number_density")
 
