@@ -98,10 +98,9 @@ def _package_hash() -> str:
     return f"{room_hash(package, 'dataset')} {files_hash(names)}"
 
 
-def stored_names(system: str | None = None) -> set[str]:
-    """Return the names of all variables that this code stores of a system, or of all systems."""
-    names = {*row_scalars(system), *row_arrays(system), *STATE_VARIABLES}
-    return names | measured_codes(system)
+def stored_names() -> set[str]:
+    """Return the names of all variables that this code stores of any system."""
+    return {*row_scalars(None), *row_arrays(None), *STATE_VARIABLES} | measured_codes(None)
 
 
 def amounts_text(amounts: Mapping[str, float] | None) -> str:

@@ -1,10 +1,10 @@
 """Third step of a study: expand its validated files to points, series and boundaries."""
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import product
+from os.path import isfile
 from pathlib import Path
 from typing import Any
 
@@ -320,13 +320,7 @@ def _require_valid_points(points: dict[str, Point], source: str) -> None:
         start = point.parameters.start_from
         if start in points:
             require_compatible_source(point.parameters, points[start].parameters, source)
-        elif start and not (start.endswith(RUN_FILE) and _is_file(Path(start))):
+        # isfile: to it, a name that is too long is no file.
+        elif start and not (start.endswith(RUN_FILE) and isfile(start)):  # noqa: PTH113
             allowed = "the id of a point of the study, or a run file (*.nc) that is there"
             raise InputError.of_value(source, "start_from", start, allowed)
-
-
-def _is_file(path: Path) -> bool:
-    # A name that is too long is none.
-    with suppress(OSError):
-        return path.is_file()
-    return False

@@ -113,19 +113,17 @@ def show(folder: Path | None) -> str | None:
 
 def _keys(models: Mapping[str, type[BaseModel]]) -> list[str]:
     """Return headings and lists of keys; what an earlier entry has, too, is named alone."""
-    known: dict[str, str] = {}
-    parts = []
+    known, parts = dict[str, str](), list[str]()
     for of, model in models.items():
-        lines, shared = list[str](), dict[str, list[str]]()
+        lines: dict[str, list[str]] = {of: []}
         for name, field in model.model_fields.items():
-            required = " (required)" * field.is_required()
-            line = f"- `{name}`{required}: {field.description or ''}"
-            if (first := known.setdefault(line, of)) == of:
-                lines.append(line)
-            else:
-                shared.setdefault(first, []).append(f"`{name}`{required}")
-        same = [f"- {', '.join(names)}: as of {first}" for first, names in shared.items()]
-        parts += [f"### Keys of {of}", "\n".join(same + lines)]
+            key = f"`{name}`{' (required)' * field.is_required()}"
+            line = f"- {key}: {field.description or ''}"
+            first = known.setdefault(line, of)
+            lines.setdefault(first, []).append(line if first == of else key)
+        own = lines.pop(of)
+        shared = [f"- {', '.join(keys)}: as of {first}" for first, keys in lines.items()]
+        parts += [f"### Keys of {of}", "\n".join(shared + own)]
     return parts
 
 
@@ -139,12 +137,13 @@ def _observables() -> list[str]:
     every = dict(item for kind in shown.values() for each in kind.values() for item in each.items())
     for name, observable in every.items():
         systems = [one for one in SYSTEMS if any(name in kind[one] for kind in shown.values())]
-        kinds = {letter: shown[kind].values() for letter, kind in _SHOWN.items()}
-        letters = "".join(key for key, each in kinds.items() if any(name in one for one in each))
+        kinds = [
+            k for k, kind in _SHOWN.items() if any(name in one for one in shown[kind].values())
+        ]
         needs = f", `{observable.asked_by}`" if observable.asked_by else ""
         unit = f", {observable.unit}" if observable.unit != "1" else ""
         meaning = observable.meaning.removesuffix(", mean of all particles") + unit
-        rows.setdefault(_of(systems), []).append(f"- `{name}` ({letters}{needs}): {meaning}")
+        rows.setdefault(_of(systems), []).append(f"- `{name}` ({''.join(kinds)}{needs}): {meaning}")
     return _sections("Observables", {of: "\n".join(lines) for of, lines in rows.items()})
 
 
@@ -156,10 +155,10 @@ def _figures() -> list[str]:
         other = {key: each for key, each in spec.taken.items() if each != usual.get(key)}
         curves = f" ({', '.join(spec.groups)})" if spec.groups else ""
         vary = f"{', '.join(spec.axes)}{curves}".strip()
-        takes = [f"over {vary}"] * bool(vary) + [f"{key} {each}" for key, each in other.items()]
-        takes += ["any"] * (len(other) == len(spec.taken))
-        line = "; ".join([f"- `{name}`: {spec.title}", *takes])
-        rows.setdefault(f"the {spec.system}", []).append(line)
+        told = [f"- `{name}`: {spec.title}", *[f"over {vary}"] * bool(vary)]
+        told += [f"{key} {each}" for key, each in other.items()]
+        told += ["any"] * (len(other) == len(spec.taken))
+        rows.setdefault(f"the {spec.system}", []).append("; ".join(told))
     return _sections("Figures", {of: "\n".join(lines) for of, lines in rows.items()})
 
 
