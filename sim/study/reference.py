@@ -137,9 +137,7 @@ def _observables() -> list[str]:
     every = dict(item for kind in shown.values() for each in kind.values() for item in each.items())
     for name, observable in every.items():
         systems = [one for one in SYSTEMS if any(name in kind[one] for kind in shown.values())]
-        kinds = [
-            k for k, kind in _SHOWN.items() if any(name in one for one in shown[kind].values())
-        ]
+        kinds = [k for k, of in _SHOWN.items() if any(name in one for one in shown[of].values())]
         needs = f", `{observable.asked_by}`" if observable.asked_by else ""
         unit = f", {observable.unit}" if observable.unit != "1" else ""
         meaning = observable.meaning.removesuffix(", mean of all particles") + unit
