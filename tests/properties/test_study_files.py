@@ -152,9 +152,9 @@ HOSTILE = {
     "object": ("study: !!python/object/apply:os.getpid []", "tag"),
     "long tag": (f"study: !{'a' * 10_000} x", "tag"),
     "tag with an escape sequence": ("study: !a%1B b x", "tag"),
-    "base 60": (f"study: !!int {'1:' * 10_000}1", "base 10"),
-    "base 60, with a point": (f"study: !!float {'1:' * 10_000}1", "float"),
-    "long number in base 16": (f"study: !!int 0x{'f' * 10_000}", "base 10"),
+    "base 60": (f"study: !!int {'1:' * 10_000}1", "whole number"),
+    "base 60, with a point": (f"study: !!float {'1:' * 10_000}1", "decimal number"),
+    "long number in base 16": (f"study: !!int 0x{'f' * 10_000}", "whole number"),
 }
 
 
