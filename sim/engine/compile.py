@@ -8,6 +8,7 @@ numbers, whose type selects compiled functions.
 
 import logging
 import os
+import resource
 import sys
 from collections.abc import Callable, Hashable
 from contextlib import suppress
@@ -28,6 +29,16 @@ log = logging.getLogger("talus")
 
 #: The plug-ins for which the cache folder is valid.
 PLUGIN_CODES = codes(*COMPILED_KINDS)
+
+#: Address space (bytes) below which the compiler ends the process, or waits for ever.
+_SPACE = 700_000_000
+
+_limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+if resource.RLIM_INFINITY != _limit < _SPACE:
+    _text = (
+        f"{_limit / 1e6:,.0f} MB of address space (ulimit -v); the compiler needs {_SPACE / 1e6:g}"
+    )
+    raise MemoryError(_text)
 
 # Settings of numba, left from work on another program, would change or slow the code that all runs
 # share, or forbid to compile. The processor remains, as the cache tells it apart, and the number of

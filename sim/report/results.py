@@ -27,7 +27,7 @@ from sim.report.table import known_observables, point_table, points_of
 from sim.study.command import environment, snakemake_command
 from sim.study.feed import plot_entry
 from sim.study.figure_spec import written
-from sim.study.load import load_study, parse_study
+from sim.study.load import folder_of_results, load_study, parse_study
 from sim.study.model import Point
 from sim.study.plot_contents import PlotContents
 from sim.study.plot_file import PlotFile
@@ -269,7 +269,7 @@ def load(results: str | Path) -> LabelledResults:
 def study(study: str | Path | Mapping[str, Any], cores: int | None = None) -> LabelledResults:
     """Run what is new of a study, up to its report, and load its results.
 
-    It runs as by ``talus study`` in the present folder, with ``results`` in it.
+    It runs as by ``talus study``: in the present folder, or where its results are.
 
     Parameters
     ----------
@@ -287,16 +287,19 @@ def study(study: str | Path | Mapping[str, Any], cores: int | None = None) -> La
         When a job failed; what it says was printed.
     """
     path = _written_study(study) if isinstance(study, Mapping) else Path(study)
-    name = load_study(path).name
-    command = snakemake_command(path, cores or "all")
+    loaded = load_study(path)
+    results = folder_of_results(loaded, Path("results"))
+    # Its results beside the study file go on there.
+    command = snakemake_command(path.absolute(), cores or "all")
     piped: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
+    piped["cwd"] = results.parent
     # A notebook shows what is printed, and nothing of a process of its own.
     with subprocess.Popen(command, env=environment(), text=True, **piped) as process:
         for line in process.stdout or ():
             print(line, end="", flush=True)
     if process.returncode:
         raise RuntimeError(f"{path}: the study ended with code {process.returncode}, see above")
-    return load(Path("results") / name)
+    return load(results / loaded.name)
 
 
 def _written_study(contents: Mapping[str, Any]) -> Path:

@@ -99,7 +99,7 @@ def name_field(what: str, among: str) -> Any:
         pattern=NAME,
         max_length=40,
         description=f"name of the {what} and of its file, unique {among}",
-        json_schema_extra=ALLOWED_NAME,
+        json_schema_extra={"allowed": ALLOWED_NAME["allowed"].replace("60", "40")},
     )
 
 

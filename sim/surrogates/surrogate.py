@@ -275,7 +275,8 @@ class Surrogate:
             raise InputError.of_value(self.name, "parameter", name, names)
         fixed = self.fixed[name]
         if np.ndim(value) or value != fixed:
-            raise InputError.of_value(self.name, name, value, f"{fixed}, as all its points have")
+            shown = f"{fixed:g}" if type(fixed) in (int, float) else fixed
+            raise InputError.of_value(self.name, name, value, f"{shown}, as all its points have")
 
     def _array(self, axis: Axis, value: Any, points: bool) -> xr.DataArray:
         """Return values of a parameter as a labelled array."""
@@ -307,7 +308,7 @@ class Surrogate:
                 if is_absurd or not extrapolate:
                     raise self._error(axis.name, value)
                 notes.append(
-                    f"{axis.name} = {value:g} is {100 * beyond:.2g} % of its range outside "
+                    f"{axis.name} = {value:g} is {percent(beyond)} of its range outside "
                     f"[{axis.low:g}, {axis.high:g}]"
                 )
         return notes
