@@ -41,19 +41,19 @@ ONLY = {
 #: Most lines of code of each room: no docstring, comment, import or blank line. Whoever adds takes
 #: away elsewhere; a commit that raises a number here says what for.
 WEIGHT = {
-    "base": 1_647,
+    "base": 1_642,
     "parameters": 2_033,
     "study": 3_283,
-    "engine": 6_087,
+    "engine": 6_091,
     "laws": 223,
     "engines": 443,
     "measures": 566,
-    "dataset": 1_478,
-    "surrogates": 1_940,
+    "dataset": 1_471,
+    "surrogates": 1_941,
     "figures": 3_422,
     "claims": 1_470,
     "papers": 2_509,
-    "report": 2_540,
+    "report": 2_542,
     "verify": 462,
 }
 
