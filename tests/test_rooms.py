@@ -41,8 +41,8 @@ ONLY = {
 #: Most lines of code of each room: no docstring, comment, import or blank line. Whoever adds takes
 #: away elsewhere; a commit that raises a number here says what for.
 WEIGHT = {
-    "base": 1_642,
-    "parameters": 2_033,
+    "base": 1_644,
+    "parameters": 2_036,
     "study": 3_283,
     "engine": 6_091,
     "laws": 223,
@@ -50,10 +50,10 @@ WEIGHT = {
     "measures": 566,
     "dataset": 1_471,
     "surrogates": 1_941,
-    "figures": 3_422,
+    "figures": 3_423,
     "claims": 1_470,
     "papers": 2_509,
-    "report": 2_542,
+    "report": 2_547,
     "verify": 462,
 }
 

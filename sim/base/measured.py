@@ -52,7 +52,9 @@ class MeasuredTable:
         """Raise ``InputError`` unless there is a column; ``what`` says what it should hold."""
         if name not in self.texts:
             allowed = f"a column {name}, {what}; the file has {', '.join(self.texts)}"
-            answer = Allowed(did_you_mean(name, self.texts), allowed)
+            # The errors of a column are no other spelling of it.
+            others = [one for one in self.texts if not name.startswith(f"{one}_")]
+            answer = Allowed(did_you_mean(name, others), allowed)
             raise InputError.of_value(self.path, f"column {name}", None, answer)
 
     def error(self, row: int, column: str, value: Any, allowed: str) -> InputError:

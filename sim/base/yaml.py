@@ -189,7 +189,8 @@ def decoded(data: bytes, source: str, most: int) -> str:
     except UnicodeDecodeError:
         text = "\0"
     if "\0" in text:
-        raise InputError(f"{source}: not a text file (UTF-8 expected)")
+        cure = "; a spreadsheet saves one as 'CSV UTF-8'" if source.endswith(".csv") else ""
+        raise InputError(f"{source}: not a text file (UTF-8 expected){cure}")
     return text
 
 

@@ -1,6 +1,6 @@
 """Animations: spheres on an inclined plane, beads over one cycle, and the particles of one run."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -220,20 +220,21 @@ def belt_marks(row: Mapping[str, Any], time: float) -> tuple[np.ndarray, float]:
     return marks + row["amplitude"] / slope * phase, row["amplitude"] * phase
 
 
-def run_frames(particles: ParticleFrames) -> list[Image.Image]:
-    """Return pictures of the particles, coloured by their velocity along x."""
+def run_frames(particles: ParticleFrames, times: Sequence[float]) -> list[Image.Image]:
+    """Return pictures of the particles at some times (s), coloured by their velocity along x."""
     with mpl.rc_context(SETTINGS):
         low, top = particles.ends
         high = particles.height_of_most
         figure, axes = particles.prepare(min(0.0, low) - 0.3, min(top, high) + 0.3)
         axes.set(xlabel="x (diameters)", ylabel="z (diameters)")
-        if top > high:
-            axes.set_title(f"Single particles fly up to {top:.0f} diameters.", fontsize=8.5)
+        flying = f"; single particles fly up to {top:.0f} diameters" if top > high else ""
+        clock = axes.set_title(" ", loc="left", fontsize=8.5)
         axes.axhline(0, color="black", linewidth=1.3)
         drawn = [particles.draw(axes, 0)]
 
         def show(frame: int) -> None:
             drawn.pop().remove()
             drawn.append(particles.draw(axes, frame))
+            clock.set_text(f"t = {times[frame]:.3f} s{flying}")
 
         return drawn_frames(Animation(figure, len(particles.position), show), _DPI)

@@ -72,5 +72,9 @@ def doubts(point: Parameters) -> Iterator[tuple[str, str]]:
     is_absolute = getattr(stiffness.json_schema_extra, "unit", "") == "N m-1"
     is_left = point.stiffness == stiffness.default and "stiffness" not in point.replaced
     if is_other and is_absolute and is_left:
-        text = f"{size} the stiffness {paper}, {point.stiffness:g} N/m; look at their overlap"
+        # At the same stiffness in units of mg/σ, they overlap by the same share of their diameter.
+        hard = usual * point.mass * point.gravity / point.diameter / fields["mass"].default
+        hard *= stiffness.default / fields["gravity"].default
+        text = f"{size} the stiffness {paper}, {point.stiffness:g} N/m"
+        text += f"; for them {hard:.2g} N/m is as hard" if hard > point.stiffness else ""
         yield "stiffness", text

@@ -192,7 +192,7 @@ def _export_run(path: Path, to: str, output: Path | None, replicate: int) -> str
         raise InputError.of_value("--to", "", "vtk", allowed)
     for one in (output, output.with_suffix("")) if to == "vtk" else (output,):
         if one.exists():
-            raise InputError.of_value("--output", "", str(one), "a name that nothing has")
+            raise InputError(f"{one}: is there already, and stays as it is; -o names another file")
     require_writable(output.parent, "--output")
     with ExitStack() as opened:
         with checked_read(path, "run file", replaceable=False, sealed=True):

@@ -68,7 +68,8 @@ def write_movie(path: Path, frames: Frames) -> None:
         2 * frames.radius / diameter,
         float(frames.high[0] - frames.low[0]) / diameter,
     )
-    images, kind = run_frames(particles), path.suffix.lower()
+    times = [frame.time for frame in shown]
+    images, kind = run_frames(particles, times), path.suffix.lower()
     with atomic_write(path) as temporary, temporary.open("wb") as file:
         if kind != ".html":
             save_frames(images, _DURATION, file, {".gif": "GIF", ".webp": "WebP"}[kind])
@@ -78,7 +79,6 @@ def write_movie(path: Path, frames: Frames) -> None:
             content = BytesIO()
             image.save(content, "WebP", quality=75)
             sources.append(b64encode(content.getvalue()).decode("ascii"))
-        times = [frame.time for frame in shown]
         page = template("movie.html.j2").render(
             name=path.stem, sources=sources, times=times, duration=_DURATION, size=images[0].size
         )

@@ -91,7 +91,10 @@ def _asked(texts: Iterable[str], system: str) -> list[tuple[Observable, str]]:
         name, unit = read_heading(text) or (text, "")
         observable = find_observable("curves", "observable", name, system, error)
         if unit and conversion(observable.unit, unit) is None:
-            allowed = f"a unit such as {observable.unit}"
+            per_width = (
+                ", which is per metre of width: kg/(m h)" if " m-1 s-1" in observable.unit else ""
+            )
+            allowed = f"a unit such as {observable.unit}{per_width}"
             raise error(f"unit of {name}", unit, allowed)
         found.append((observable, unit or observable.unit))
     return found
@@ -105,9 +108,10 @@ def write_table(table: Callable[[], pd.DataFrame], to: str, output: Path) -> str
     if to == "xlsx" and not find_spec("openpyxl"):
         allowed = "csv, or xlsx once openpyxl is there (pip install openpyxl)"
         raise InputError.of_value("--to", "", to, allowed)
-    if output.suffix.lower() != f".{to}" or output.exists():
-        allowed = f"a name that nothing has and that ends in .{to}"
-        raise InputError.of_value("--output", "", str(output), allowed)
+    if output.suffix.lower() != f".{to}":
+        raise InputError.of_value("--output", "", str(output), f"a name that ends in .{to}")
+    if output.exists():
+        raise InputError(f"{output}: is there already, and stays as it is; -o names another file")
     require_writable(output.parent, "--output")
     rows = table()
     output.parent.mkdir(parents=True, exist_ok=True)

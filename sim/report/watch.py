@@ -34,11 +34,13 @@ EVENT = "job_error"
 ADVICE = ("Detailed failure reason unavailable", "For further error details")
 
 #: Beginnings of Snakemake's messages on outputs of failed jobs without a backup, on the whole
-#: command of a job, on turns of the scheduler, and at the end of a workflow whose jobs said why.
+#: command of a job, on turns of the scheduler, on a report that a preview stood in for, and at the
+#: end of a workflow whose jobs said why.
 NO_NEWS = (
     "WorkflowError:\nAt least one job did not complete",
     "Complete log(s): ",
     "Elapsed time: ",
+    "Warning: the following output files of rule report",
     "Cannot restore ",
     "RuleException:\nCalledProcessError ",
     "Select jobs to execute",

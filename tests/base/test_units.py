@@ -92,7 +92,10 @@ def test_a_comma_is_a_decimal_point_only_where_none_is(read):
 
 def test_what_is_no_text_or_endless_is_refused(read):
     for text, message in (
-        (b"a,b\n\xff,2\n", r"not a text file \(UTF-8 expected\)"),
+        (
+            b"a,b\n\xff,2\n",
+            r"not a text file \(UTF-8 expected\); a spreadsheet saves one as 'CSV UTF-8'",
+        ),
         ("a\n" + "1\n" * (MAX_ROWS + 1), "more than 10,000 rows"),
     ):
         with pytest.raises(InputError, match=f"exp.csv: {message}$"):

@@ -174,7 +174,7 @@ class Study:
     def _repeat(self, step: Step, note: str, is_vanishing: bool) -> None:
         """Run a command again, in peace: its results are those of an undisturbed one."""
         again = self.commands.run(step.words, stdin=step.stdin)
-        words = ("not there yet", "a name that nothing has")
+        words = ("not there yet", "is there already")
         is_there = again.code == 2 and any(one in again.error for one in words)
         assert again.code == 0 or is_there, f"{again} after {note}"
         there, expected = files(self.tree), files(step.after)

@@ -91,7 +91,11 @@ def test_a_file_has_the_same_table(results, to, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--to", "csv", "-o", "there.xlsx"], "a name that nothing has and that ends in .csv"),
+        (
+            ["--to", "csv", "-o", "there.xlsx"],
+            "got 'there.xlsx'; allowed: a name that ends in .csv",
+        ),
+        (["--of", "velocity (kg/h)", "-o", "new.csv"], "unit of velocity: got 'kg/h'"),
         (["-o", "there.ods"], "--to: got '.ods'; allowed: one of amber,"),
         (["--to", "vtk", "--of", "velocity"], "--of: got 'velocity'; allowed: --to csv or xlsx"),
     ],
