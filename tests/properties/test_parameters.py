@@ -31,6 +31,8 @@ JOINT_RULE = re.compile(
     r"|false without a trajectory|\S+,? unless (law|engine|there|youngs_modulus|bump_arr)"
     r"|\S+,? which else stands|.*(with which its|when the) schedule ends|0, or a number >= 3"
     r"|below .* never leaves it|.*more steps_per_collision allow more|.*initial_state|.*overlaps)"
+    # A given state makes the depth: that of its particles in the cell.
+    r"|depth: got \S+; allowed: a number in"
 )
 
 

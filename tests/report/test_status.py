@@ -212,7 +212,7 @@ def test_points_with_a_caveat_are_counted(folder):
     [
         (["none.yaml"], "none.yaml: no such file"),
         (["--watch", "0"], "--watch: got 0; allowed: a number in [1, 86400]"),
-        (["--watch", "nan"], "--watch: got nan; allowed: a number in [1, 86400]"),
+        (["--watch", "nan"], "'--watch': 'nan' is not a decimal number"),
         (["--remove"], "--remove: got true; allowed: with --orphans"),
     ],
 )

@@ -171,7 +171,7 @@ def test_what_containers_lack_is_given_to_snakemake(exec_call, monkeypatch, tmp_
     assert cache.parent == tmp_path and cache.stat().st_mode & 0o777 == 0o700
     monkeypatch.undo()
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "own"))
-    assert command._missing_environment() == {}
+    assert command.environment() == os.environ
 
 
 def test_a_workflow_runs_the_one_study_file_that_is_named(tmp_path, monkeypatch):
