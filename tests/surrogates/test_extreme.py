@@ -46,11 +46,11 @@ def test_the_place_value_and_interval_of_a_top_are_found():
 
 
 def test_the_place_of_noisy_runs_lies_where_it_is_said_to():
-    """Of eight pairs of ranges of 95 %, six have the top for all but 0.6 % of chances."""
-    answers = [noisy(seed).highest() for seed in range(8)]
-    assert sum(map(is_likely, answers)) >= 6
+    """Of four pairs of ranges of 95 %, three have the top for all but 5 % of chances."""
+    answers = [noisy(seed).highest() for seed in range(4)]
+    assert sum(map(is_likely, answers)) >= 3
     widths = [
-        np.ptp(noisy(1, error=error).highest().attrs["likely"]["depth"]) for error in (3e-3, 0.1)
+        np.ptp(one.attrs["likely"]["depth"]) for one in (noisy(1, error=3e-3).highest(), answers[1])
     ]
     assert widths[0] < widths[1]
 
