@@ -1,5 +1,6 @@
 """A study is killed once after every file that it names or removes; the same commands end well."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -7,7 +8,7 @@ import pytest
 from sim.figures.pictures import RECORD_FILE
 from tests.drills.test_faults import files, same
 from tests.made.faults import Seams
-from tests.made.processes import program
+from tests.made.processes import ROOT, program
 
 STUDY = """\
 study: seams
@@ -48,7 +49,7 @@ def folder_of(tree: Path) -> Path:
 def undisturbed(tmp_path_factory) -> Path:
     tree = folder_of(tmp_path_factory.mktemp("seams") / "undisturbed")
     for words in COMMANDS:
-        done = program(*words, cwd=tree)
+        done = program(*words, cwd=tree, env=os.environ | {"PYTHONPATH": str(ROOT)})
         assert done.returncode == 0, done.stdout + done.stderr
     return tree
 
