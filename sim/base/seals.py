@@ -93,10 +93,9 @@ def checked_read(path: Path, kind: str, replaceable: bool, sealed: bool = False)
             raise OSError(errno.EIO, reason, str(path)) from None
         message = f"{path}: damaged or not a {kind} ({error})"
         if replaceable:
-            studies = [other.parts[-3] for other in shared_names(path)]
+            aside, studies = set_aside(path)
             shared = f", as in {', '.join(studies)}, which shared it" if studies else ""
-            aside = set_aside(path).name
-            message += f"; now {aside}{shared}: rerun the study, which makes what is missing"
+            message += f"; now {aside.name}{shared}: rerun the study, which makes what is missing"
         raise DamagedError(message) from None
 
 
@@ -153,7 +152,7 @@ def checksum(file: BinaryIO, length: int) -> bytes:
     return digest.hexdigest().encode()
 
 
-def shared_names(path: Path) -> list[Path]:
+def _shared_names(path: Path) -> list[Path]:
     """Return the other names of a file in results: studies share run files."""
     path = path.absolute()
     if path.stat().st_nlink == 1:
@@ -162,16 +161,17 @@ def shared_names(path: Path) -> list[Path]:
     return [other for other in others if other != path and other.samefile(path)]
 
 
-def set_aside(path: Path) -> Path:
-    """Rename an unusable file to ``<name>.damaged`` and return the new path.
+def set_aside(path: Path) -> tuple[Path, list[str]]:
+    """Rename an unusable file to ``<name>.damaged``; return its path, and studies that share it.
 
     Where there is one already, the name ends in ``.damaged.2``, and so on. Other studies lose it,
     too: the first of them that runs again makes it, and the others take it from there.
     """
-    for other in shared_names(path):
+    others = _shared_names(path)
+    for other in others:
         with suppress(OSError):
             _rename_damaged(other)
-    return _rename_damaged(path)
+    return _rename_damaged(path), [other.parts[-3] for other in others]
 
 
 def _rename_damaged(path: Path) -> Path:

@@ -278,7 +278,7 @@ class States:
             reason = error.strerror if isinstance(error, OSError) else error
             if not self._is_own:
                 raise InputError(f"{self.path}: {reason}") from None
-            new_path = set_aside(self.path)
+            new_path, _ = set_aside(self.path)
             log.warning("%s: %s; set aside as %s", self.path, reason, new_path)
             return {}
 

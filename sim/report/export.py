@@ -3,7 +3,6 @@
 import warnings
 from collections.abc import Sequence
 from contextlib import ExitStack
-from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -29,6 +28,9 @@ if TYPE_CHECKING:
 #: Variables of the frames of a trajectory, and of the first and last state of any run.
 _TRAJECTORY_VARIABLES = ("trajectory_position", "trajectory_velocity", "trajectory_spin")
 _END_VARIABLES = ("position", "particle_velocity", "particle_spin")
+
+#: Packages without which a format cannot be written.
+_PACKAGES = {"vtk": "meshio", "xlsx": "openpyxl"}
 
 #: Longest part of the name of a file that tells a point of a study apart.
 MOST_LETTERS = 60
@@ -130,12 +132,29 @@ def export(
         study = load_study(path)
         path = folder_of_results(study, Path("results")) / study.name
     if to in TABLES:
-        return write_table(
-            partial(_table, path, of), to, output or Path(f"{path.resolve().name}.{to}")
-        )
+        output = output or Path(f"{path.resolve().name}.{to}")
+        _require_output(output, to, (f".{to}",))
+        return write_table(_table(path, of), to, output)
     if of:
         raise InputError.of_value("--of", "", ", ".join(of), f"--to {' or '.join(TABLES)} with it")
     return (_export_study if path.is_dir() else _export_run)(path, to, output, replicate)
+
+
+def _require_output(output: Path, to: str, endings: Sequence[str]) -> None:
+    """Refuse a file that cannot be written anew in a format."""
+    if output.is_dir():
+        allowed = f"the name of a file; {output} is a folder"
+        raise InputError.of_value("--output", "", str(output), allowed)
+    if output.suffix.lower() not in endings:
+        allowed = f"a name that ends in {' or '.join(endings)}, as {to} does"
+        raise InputError.of_value("--output", "", str(output), allowed)
+    if (package := _PACKAGES.get(to, "")) and not find_spec(package):
+        allowed = f"another format, or {to} once {package} is there (pip install {package})"
+        raise InputError.of_value("--to", "", to, allowed)
+    for one in (output, output.with_suffix("")) if to == "vtk" else (output,):
+        if one.exists():
+            raise InputError(f"{one}: is there already, and stays as it is; -o names another file")
+    require_writable(output.parent, "--output")
 
 
 def _table(results: Path, of: Sequence[str]) -> "pd.DataFrame":
@@ -181,19 +200,7 @@ def _short_names(ids: Sequence[str]) -> list[str]:
 def _export_run(path: Path, to: str, output: Path | None, replicate: int) -> str:
     endings, write = FORMATS[to]
     output = output or Path(path.with_suffix(endings[0]).name)
-    if output.is_dir():
-        allowed = f"the name of a file; {output} is a folder"
-        raise InputError.of_value("--output", "", str(output), allowed)
-    if output.suffix.lower() not in endings:
-        allowed = f"a name that ends in {' or '.join(endings)}, as {to} does"
-        raise InputError.of_value("--output", "", str(output), allowed)
-    if to == "vtk" and not find_spec("meshio"):
-        allowed = "another format, or vtk once meshio is there (pip install meshio)"
-        raise InputError.of_value("--to", "", "vtk", allowed)
-    for one in (output, output.with_suffix("")) if to == "vtk" else (output,):
-        if one.exists():
-            raise InputError(f"{one}: is there already, and stays as it is; -o names another file")
-    require_writable(output.parent, "--output")
+    _require_output(output, to, endings)
     with ExitStack() as opened:
         with checked_read(path, "run file", replaceable=False, sealed=True):
             file = opened.enter_context(netCDF4.Dataset(path))

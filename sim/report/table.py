@@ -1,15 +1,14 @@
 """The table of a study: a row per point, for spreadsheets and programs of statistics."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
 from sim.base.errors import InputError, count_text
-from sim.base.files import atomic_write, require_writable
+from sim.base.files import atomic_write
 from sim.base.measured import read_heading
 from sim.base.messages import conversion
 from sim.dataset.results import Results
@@ -100,20 +99,8 @@ def _asked(texts: Iterable[str], system: str) -> list[tuple[Observable, str]]:
     return found
 
 
-def write_table(table: Callable[[], pd.DataFrame], to: str, output: Path) -> str:
-    """Write a table as ``csv`` or ``xlsx``, and return a line on it.
-
-    It is made once it can be written. Raises `InputError` when it cannot.
-    """
-    if to == "xlsx" and not find_spec("openpyxl"):
-        allowed = "csv, or xlsx once openpyxl is there (pip install openpyxl)"
-        raise InputError.of_value("--to", "", to, allowed)
-    if output.suffix.lower() != f".{to}":
-        raise InputError.of_value("--output", "", str(output), f"a name that ends in .{to}")
-    if output.exists():
-        raise InputError(f"{output}: is there already, and stays as it is; -o names another file")
-    require_writable(output.parent, "--output")
-    rows = table()
+def write_table(rows: pd.DataFrame, to: str, output: Path) -> str:
+    """Write a table as ``csv`` or ``xlsx``, and return a line on it."""
     output.parent.mkdir(parents=True, exist_ok=True)
     with atomic_write(output) as temporary:
         if to == "csv":
